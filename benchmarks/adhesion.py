@@ -22,10 +22,10 @@ import time
 import numpy as np
 
 from rollerrig import _core, load_case
-from rollerrig.actuators import assemble_with_actuators
-from rollerrig.assembly import assemble
-from rollerrig.simulation import begin, march, prepare
-from rollerrig.starting_state import starting_state
+from rollerrig.assembly.actuators import assemble_with_actuators
+from rollerrig.assembly.model import assemble
+from rollerrig.simulation.run import begin, march, prepare
+from rollerrig.simulation.starting_state import starting_state
 from rollerrig.study.runs.adhesion import track_case
 
 PLACES = {"rig": "adhesion_brake", "track": "adhesion_brake", "valves": "adhesion_valves"}
@@ -72,7 +72,7 @@ def evaluation(place: str) -> float:
     best = np.inf
     for _ in range(3):
         simulation = _core.Simulation(model.core)
-        begin(simulation, model, starting_state(simulation, model))
+        begin(simulation, model, starting_state(model))
         times, rows = np.empty(400), np.empty((400, simulation.width))
         begun = time.process_time()
         simulation.advance(2.0, times, rows, 0)

@@ -17,8 +17,8 @@ from rich.table import Table
 
 import rollerrig as rr
 from rollerrig import _core
-from rollerrig.config.schema.contact_law import CREEP_LAWS
-from rollerrig.contact_laws import creep_law
+from rollerrig.assembly.laws import creep_law
+from rollerrig.config.schema.contact import CREEP_LAWS
 
 BUDGET = {"kalker_saturated": 0.1, "table": 0.5, "fastsim": 3.0, "modified_fastsim": 3.0}
 """What a call may cost [us]."""

@@ -9,7 +9,7 @@ import time
 
 import numpy as np
 
-from rollerrig.gym import BenchEnv, make_vector
+from rollerrig.interfaces.gym import BenchEnv, make_vector
 
 STEPS = 2000
 

@@ -16,12 +16,12 @@ import time
 import numpy as np
 
 from rollerrig import _core, load_case
-from rollerrig.analysis.filters import low_pass
-from rollerrig.assembly import assemble
+from rollerrig.analysis.signals import low_pass
+from rollerrig.assembly.model import assemble
 from rollerrig.config import ConfigError
 from rollerrig.results import Outcome, run_dataset
-from rollerrig.simulation import begin
-from rollerrig.starting_state import starting_state
+from rollerrig.simulation.run import begin
+from rollerrig.simulation.starting_state import starting_state
 
 DURATION = 4.0  # [s]
 FOUNDATION = {
@@ -50,7 +50,7 @@ def simulate(method: str, step_ms: float | None, tolerance: float | None, change
     best = np.inf
     for _ in range(repeat):
         simulation = _core.Simulation(model.core)
-        state = starting_state(simulation, model)
+        state = starting_state(model)
         times, rows = np.empty(801), np.empty((801, simulation.width))
         begin(simulation, model, state)
         begun = time.process_time()

@@ -15,8 +15,8 @@ import time
 import numpy as np
 
 from rollerrig import load_case, simulate
-from rollerrig.assembly import assemble
-from rollerrig.config.schema.contact_law import NORMAL_LAWS
+from rollerrig.assembly.model import assemble
+from rollerrig.config.schema.contact import NORMAL_LAWS
 from rollerrig.contact_analysis.static_contact import contact_table, leading_wheelset
 
 POSITIONS = [(1e-3 * y, 0.0) for y in np.arange(-4.0, 4.1, 1.0)]  # lateral [m], yaw [rad]

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollerrig import load_case
-from rollerrig.assembly import assemble
+from rollerrig.assembly.model import assemble
 from rollerrig.contact_analysis.static_contact import leading_wheelset
 
 Array = NDArray[np.float64]

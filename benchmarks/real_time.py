@@ -15,7 +15,7 @@ import argparse
 
 import rollerrig as rr
 from rollerrig import _core
-from rollerrig.realtime.served import Served, serve_case
+from rollerrig.interfaces.realtime.server import Served, serve_case
 
 LOAD = 0.5
 """Part of each period that the longest step may take."""

@@ -40,8 +40,8 @@ LAWS = {
 }
 STATES = 1000
 PARTS = {
-    "normal contact": r"strip|find_regions|hertz|contact_point|normal_patches|blending",
-    "search of the minima": r"ContactSearch|search_contact",
+    "gap at the nodes": r"scan_gap|scan_minima",
+    "normal contact": r"strip|find_regions|find_minima|hertz|contact_point|normal_patches|blending",
     "creep: table": r"read_creep_table",
     "creep: the rest": r"creep_force|patch_forces",
     "placement of the wheels": r"::placement|on_rail|on_roller|axes_along",
@@ -59,14 +59,14 @@ PARTS = {
 def states_of(case_name: str, laws: str):
     """The model and its states after each millisecond, shape (STATES, n)."""
     from rollerrig import _core, load_case
-    from rollerrig.assembly import assemble
-    from rollerrig.simulation import begin
-    from rollerrig.starting_state import starting_state
+    from rollerrig.assembly.model import assemble
+    from rollerrig.simulation.run import begin
+    from rollerrig.simulation.starting_state import starting_state
 
     name, changes = CASES[case_name]
     model = assemble(load_case(name).with_changes({**changes, **LAWS[laws]}))
     simulation = _core.Simulation(model.core)
-    begin(simulation, model, starting_state(simulation, model))
+    begin(simulation, model, starting_state(model))
     times, rows = np.empty(9), np.empty((9, simulation.width))
     states = []
     for k in range(STATES):

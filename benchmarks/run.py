@@ -32,7 +32,6 @@ from threadpoolctl import threadpool_limits
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 from validation.independent_model import bogie as numpy_bogie
-from validation.independent_model import contact as numpy_contact
 from validation.independent_model.parameters import Parameters
 
 DURATION = 10.0  # [s]
@@ -48,8 +47,6 @@ class Measurement:
 
     name: str
     rhs_us: float | None = None  # one right-hand side of the whole rig [us]
-    contact_warm_us: float | None = None  # contact search of one wheel, started from the previous step [us]
-    contact_exhaustive_us: float | None = None  # contact search of one wheel, nothing known [us]
     study_s: float | None = None  # processor time of the traction study [s]
     study_method: str = ""
     evaluations: int | None = None
@@ -132,9 +129,6 @@ def measure_scipy(p, x0, reference, repeat: int) -> Measurement:
     study = lambda t, x: numpy_bogie.rhs(t, x, p)  # noqa: E731
     m = Measurement("NumPy + SciPy", study_method="Radau, rtol 1e-3")
     m.rhs_us = 1e6 * best_time(lambda: study(3.0, x0), repeat)
-    o, rot, _, _ = numpy_bogie.wheelset_motion(x0)
-    o = o + np.array([0.0, 0.0, p.roller_radius + p.wheel_radius])
-    m.contact_exhaustive_us = 1e6 / 4 * best_time(lambda: numpy_contact.contact_points(o, rot, p), repeat)
     start = time.process_time()
     states, m.evaluations = integrate(study, x0, 1e-3, numpy_bogie.absolute_tolerances())
     m.study_s = time.process_time() - start
@@ -158,11 +152,6 @@ def measure_numba(p, x0, repeat: int) -> tuple[Measurement, np.ndarray]:
     outputs = lambda x: numba_model.wheel_outputs(x, packed)[:3]  # noqa: E731
     m = Measurement("Numba + SciPy", study_method="Radau, rtol 1e-3")
     m.rhs_us = 1e6 * best_time(lambda: study(3.0, x0), repeat)
-    centre = x0[12:15] + [0.0, 0.0, p.roller_radius + p.wheel_radius]
-    axes = numba_model.rotation_zx(x0[15], x0[16])
-    found, geometry = np.empty((6, 2)), np.empty((7, 9))
-    search = lambda: numba_model.find_contacts(1.0, centre, axes, packed, found, geometry)  # noqa: E731
-    m.contact_exhaustive_us = 1e6 * best_time(search, repeat)
 
     reference = plotted(integrate(study, x0, 1e-8, 1e-3 * numpy_bogie.absolute_tolerances())[0], outputs)
     start = time.process_time()
@@ -176,13 +165,13 @@ def measure_numba(p, x0, repeat: int) -> tuple[Measurement, np.ndarray]:
 def states_along(case, count: int):
     """The assembled model of a fixed-step case, and its states after each of the first `count` steps, one per row."""
     from rollerrig import _core
-    from rollerrig.assembly import assemble
-    from rollerrig.simulation import begin
-    from rollerrig.starting_state import starting_state
+    from rollerrig.assembly.model import assemble
+    from rollerrig.simulation.run import begin
+    from rollerrig.simulation.starting_state import starting_state
 
     model = assemble(case)
     simulation = _core.Simulation(model.core)
-    begin(simulation, model, starting_state(simulation, model))
+    begin(simulation, model, starting_state(model))
     times, rows = np.empty(8), np.empty((8, simulation.width))  # outputs on the way, which nobody reads
     states = []
     for k in range(count):
@@ -194,9 +183,9 @@ def states_along(case, count: int):
 def measure_growth(repeat: int) -> list[tuple[str, str, float]]:
     """How rollerrig's cost grows: right-hand side over wheelsets [us], run over simulated time [ms of processor time]."""
     from rollerrig import _core, load_case
-    from rollerrig.assembly import assemble
-    from rollerrig.simulation import begin
-    from rollerrig.starting_state import starting_state
+    from rollerrig.assembly.model import assemble
+    from rollerrig.simulation.run import begin
+    from rollerrig.simulation.starting_state import starting_state
 
     fast = {"motion.speed": "200 km/h", "time.method": "rk4", "time.step": "0.25 ms"}
     hunting = load_case("bogie_rollers_constant").with_changes(fast)
@@ -212,7 +201,7 @@ def measure_growth(repeat: int) -> list[tuple[str, str, float]]:
         case = hunting.with_changes({"time.duration": f"{duration} s", "time.output_step": "10 ms"})
         model = assemble(case)
         simulation = _core.Simulation(model.core)
-        begin(simulation, model, starting_state(simulation, model))
+        begin(simulation, model, starting_state(model))
         times, results = np.empty(100 * duration + 1), np.empty((100 * duration + 1, simulation.width))
         begun = time.process_time()
         simulation.advance(duration, times, results, 0)
@@ -223,14 +212,13 @@ def measure_growth(repeat: int) -> list[tuple[str, str, float]]:
 def measure_rollerrig(repeat: int) -> Measurement | str:
     """rollerrig itself, or a sentence that says why it could not be measured.
 
-    The right-hand side and the contact search are timed along the states of a hunting run, a quarter of a millisecond apart:
-    a wheel at rest would flatter the warm search. The study's error is taken against rollerrig's own tight run.
+    The right-hand side is timed along the states of a hunting run. The study's error is taken against rollerrig's own tight run.
     """
     try:
         from rollerrig import _core, load_case
-        from rollerrig.assembly import assemble
-        from rollerrig.simulation import begin
-        from rollerrig.starting_state import starting_state
+        from rollerrig.assembly.model import assemble
+        from rollerrig.simulation.run import begin
+        from rollerrig.simulation.starting_state import starting_state
     except ImportError as error:
         return f"rollerrig is not installed here ({error}): its column is missing."
 
@@ -239,9 +227,6 @@ def measure_rollerrig(repeat: int) -> Measurement | str:
     simulation = _core.Simulation(model.core)
     m = Measurement("rollerrig")
     m.rhs_us = 1e6 / len(states) * best_time(lambda: simulation.derivatives(0.0, states), repeat)
-    m.contact_warm_us = 1e6 / 4 / len(states) * best_time(lambda: simulation.search_along(0.0, states), repeat)
-    simulation.exhaustive_search = True
-    m.contact_exhaustive_us = 1e6 / 4 / len(states) * best_time(lambda: simulation.search_along(0.0, states), repeat)
 
     def study(tolerance, absolute):
         case = load_case("bogie_rollers_traction").with_changes(
@@ -253,7 +238,7 @@ def measure_rollerrig(repeat: int) -> Measurement | str:
         )
         model = assemble(case)
         simulation = _core.Simulation(model.core)
-        start = starting_state(simulation, model)
+        start = starting_state(model)
         times, rows = np.empty(len(OUTPUT_TIMES)), np.empty((len(OUTPUT_TIMES), simulation.width))
         begin(simulation, model, start)
         begun = time.process_time()
@@ -293,8 +278,6 @@ def report(results: list[Measurement], console: Console) -> None:
         table.add_column(r.name, justify="right")
     rows = [
         ("right-hand side [us]", lambda r: shown(r.rhs_us)),
-        ("contact search per wheel, warm [us]", lambda r: shown(r.contact_warm_us)),
-        ("contact search per wheel, exhaustive [us]", lambda r: shown(r.contact_exhaustive_us)),
         ("traction study of 10 s, processor time [s]", lambda r: shown(r.study_s)),
         ("  method", lambda r: r.study_method or "-"),
         ("  right-hand sides", lambda r: shown(r.evaluations, 6)),

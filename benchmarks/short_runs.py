@@ -58,8 +58,9 @@ def of_a_program(text: str) -> float:
 
 def measure(name: str) -> dict[str, float]:
     """Times of the parts of a short run [ms]."""
-    from rollerrig import load_case, save_run, simulate, simulation
-    from rollerrig.assembly import assemble
+    from rollerrig import load_case, save_run, simulate
+    from rollerrig.assembly.model import assemble
+    from rollerrig.simulation import run as simulation
 
     found = {what: of_a_program(text) for what, text in IMPORTS.items()}
     case = load_case(name).with_changes({"time.duration": "0.1 s"})

@@ -16,9 +16,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-import rollerrig.simulation
+import rollerrig.simulation.run
 from rollerrig import Case
-from rollerrig.analysis.filters import low_pass
+from rollerrig.analysis.signals import low_pass
 
 CUTOFF = 20.0
 """Of the low-pass for wheel forces [Hz]."""
@@ -71,7 +71,7 @@ class Measured:
 
 def measure(case: Case, repeat: int = 1) -> Measured:
     """Run a case; the least cost of `repeat` runs."""
-    advance = rollerrig.simulation.march
+    advance = rollerrig.simulation.run.march
     spent: list[float] = []
 
     def timed(*arguments: Any, **settings: Any) -> tuple[int, int]:
@@ -81,11 +81,11 @@ def measure(case: Case, repeat: int = 1) -> Measured:
         finally:
             spent.append(time.process_time() - begun)
 
-    rollerrig.simulation.march = timed
+    rollerrig.simulation.run.march = timed
     try:
-        runs = [rollerrig.simulation.simulate(case) for _ in range(repeat)]
+        runs = [rollerrig.simulation.run.simulate(case) for _ in range(repeat)]
     finally:
-        rollerrig.simulation.march = advance
+        rollerrig.simulation.run.march = advance
     return Measured(runs[-1], min(spent))
 
 

@@ -11,9 +11,9 @@ import numpy as np
 from run import best_time
 
 from rollerrig import _core, load_case
-from rollerrig.assembly import assemble
-from rollerrig.simulation import begin
-from rollerrig.starting_state import starting_state
+from rollerrig.assembly.model import assemble
+from rollerrig.simulation.run import begin
+from rollerrig.simulation.starting_state import starting_state
 
 CURVE = [
     {"kind": "straight", "length": 20.0},
@@ -46,7 +46,7 @@ def measure(changes: dict[str, object]) -> tuple[float, float]:
     )
     model = assemble(case)
     simulation = _core.Simulation(model.core)
-    begin(simulation, model, starting_state(simulation, model))
+    begin(simulation, model, starting_state(model))
     simulation.advance(2.0, np.empty(1), np.empty((1, simulation.width)), 1)
     state = simulation.state
     # Two states that differ: equal ones in a row are evaluated once.

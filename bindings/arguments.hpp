@@ -17,9 +17,8 @@ namespace rollerrig {
 
 /// Every number of a contiguous array.
 template <class... Properties>
-void check_value(nb::ndarray<Properties...> const& array, Range const& range, std::string_view owner,
-                 char const* name) {
-  for (std::size_t i = 0; i < array.size(); ++i) check_value(array.data()[i], range, owner, name);
+void check_value(nb::ndarray<Properties...> const& array, Range const& range, std::string_view owner, Label label) {
+  for (std::size_t i = 0; i < array.size(); ++i) check_value(array.data()[i], range, owner, label);
 }
 
 }  // namespace rollerrig

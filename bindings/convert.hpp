@@ -81,6 +81,11 @@ auto keyword(OptionalMember<Record, Value> const& field) {
   return nb::arg(field.name).none();
 }
 
+/// mass that these axles carry and brake, M [kg]
+std::string docstring(auto const& field) {
+  return *field.unit == '\0' ? field.meaning : std::string(field.meaning) + " [" + field.unit + "]";
+}
+
 /// Binds a struct whose fields Python gives by name, every one of them and each within its range, and may read: defaults live
 /// in Python. Nothing of it can be written, so that what was checked stays so.
 template <class Record, template <class, class> class... Members, class... Values>
@@ -88,7 +93,7 @@ nb::class_<Record> bind_description(nb::module_& m, char const* name, char const
                                     Members<Record, Values>... fields) {
   nb::class_<Record> type(m, name, doc);
   auto const make = [fields..., owner = std::string(name)](Record* self, Values... values) {
-    (check_value(values, fields.range, owner, fields.name), ...);
+    (check_value(values, fields.range, owner, fields.label()), ...);
     new (self) Record{};
     ((self->*fields.member = std::move(values)), ...);
   };
@@ -96,7 +101,7 @@ nb::class_<Record> bind_description(nb::module_& m, char const* name, char const
     type.def("__init__", make);
   else
     type.def("__init__", make, nb::kw_only(), keyword(fields)...);
-  (type.def_ro(fields.name, fields.member), ...);
+  (type.def_ro(fields.name, fields.member, docstring(fields).c_str()), ...);
   return type;
 }
 

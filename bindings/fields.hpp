@@ -7,15 +7,15 @@
 
 #include "convert.hpp"
 
-/// Binds a struct by its own list of fields; the class has their names as `fields`.
+/// Binds a struct by its own list of fields; the class has their names and units as `fields`.
 template <rollerrig::Described S>
 nb::class_<S> bind_struct(nb::module_& m, char const* name, char const* doc) {
   return std::apply(
       [&](auto... fields) {
         auto type = bind_description<S>(m, name, doc, fields...);
-        nb::list names;
-        (names.append(fields.name), ...);
-        type.attr("fields") = names;
+        nb::dict units;
+        ((units[fields.name] = fields.unit), ...);
+        type.attr("fields") = units;
         return type;
       },
       S::fields());

@@ -7,6 +7,7 @@
 #include "arguments.hpp"
 #include "fields.hpp"
 #include "rollerrig/system/model_builder.hpp"
+#include "rollerrig/system/starting_state.hpp"
 #include "rollerrig/system/statics.hpp"
 
 using namespace nb::literals;
@@ -53,14 +54,38 @@ void bind_statics(nb::module_& m) {
                Argument{"springs"}, Argument{"gravity"});
 }
 
+nb::dict start_of(std::shared_ptr<Model const> const& model, double t, std::vector<Disturbance> const& disturbances) {
+  constexpr char const* found[] = {"ok", "no_equilibrium", "no_support"};
+  StartingState start = starting_state(model, t, disturbances);
+  std::size_t const states = start.x.size();
+  nb::dict d;
+  d["found"] = found[start.found];
+  d["body"] = start.body;
+  d["residual"] = start.residual;
+  d["rest"] = owned_array<nb::ndim<1>>(std::move(start.rest), {states});
+  d["x"] = owned_array<nb::ndim<1>>(std::move(start.x), {states});
+  return d;
+}
+
+void bind_start(nb::module_& m) {
+  bind_struct<Disturbance>(m, "Disturbance", "A coordinate that a run starts off its equilibrium.");
+  def_function(m, "coasting_model", "The model whose equilibrium a run starts from.", &coasting_model,
+               Argument{"model"});
+  def_function(m, "starting_state",
+               "Equilibrium at the model's speed at a time, undisturbed (rest) and with disturbances (x); found: ok, "
+               "no_equilibrium, or no_support of a disturbed body.",
+               &start_of, Argument{"model"}, Argument{"t"}, Argument{"disturbances"});
+}
+
 }  // namespace
 
 void bind_model(nb::module_& m) {
   bind_descriptions(m);
   bind_statics(m);
-  nb::class_<Model>(m, "Model", "Constant data of one assembled system; see rollerrig.assembly.")
+  nb::class_<Model>(m, "Model", "Constant data of one assembled system; see rollerrig.assembly.model.")
       .def_ro("gravity", &Model::gravity)
       .def("with_speed", &with_speed, "speed"_a, "The model at another running speed over time.");
+  bind_start(m);
   nb::class_<ModelBuilder>(m, "ModelBuilder", "Makes a model; each add_... returns an index.")
       .def(nb::init<double>(), "gravity"_a)
       .def("add_body", &ModelBuilder::add_body, "body"_a)

@@ -58,23 +58,24 @@ void bind_assembled(nb::module_& m) {
              std::optional<MechatronicSetup> const& setup, PartNames const& names, std::string const& method,
              double step, double relative, std::vector<double> const& absolute, double initial_step,
              double maximum_step, double final_time, std::vector<double> const& breakpoints, double t0,
-             std::vector<double> const& x0, std::vector<std::array<int, 2>> const& disturbed) {
+             std::vector<double> const& x0, std::vector<Disturbance> const& disturbances) {
             check_value(final_time, finite_number, "AssembledModel", "final_time");
             auto options = integrator_options(method, step, relative, absolute, initial_step, maximum_step, final_time,
                                               breakpoints);
-            AssembledModel assembled{name, model, setup, names, std::move(options), t0, x0, disturbed};
+            AssembledModel assembled{name, model, setup, names, std::move(options), t0, x0, disturbances};
             check_assembled(assembled);
             new (self) AssembledModel(std::move(assembled));
           },
           nb::kw_only(), "name"_a, "model"_a, "setup"_a.none(), "names"_a, "method"_a, "step"_a, "relative_tolerance"_a,
           "absolute_tolerance"_a, "initial_step"_a, "maximum_step"_a, "final_time"_a, "breakpoints"_a, "t0"_a, "x0"_a,
-          "disturbed"_a)
+          "disturbances"_a)
       .def_ro("name", &AssembledModel::name)
       .def_ro("names", &AssembledModel::names)
       .def_ro("model", &AssembledModel::model)
       .def_ro("setup", &AssembledModel::setup)
       .def_ro("t0", &AssembledModel::start_time)
       .def_ro("x0", &AssembledModel::start)
+      .def_ro("disturbances", &AssembledModel::disturbances)
       .def_prop_ro("settings", &settings, "Of the integrator, as Simulation.start() takes them.");
   m.def(
       "continuous_variables",

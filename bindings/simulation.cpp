@@ -17,11 +17,10 @@
 #include "arguments.hpp"
 #include "integrator_options.hpp"
 #include "rollerrig/contact/adhesion/recovered_rail.hpp"
-#include "rollerrig/integrate/amplification.hpp"
-#include "rollerrig/simulate/driver.hpp"
 #include "rollerrig/simulate/held_speed.hpp"
 #include "rollerrig/simulate/linear_model.hpp"
 #include "rollerrig/simulate/recorder.hpp"
+#include "rollerrig/simulate/run_table.hpp"
 #include "rollerrig/system/equilibrium.hpp"
 
 using namespace nb::literals;
@@ -34,12 +33,6 @@ namespace {
 void check_count(std::vector<double> const& numbers, std::size_t count, char const* what) {
   if (!numbers.empty() && numbers.size() != count)
     throw nb::value_error((std::string(what) + " needs " + std::to_string(count) + " numbers, or none").c_str());
-}
-
-std::vector<HeldInput> held_at(double t, std::vector<double> const& values) {
-  std::vector<HeldInput> held;
-  for (double value : values) held.push_back({t, value, 0.0});
-  return held;
 }
 
 using Table = nb::ndarray<double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
@@ -100,9 +93,10 @@ class Simulation {
       throw nb::value_error("values must have `reading_width` columns");
     if (times.shape(0) != values.shape(0))
       throw nb::value_error("times and values must have room for equally many readings");
-    readings_.emplace(Readings{every, std::move(times), std::move(values)});
+    readings_.emplace(Readings{every, rows_of(times, values), 0});
+    kept_ = {std::move(times), std::move(values)};
   }
-  std::size_t reading_count() const { return readings_ ? readings_->filled : 0; }
+  std::size_t reading_count() const { return readings_ ? readings_->table.filled : 0; }
 
   /// Advances to t_stop and writes one row per output time; returns status and rows filled so far.
   std::tuple<int, int> advance(double t_stop, Vector times, Table rows, int filled) {
@@ -115,26 +109,19 @@ class Simulation {
     auto const capacity = static_cast<int>(std::min<std::size_t>(rows.shape(0), std::numeric_limits<int>::max()));
     check_value(filled, Range{0.0, static_cast<double>(capacity), "the number of rows filled so far"}, "advance",
                 "filled");
-    int left_out = 0;
+    TimedRows table = rows_of(times, rows);
+    table.room = static_cast<std::size_t>(capacity);
+    table.filled = static_cast<std::size_t>(filled);
     Status status = Status::ok;
     {
       nb::gil_scoped_release other_threads_may_run;
-      status = driver_.advance(t_stop, [&](double t, double const* x, double const* z) {
-        if (readings_ && !read(t, x, z)) return;
-        if (filled >= capacity) {
-          ++left_out;
-          return;
-        }
-        times.data()[filled] = t;
-        driver_.record(t, x, z, rows.data() + static_cast<std::size_t>(filled) * rows.shape(1));
-        ++filled;
-      });
+      status = rollerrig::advance(driver_, t_stop, table, readings_ ? &*readings_ : nullptr);
     }
-    if (left_out > 0)
+    if (table.left_out > 0)
       throw nb::value_error(("times, rows: room for " + std::to_string(capacity) + " outputs, " +
-                             std::to_string(left_out) + " more were due until t_stop")
+                             std::to_string(table.left_out) + " more were due until t_stop")
                                 .c_str());
-    return {static_cast<int>(status), filled};
+    return {static_cast<int>(status), static_cast<int>(table.filled)};
   }
 
   bool waits_for(std::string const& controller) {
@@ -176,13 +163,9 @@ class Simulation {
                     std::vector<double> const& roller_torque) {
     Turn const turn(taken_);
     check_state(x);
-    Inputs inputs;
-    if (driver_.system() != nullptr) driver_.system()->prepare(dynamics().model(), inputs);
     check_count(pressure, dynamics().model().brakes.size(), "linear_model: pressure");
     check_count(roller_torque, dynamics().model().roller_torques.size(), "linear_model: roller_torque");
-    if (!pressure.empty()) inputs.cylinder = held_at(t, pressure);
-    if (!roller_torque.empty()) inputs.roller_torque = held_at(t, roller_torque);
-    LinearModel const linear = rollerrig::linear_model(dynamics(), t, x.data(), std::move(inputs));
+    LinearModel const linear = rollerrig::linear_model(driver_, t, x.data(), pressure, roller_torque);
     return nb::make_tuple(table(linear.a), table(linear.b), table(linear.c), table(linear.d));
   }
 
@@ -201,11 +184,7 @@ class Simulation {
   auto step_amplification(std::string const& method, double step, double t, Column const& x) {
     Turn const turn(taken_);
     check_state(x);
-    JacobianData j(dynamics().sizes());
-    dynamics().jacobian(t, x.data(), j);
-    integrate::LinearSystem system{j.a, dynamics().stiff_modes(), dynamics().sizes().quadratures};
-    dynamics().renew_stiff_modes({}, system.modes);
-    return matrix(integrate::amplification(system, method_named(method), step));
+    return matrix(rollerrig::step_amplification(dynamics(), method_named(method), step, t, x.data()));
   }
 
   nb::dict equilibrium(double speed, double t, std::vector<std::tuple<int, int, double>> const& fixed,
@@ -246,14 +225,6 @@ class Simulation {
     recorder_.record(driver_.observed(), t, x.data(), z.data(), row.data());
     auto const n = row.size();
     return owned_array<nb::ndim<1>>(std::move(row), {n});
-  }
-
-  /// The contact search alone along a sequence of states, one per row.
-  void search_along(double t, nb::ndarray<double const, nb::ndim<2>, nb::c_contig, nb::device::cpu> states) {
-    Turn const turn(taken_);
-    if (static_cast<int>(states.shape(1)) != dynamics().sizes().states) throw nb::value_error("one state per row");
-    for (std::size_t i = 0; i < states.shape(0); ++i)
-      dynamics().search_contacts(t, states.data() + i * states.shape(1));
   }
 
   /// x_dot of a sequence of states, one per row, in one call.
@@ -317,23 +288,8 @@ class Simulation {
   int reading_width() const { return recorder_.reading_width(); }
 
  private:
-  struct Readings {
-    int every;
-    Vector times;
-    Table values;
-    std::size_t filled{0};
-    std::int64_t shown{0};
-  };
-
-  /// Takes a reading; whether a whole row is due.
-  bool read(double t, double const* x, double const* z) {
-    Readings& r = *readings_;
-    if (r.filled < r.times.shape(0)) {
-      r.times.data()[r.filled] = t;
-      driver_.record_reading(t, x, z, r.values.data() + r.filled * r.values.shape(1));
-      ++r.filled;
-    }
-    return r.shown++ % r.every == 0;
+  static TimedRows rows_of(Vector const& times, Table const& values) {
+    return {times.data(), values.data(), values.shape(1), values.shape(0), 0, 0};
   }
 
   void check_state(Column const& x) const {
@@ -358,6 +314,7 @@ class Simulation {
   Driver driver_;
   Recorder recorder_;
   std::optional<Readings> readings_;
+  std::pair<Vector, Table> kept_;  ///< arrays that the readings stand in
   bool taken_{false};
 };
 
@@ -408,7 +365,6 @@ void bind_simulation(nb::module_& m) {
              &S::step_amplification, Argument{"method"}, step, t, x);
   def_method(simulation, "record", "One row of the plant's outputs in a state.", &S::record, t, x, Argument{"z"});
   def_method(simulation, "derivatives", "x_dot of one state per row.", &S::derivatives, t, states);
-  def_method(simulation, "search_along", "The contact search alone, one state per row.", &S::search_along, t, states);
   simulation.def("statistics", &Simulation::statistics)
       .def("counters", &Simulation::counters)
       .def("contact_losses", &Simulation::contact_losses,
@@ -419,10 +375,6 @@ void bind_simulation(nb::module_& m) {
       .def_prop_ro("plant_width", &Simulation::plant_width)
       .def_prop_ro("reading_width", &Simulation::reading_width)
       .def_prop_ro("reading_count", &Simulation::reading_count)
-      .def_prop_rw(
-          "exhaustive_search", [](Simulation& s) { return s.dynamics().exhaustive_search(); },
-          [](Simulation& s, bool on) { s.dynamics().set_exhaustive_search(on); })
-      .def_prop_ro("search_evaluations", [](Simulation& s) { return s.dynamics().search_evaluations(); })
       .def_prop_ro("state_count", [](Simulation& s) { return s.dynamics().sizes().states; })
       .def_prop_ro("quadrature_count", [](Simulation& s) { return s.dynamics().sizes().quadratures; })
       .def_prop_ro("failed_contact", [](Simulation& s) { return s.dynamics().failed_contact(); })

@@ -6,7 +6,7 @@ import numpy as np
 import rollerrig as rr
 from rollerrig import _core
 from rollerrig.analysis.linear_bench import steady_case
-from rollerrig.plant import assembled_model
+from rollerrig.interfaces.plant import assembled_model
 
 SPEED, STEP = 100 / 3.6, 0.05  # m/s; rad/s, of the axle
 COMMAND, AXLE = "wheelset_1.roller_torque_command", "wheelset_1.axle_speed"

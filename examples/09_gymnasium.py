@@ -3,7 +3,7 @@
 import numpy as np
 
 import rollerrig as rr
-from rollerrig.gym import BenchEnv
+from rollerrig.interfaces.gym import BenchEnv
 
 case = rr.load_case("adhesion_brake").with_changes({"time.duration": "6 s", "rig_control.protection.time": "10 s"})
 env = BenchEnv(case, "slide_protection")

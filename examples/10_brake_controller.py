@@ -4,8 +4,8 @@ import subprocess
 import sys
 
 import rollerrig as rr
-from rollerrig.realtime import Client
-from rollerrig.realtime.slide_protection import SlideProtection
+from rollerrig.interfaces.controller_part import SlideProtection
+from rollerrig.interfaces.realtime import Client
 
 PORT = "127.0.0.1:50105"
 case = rr.load_case("adhesion_brake")

@@ -20,7 +20,7 @@ from scipy.sparse.linalg import spsolve
 from scipy.stats import qmc
 
 from rollerrig import _core
-from rollerrig.contact_laws import write_table
+from rollerrig.assembly.creep_table import write_table
 from rollerrig.results import write_bytes
 
 Array = NDArray[np.float64]

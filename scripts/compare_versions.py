@@ -73,6 +73,7 @@ RENAMED: dict[str, str] = {
 
 EXPECTED: dict[str, str] = {
     "bogie_rollers_constant, strips table": "old: one evaluation at 0.06 s is off; the new agrees with half the step",
+    "bogie_rollers_constant, modified fastsim": "new: beta counts per unit of the published epsilon, pi/4 k_0 tau",
     ": distance": "old: motion.speed t on rollers that are not speed-controlled; the new is what they have run",
     "adhesion_brake, track: speed": "old: the speed at the start; the new is the train's",
     **{

@@ -21,34 +21,35 @@ if TYPE_CHECKING:
     from rollerrig.analysis.mode_table import stability as stability
     from rollerrig.analysis.runs_together import compare_runs as compare_runs
     from rollerrig.analysis.wheel_rail_forces import wheel_forces as wheel_forces
-    from rollerrig.assembly import assemble as assemble
+    from rollerrig.assembly.model import assemble as assemble
     from rollerrig.catalog import catalog_entries as catalog_entries
     from rollerrig.catalog import catalog_text as catalog_text
     from rollerrig.catalog.starting_case import starting_case as starting_case
-    from rollerrig.commands import adhesion as adhesion
-    from rollerrig.commands import compare as compare
-    from rollerrig.commands import conicity as conicity
-    from rollerrig.commands import contact as contact
-    from rollerrig.commands import control as control
-    from rollerrig.commands import creep as creep
-    from rollerrig.commands import lateral as lateral
-    from rollerrig.commands import limit_cycle as limit_cycle
-    from rollerrig.commands import paper as paper
-    from rollerrig.commands import response as response
-    from rollerrig.commands import scale as scale
-    from rollerrig.commands import sweep as sweep
-    from rollerrig.commands import wsp as wsp
+    from rollerrig.cli.commands import adhesion as adhesion
+    from rollerrig.cli.commands import compare as compare
+    from rollerrig.cli.commands import conicity as conicity
+    from rollerrig.cli.commands import contact as contact
+    from rollerrig.cli.commands import control as control
+    from rollerrig.cli.commands import creep as creep
+    from rollerrig.cli.commands import envelope as envelope
+    from rollerrig.cli.commands import lateral as lateral
+    from rollerrig.cli.commands import limit_cycle as limit_cycle
+    from rollerrig.cli.commands import paper as paper
+    from rollerrig.cli.commands import response as response
+    from rollerrig.cli.commands import scale as scale
+    from rollerrig.cli.commands import sweep as sweep
+    from rollerrig.cli.commands import wsp as wsp
     from rollerrig.config import Case as Case
     from rollerrig.config import ConfigError as ConfigError
     from rollerrig.config import explain as explain
     from rollerrig.config import json_schema as json_schema
     from rollerrig.config import load_case as load_case
     from rollerrig.contact_analysis.profile_curve import profile as profile
-    from rollerrig.fmu.export import export_fmu as export_fmu
-    from rollerrig.fmu.part import export_part as export_part
-    from rollerrig.plant import assemble_file as assemble_file
-    from rollerrig.plant import read_model as read_model
-    from rollerrig.realtime.server import serve as serve
+    from rollerrig.interfaces.fmu.export import export_fmu as export_fmu
+    from rollerrig.interfaces.fmu.export import export_part as export_part
+    from rollerrig.interfaces.plant import assemble_file as assemble_file
+    from rollerrig.interfaces.plant import read_model as read_model
+    from rollerrig.interfaces.realtime.server import serve as serve
     from rollerrig.results import OutputError as OutputError
     from rollerrig.results import ResultsError as ResultsError
     from rollerrig.results import RunInfo as RunInfo
@@ -57,9 +58,8 @@ if TYPE_CHECKING:
     from rollerrig.results import load_run as load_run
     from rollerrig.results import save_run as save_run
     from rollerrig.results.in_words import summary as summary
-    from rollerrig.simulation import simulate as simulate
-    from rollerrig.starting_state import StartError as StartError
-    from rollerrig.study.envelope import envelope as envelope
+    from rollerrig.simulation.run import simulate as simulate
+    from rollerrig.simulation.starting_state import StartError as StartError
     from rollerrig.study.limit_cycles import critical_speed as critical_speed
     from rollerrig.viewer import view as view
     from rollerrig.viewer.play import play as play
@@ -72,48 +72,48 @@ _HOME = {
     "OutputError": "results",
     "ResultsError": "results",
     "RunInfo": "results",
-    "StartError": "starting_state",
-    "adhesion": "commands",
-    "assemble": "assembly",
-    "assemble_file": "plant",
+    "StartError": "simulation.starting_state",
+    "adhesion": "cli.commands",
+    "assemble": "assembly.model",
+    "assemble_file": "interfaces.plant",
     "catalog_entries": "catalog",
     "catalog_text": "catalog",
     "cite": "results",
-    "compare": "commands",
+    "compare": "cli.commands",
     "compare_runs": "analysis.runs_together",
-    "conicity": "commands",
-    "contact": "commands",
-    "control": "commands",
-    "creep": "commands",
+    "conicity": "cli.commands",
+    "contact": "cli.commands",
+    "control": "cli.commands",
+    "creep": "cli.commands",
     "critical_speed": "study.limit_cycles",
     "curving": "analysis.curving",
-    "envelope": "study.envelope",
+    "envelope": "cli.commands",
     "explain": "config",
-    "export_fmu": "fmu.export",
-    "export_part": "fmu.part",
+    "export_fmu": "interfaces.fmu.export",
+    "export_part": "interfaces.fmu.export",
     "json_schema": "config",
-    "lateral": "commands",
+    "lateral": "cli.commands",
     "export": "results",
-    "limit_cycle": "commands",
+    "limit_cycle": "cli.commands",
     "linearize": "analysis.linear_bench",
     "load_case": "config",
     "load_run": "results",
-    "paper": "commands",
+    "paper": "cli.commands",
     "play": "viewer.play",
     "profile": "contact_analysis.profile_curve",
-    "read_model": "plant",
-    "response": "commands",
+    "read_model": "interfaces.plant",
+    "response": "cli.commands",
     "save_run": "results",
-    "scale": "commands",
-    "serve": "realtime.server",
-    "simulate": "simulation",
+    "scale": "cli.commands",
+    "serve": "interfaces.realtime.server",
+    "simulate": "simulation.run",
     "stability": "analysis.mode_table",
     "view": "viewer",
     "starting_case": "catalog.starting_case",
     "summary": "results.in_words",
-    "sweep": "commands",
+    "sweep": "cli.commands",
     "wheel_forces": "analysis.wheel_rail_forces",
-    "wsp": "commands",
+    "wsp": "cli.commands",
 }
 """Public name -> module that defines it."""
 

@@ -11,7 +11,7 @@ from gymnasium.utils.env_checker import check_env
 
 import rollerrig as rr
 from rollerrig.config import Case, ConfigError
-from rollerrig.gym import BenchEnv, make_vector
+from rollerrig.interfaces.gym import BenchEnv, make_vector
 
 
 def noisy() -> Case:

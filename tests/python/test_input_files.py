@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import io
 import os
 import subprocess
 import sys
@@ -14,11 +15,11 @@ import pytest
 import xarray as xr
 
 import rollerrig as rr
+from rollerrig.common.input_files import LARGEST_TABLE, LARGEST_TEXT, InputError, read_input
 from rollerrig.config import ConfigError, load_any, load_material, load_profile, load_support, load_vehicle
-from rollerrig.input_files import LARGEST_TABLE, LARGEST_TEXT, InputError, read_input
 from rollerrig.irregularity import IrregularityError, read_measured_track
 from rollerrig.results import ResultsError, files, save_run
-from rollerrig.study.journal import NAME, Journal
+from rollerrig.study.checkpoint import NAME, Checkpoint
 
 PACKAGE = Path(rr.__file__).parent
 
@@ -33,7 +34,7 @@ def simulate_with_controller(path: str) -> object:
 
 def go_on_with_jobs(path: str) -> object:
     (Path(path).parent / NAME).symlink_to(path)
-    return Journal(Path(path).parent, "test", {})
+    return Checkpoint(Path(path).parent, "test", {})
 
 
 READERS: dict[str, tuple[str, Callable[[str], object], type[Exception]]] = {
@@ -163,14 +164,14 @@ OWN_FILES = {
     "catalog/starting_case.py": "a case that ships",
     "viewer/play.py": "a browser",
     "config/write/explain.py": "files that ship",
-    "contact_laws/table_file.py": "the table that ships",
-    "fmu/export.py": "the libraries that ship",
-    "input_files.py": "the door itself",
-    "memory.py": "of the kernel",
+    "assembly/creep_table.py": "the table that ships",
+    "interfaces/fmu/export.py": "the libraries that ship",
+    "common/input_files.py": "the door itself",
+    "results/files.py": "of the kernel",
     "results/citation.py": "the sources that ship",
     "results/quantities.py": "the registry that ships",
     "study/paper.py": "the text of a report, which ships",
-    "realtime/links.py": "the memory of the server",
+    "interfaces/realtime/links.py": "the memory of the server",
     "study/report.py": "the template that ships",
     "viewer/page.py": "the page that ships",
 }
@@ -195,3 +196,15 @@ def test_files_of_the_user_come_in_by_one_door() -> None:
     sources = {source.relative_to(PACKAGE).as_posix(): source for source in sorted(PACKAGE.rglob("*.py"))}
     doors = {name: opened(source) for name, source in sources.items() if name not in OWN_FILES}
     assert {name: found for name, found in doors.items() if found} == {}
+
+
+def test_a_file_that_has_nothing_to_give_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """As /proc/kmsg does, which only the administrator may open: read without blocking, it answers None."""
+
+    class Silent(io.BytesIO):
+        def read(self, _size: int | None = -1) -> bytes:
+            return None  # type: ignore[return-value]
+
+    monkeypatch.setattr("rollerrig.common.input_files.open_input", lambda _path, _largest: Silent())
+    with pytest.raises(InputError, match="nothing can be read from it"):
+        read_input(tmp_path / "silent", 100)

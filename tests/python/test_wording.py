@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rollerrig.wording import number, percent, quantity
+from rollerrig.common.formatting import number, percent, quantity
 
 THIN = "\u202f"
 

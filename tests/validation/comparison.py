@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rollerrig import _core
-from rollerrig.contact_laws import creep_law
+from rollerrig.assembly.laws import creep_law
 from validation.pressed_wheel import PressedWheel, press
 from validation.reference import POISSON_RATIO, SHEAR_MODULUS, benchmark_contact, mm, rows
 

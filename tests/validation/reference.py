@@ -8,9 +8,9 @@ from pathlib import Path
 import numpy as np
 
 from rollerrig import _core
-from rollerrig.assembly import AssembledModel, assemble
+from rollerrig.assembly.laws import creep_law
+from rollerrig.assembly.model import AssembledModel, assemble
 from rollerrig.config import load_case
-from rollerrig.contact_laws import creep_law
 from rollerrig.profiles import ProfileTable, gauge_point, profile_from_spec
 
 mm = 1e-3

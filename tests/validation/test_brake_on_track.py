@@ -11,13 +11,13 @@ import numpy as np
 import pytest
 
 from rollerrig import load_case
-from rollerrig.actuators import assemble_with_actuators
 from rollerrig.analysis.slide_statistics import test_record as record_of
+from rollerrig.assembly.actuators import assemble_with_actuators
+from rollerrig.assembly.train_axles import train_mass
 from rollerrig.config import Case
-from rollerrig.config.schema.contact_law import FallingFriction
-from rollerrig.mechatronics.train_axles import train_mass
-from rollerrig.mechatronics.virtual_train import load_transfer, rail_patch
-from rollerrig.simulation import simulate
+from rollerrig.config.schema.contact import FallingFriction
+from rollerrig.simulation.run import simulate
+from rollerrig.simulation.virtual_train import load_transfer, rail_patch
 from rollerrig.study.ensemble import starts
 from rollerrig.study.runs.adhesion import track_case
 from validation.independent_model.brake_test import Brake, BrakeTest, Rail
@@ -83,7 +83,7 @@ def compare(law: str, dead_times_ms: tuple[int, ...], count: int, *, reach: int 
     speeds = np.array([one.motion.speed for one in starts(case, count)])
     near = sorted({0, -reach, reach})
     asked = [d + more for d in dead_times_ms for more in near]
-    found = numbers_of(case, law).on_track(np.tile(speeds, len(asked)), np.repeat(1e-3 * np.array(asked), count))
+    found = numbers_of(case, law).run(np.tile(speeds, len(asked)), np.repeat(1e-3 * np.array(asked), count))
     means = {name: values.reshape(len(dead_times_ms), len(near), count).mean(axis=2) for name, values in found.items()}
     for k, d in enumerate(dead_times_ms):
         on_track = track_case(case.with_changes({"slide_protection.delay": 1e-3 * d}))

@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from rollerrig import _core
-from rollerrig.assembly import assemble
+from rollerrig.assembly.model import assemble
 from rollerrig.config import load_case
 from rollerrig.contact_analysis import conicity_table, equivalent_conicity, pair_case, shift_table
 from validation.independent_model import conicity as independent

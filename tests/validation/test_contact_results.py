@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from rollerrig import _core
-from rollerrig.contact_laws import creep_law
+from rollerrig.assembly.laws import creep_law
 from validation.comparison import FILES, Comparison, comparisons
 from validation.reference import mm, rows
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rollerrig import _core
-from rollerrig.contact_laws import creep_law
+from rollerrig.assembly.laws import creep_law
 from validation.reference import mm, rows
 
 EXACT = "exact solver"
@@ -91,3 +91,44 @@ def test_kalkers_coefficients_of_the_exact_solver() -> None:
             # patches and takes a finer grid there.
             allowed = max((0.015 if name != "C33" else 0.03) * abs(value), 3 * row[f"{name}_stderr"])
             assert value == pytest.approx(row[f"{name}_contact"], abs=allowed), (row["a_over_b"], name)
+
+
+LOCOMOTIVE = {
+    0.499: 0.2505, 0.698: 0.2631, 0.897: 0.2784, 1.108: 0.2877, 1.465: 0.2964, 2.135: 0.3028, 2.873: 0.3041,
+    3.982: 0.2984, 4.577: 0.2897, 5.954: 0.2968, 10.367: 0.2458, 14.082: 0.2406, 18.990: 0.2108,
+}  # fmt: skip
+"""Measured: creepage [%] -> traction coefficient, 13 means of a Siemens Eurosprinter at 36 km/h, 106.7 kN a wheel, a/b 0.5, their
+standard errors 0.003 to 0.0145. Engel, Beck, Alders, Elektrische Bahnen 96 (1998) 201-209, read off a published figure."""
+
+
+def traction_coefficient(law: _core.ModifiedFastsim, creepage: float, reduction: list[float] | None = None) -> float:
+    """Of the locomotive's wheel at 10 m/s, on Hertz' ellipse of a wheel of 0.625 m with a/b = 0.5."""
+    friction = 0.36 * (0.62 * np.exp(-0.7 * 10.0 * creepage) + 0.38)
+    found = _core.creep_forces(
+        np.array([[-creepage, 0.0, 0.0]]), 6.30e-3, 12.61e-3, 106.7e3, friction, 82e9, 0.28, law, 1.0, reduction
+    )
+    return float(found[0, 0]) / 106.7e3
+
+
+def test_modified_fastsim_has_the_published_parameters() -> None:
+    """k_0 0.54, k_inf 0.02, beta 0.64 of Spiryagin, Polach and Cole (2013), with epsilon = (pi/4) k_0 tau as they define it."""
+    law = creep_law("modified_fastsim", k_0=0.54, k_inf=0.02, beta=0.64)
+    creepage = np.geomspace(1e-3, 0.2, 100)
+    curve = np.array([traction_coefficient(law, c) for c in creepage])
+    assert curve.max() == pytest.approx(0.304, abs=0.005)  # 0.233 where beta counts per unit of tau
+    assert 0.02 < creepage[curve.argmax()] < 0.03
+    found = np.array([traction_coefficient(law, c / 100.0) for c in LOCOMOTIVE])
+    measured = np.array([*LOCOMOTIVE.values()])
+    assert np.sqrt(np.mean((found - measured) ** 2)) < 0.0105
+    assert np.abs(found - measured)[1:9].max() < 0.006  # where most of the points lie, up to 5 %
+
+
+def test_modified_fastsim_keeps_its_own_parameters_on_a_rail_with_a_condition() -> None:
+    """The rail's mean reduction multiplies Kalker's stiffness; the law's own softening stays."""
+    law = creep_law("modified_fastsim", k_0=0.54, k_inf=0.02, beta=0.64)
+    for creepage in (1e-3, 1e-2, 1e-1):
+        assert traction_coefficient(law, creepage, [1.0, 1.0]) == pytest.approx(
+            traction_coefficient(law, creepage), rel=1e-12
+        )
+    small = traction_coefficient(law, 1e-7, [0.6, 0.2]) / traction_coefficient(law, 1e-7)
+    assert small == pytest.approx(0.4, rel=1e-3)

@@ -14,10 +14,10 @@ import xarray as xr
 
 import rollerrig as rr
 from rollerrig.analysis.curving import curving_case
-from rollerrig.assembly import assemble
+from rollerrig.assembly.model import assemble
 from rollerrig.config import Case
 from rollerrig.results import summarise
-from rollerrig.starting_state import equilibrium_dataset
+from rollerrig.simulation.starting_state import equilibrium_dataset
 from rollerrig.track import equilibrium_speed, plane_acceleration
 
 RADIUS, CANT, BASE = 600.0, 0.110, 1.5

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 import rollerrig as rr
-from rollerrig.analysis.linearise import Lineariser
-from rollerrig.assembly import assemble
+from rollerrig.analysis.modes import Lineariser
+from rollerrig.assembly.model import assemble
 from rollerrig.config import Case
-from rollerrig.starting_state import equilibrium_dataset
+from rollerrig.simulation.starting_state import equilibrium_dataset
 
 PAD = {"stiffness": 1.2e8, "damping": 6e4}
 BALLAST = {"stiffness": 7e7, "damping": 8e4}

@@ -13,8 +13,8 @@ import xarray as xr
 
 import rollerrig as rr
 from rollerrig import _core
-from rollerrig.analysis.linearise import Lineariser
-from rollerrig.assembly import Assembly, assemble
+from rollerrig.analysis.modes import Lineariser
+from rollerrig.assembly.model import Assembly, assemble
 from rollerrig.config import Case
 from rollerrig.irregularity import RAILS, RailIrregularity
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from rollerrig import _core
-from rollerrig.assembly import assemble
+from rollerrig.assembly.model import assemble
 from rollerrig.config import Case, load_case
 from validation.reference import equilibrium, mm
 

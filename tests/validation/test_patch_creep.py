@@ -10,7 +10,7 @@ import pytest
 from numpy.typing import NDArray
 
 from rollerrig import _core
-from rollerrig.contact_laws import creep_law
+from rollerrig.assembly.laws import creep_law
 from validation import patch_creep, poses
 from validation.comparison import FILES, Comparison, comparisons
 from validation.half_space import Surfaces

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from rollerrig.profiles import gauge_point, profile_from_spec
-from rollerrig.profiles.s1002 import SEGMENTS
+from rollerrig.profiles.analytic import SEGMENTS
 from validation.independent_model.conicity import rail_position
 from validation.independent_model.parameters import EN_60E1, UIC60_BENCHMARK, s1002, uic60
 from validation.reference import mm

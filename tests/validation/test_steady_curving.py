@@ -11,9 +11,9 @@ import xarray as xr
 
 import rollerrig as rr
 from rollerrig.analysis.curving import curving_case, curving_speed, follow, recorded, solve
-from rollerrig.assembly import assemble
+from rollerrig.assembly.model import assemble
 from rollerrig.config import Case
-from rollerrig.starting_state import equilibrium_dataset
+from rollerrig.simulation.starting_state import equilibrium_dataset
 
 CANT, BASE, G = 0.1, 1.5, 9.81
 WAGON = Path(__file__).parents[1] / "python" / "two_axle_wagon.toml"

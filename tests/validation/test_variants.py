@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rollerrig import _core
-from rollerrig.assembly import AssembledModel, assemble
+from rollerrig.assembly.model import AssembledModel, assemble
 from rollerrig.config import load_case
 from validation.reference import Run, equilibrium
 from validation.test_bogie import richardson, turned_over

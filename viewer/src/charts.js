@@ -10,7 +10,7 @@ export class Chart {
     this.groups = groupsOf(worlds);
     this.box = document.createElement("div"); this.box.className = "chart";
     this.choice = document.createElement("select"); this.choice.setAttribute("aria-label", "what is plotted");
-    this.groups.forEach((group, k) => this.choice.add(new Option(`${group.title} [${group.unit}]`, String(k))));
+    this.groups.forEach((group, k) => this.choice.add(new Option(nameOf(group), String(k))));
     this.choice.value = String(Math.max(0, ...titles.map((title) => this.groups.findIndex((group) => group.title === title)).filter((k) => k >= 0).slice(0, 1)));
     this.choice.addEventListener("change", () => this.build());
     this.area = document.createElement("div"); this.area.className = "plot";
@@ -22,7 +22,7 @@ export class Chart {
   /** Other groups of curves to choose from; `first` is shown. */
   regroup(groups, first) {
     this.groups = groups;
-    this.choice.replaceChildren(...groups.map((group, k) => new Option(`${group.title} [${group.unit}]`, String(k))));
+    this.choice.replaceChildren(...groups.map((group, k) => new Option(nameOf(group), String(k))));
     this.choice.value = String(Math.min(first, groups.length - 1));
     this.build();
   }
@@ -33,7 +33,7 @@ export class Chart {
     const live = this.worlds[0].head.live, group = this.groups[Number(this.choice.value)], tables = [], series = [{}];
     group.curves.forEach((list, run) => {
       const n = this.worlds[run].numbers;
-      tables.push([n.times, ...list.map(([column, , factor]) => Array.from(n.columns.get(column), (v) => (v === v ? factor * v : null)))]);
+      tables.push([(group.times && n.columns.get(group.times)) || n.times, ...list.map(([column, , factor]) => Array.from(n.columns.get(column), (v) => (v === v ? factor * v : null)))]);
       list.forEach(([, label], k) => series.push({ label: this.worlds.length > 1 ? `${label}, ${this.worlds[run].head.label}` : label, stroke: CURVES[k % CURVES.length], width: 1.3, dash: run ? [6, 4] : undefined, spanGaps: false, points: { show: false } }));
     });
     const axis = { stroke: theme.text, grid: { stroke: theme.grid, width: 1 }, ticks: { stroke: theme.grid }, font: "11px system-ui, sans-serif" };
@@ -87,12 +87,18 @@ function span(_, low, high) {
   return [low - edge, high + edge];
 }
 
-/** Groups of all runs by title; of each run its curves. */
+/** What is plotted, with its sign, its filter and its unit. */
+function nameOf(group) {
+  return `${[group.title, group.note].filter(Boolean).join(", ")} [${group.unit}]`;
+}
+
+/** Groups of all runs by name; of each run its curves. */
 function groupsOf(worlds) {
   const found = new Map();
   worlds.forEach((world, run) => world.head.plots.forEach((group) => {
-    if (!found.has(group.title)) found.set(group.title, { title: group.title, unit: group.unit, curves: worlds.map(() => []) });
-    found.get(group.title).curves[run] = group.curves;
+    const name = nameOf(group);
+    if (!found.has(name)) found.set(name, { ...group, curves: worlds.map(() => []) });
+    found.get(name).curves[run] = group.curves;
   }));
   return [...found.values()];
 }

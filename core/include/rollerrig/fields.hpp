@@ -1,13 +1,13 @@
-// fields.hpp - names for the data members of a struct, so that bindings and tests need no second list of them.
+// fields.hpp - the data members of a struct: name, unit, meaning and range of each, stated once.
 //
-//   struct with fields() -> [one loop in the bindings] -> class of the same members, in the same words
+//   struct with fields() -> [one loop] -> class in Python, parameters of an FMU, model file, messages
 //
 // A law that a configuration can ask for has a name as well; a std::variant over such laws is their registry:
 //
 //     struct MyLaw {
 //       static constexpr char const* name = "my_law";
-//       double gain{1.0};  ///< [-]
-//       static constexpr auto fields() { return std::tuple{Member{"gain", &MyLaw::gain}}; }
+//       double gain{1.0};
+//       static constexpr auto fields() { return std::tuple{Member{"gain", &MyLaw::gain, "1", "gain on the error"}}; }
 //     };
 #pragma once
 #include <concepts>
@@ -18,12 +18,25 @@
 
 namespace rollerrig {
 
-/// A data member, its name and the numbers that it may hold.
+/// A data member: of a number the unit, "1" for none, and the meaning, a noun with what it stands for in the formulas.
 template <class Struct, class Value>
 struct Member {
   char const* name;
   Value Struct::* member;
-  Range range{finite_number};
+  char const* unit;  ///< of a table over something: of its values; empty: of no single number
+  char const* meaning;
+  Range range;
+
+  constexpr Member(char const* own, Value Struct::* at, Range within = finite_number)
+      : Member(own, at, "", "", within) {}
+  constexpr Member(char const* own, Value Struct::* at, char const* in, char const* means, Range within = finite_number)
+      : name{own}, member{at}, unit{in}, meaning{means}, range{within} {}
+
+  constexpr Label label() const { return {name, unit}; }
+  constexpr bool complete() const {
+    bool const number = std::same_as<Value, double> || std::same_as<Value, std::optional<double>>;
+    return !number || (*unit != '\0' && *meaning != '\0');
+  }
 };
 
 /// The same of a pointer that may be null.
@@ -31,17 +44,27 @@ template <class Struct, class Value>
 struct OptionalMember {
   char const* name;
   Value Struct::* member;
+  char const* unit{""};
+  char const* meaning{""};
   Range range{finite_number};
+
+  constexpr Label label() const { return {name, unit}; }
+  constexpr bool complete() const { return true; }
 };
 
 /// A struct that names its fields, in the order of its members.
 template <class S>
 concept Described = requires { S::fields(); };
 
+/// Whether each number of a struct, not of the structs in it, has a unit and a meaning.
+template <Described S>
+constexpr bool every_number_has_a_unit =
+    std::apply([](auto const&... field) { return (field.complete() && ...); }, S::fields());
+
 /// Every field of a struct against its range; throws std::invalid_argument with the owner's and the field's name.
 template <Described S>
 void check_fields(S const& s, std::string_view owner) {
-  std::apply([&](auto const&... field) { (check_value(s.*field.member, field.range, owner, field.name), ...); },
+  std::apply([&](auto const&... field) { (check_value(s.*field.member, field.range, owner, field.label()), ...); },
              S::fields());
 }
 

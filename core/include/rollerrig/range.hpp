@@ -1,6 +1,6 @@
 // range.hpp - which numbers a field or an argument may hold, and the one check of them.
 //
-//   value, range -> [check_value] -> nothing, or std::invalid_argument "Body: mass must be positive, got nan"
+//   value, range -> [check_value] -> nothing, or std::invalid_argument "Body: mass must be positive, got -1 kg"
 //
 // Checked once where data come in (bindings, model builder), never in a loop: what passed here cannot make an index run away,
 // a loop endless or a size overflow. What is physically sensible is the matter of the configuration, not of this file.
@@ -52,48 +52,57 @@ inline constexpr Range an_index{0.0, 2147483646.0, "an index from 0"};
 inline constexpr Range index_or_none{-1.0, 2147483646.0, "an index from 0, or -1 for none"};
 inline constexpr Range any_integer{0.0, 1.8446744073709552e19, "an integer", false, false, true};
 
-/// Throws std::invalid_argument "<owner>: <name> must be <range>, got <value>".
+/// What a message calls a value.
+struct Label {
+  constexpr Label(char const* own, char const* in = "") : name{own}, unit{in} {}  // NOLINT: a name alone is one
+
+  char const* name;
+  std::string_view unit;
+};
+
+/// Throws std::invalid_argument "<owner>: <name> must be <range>, got <value> <unit>".
 template <class Number>
-[[noreturn]] void refuse_value(Number value, Range const& range, std::string_view owner, char const* name) {
+[[noreturn]] void refuse_value(Number value, Range const& range, std::string_view owner, Label label) {
   std::ostringstream message;
   message.precision(6);
-  message << owner << ": " << name << " must be " << range.text << ", got " << +value;
+  message << owner << ": " << label.name << " must be " << range.text << ", got " << +value;
+  if (!label.unit.empty() && label.unit != "1") message << ' ' << label.unit;
   throw std::invalid_argument(message.str());
 }
 
 /// Numbers in any of the containers that descriptions are made of; objects in them have been checked where they were made.
 template <class Value>
-void check_value(Value const& value, Range const& range, std::string_view owner, char const* name) {
+void check_value(Value const& value, Range const& range, std::string_view owner, Label label) {
   if constexpr (std::same_as<Value, bool>) {
   } else if constexpr (std::is_arithmetic_v<Value>) {
-    if (!range.holds(value)) refuse_value(value, range, owner, name);
+    if (!range.holds(value)) refuse_value(value, range, owner, label);
   }
 }
 template <class Value>
-void check_value(std::optional<Value> const& value, Range const& range, std::string_view owner, char const* name) {
-  if (value) check_value(*value, range, owner, name);
+void check_value(std::optional<Value> const& value, Range const& range, std::string_view owner, Label label) {
+  if (value) check_value(*value, range, owner, label);
 }
 template <class Value>
-void check_value(std::vector<Value> const& values, Range const& range, std::string_view owner, char const* name) {
-  for (auto const& value : values) check_value(value, range, owner, name);
+void check_value(std::vector<Value> const& values, Range const& range, std::string_view owner, Label label) {
+  for (auto const& value : values) check_value(value, range, owner, label);
 }
 template <class Value, std::size_t n>
-void check_value(std::array<Value, n> const& values, Range const& range, std::string_view owner, char const* name) {
-  for (auto const& value : values) check_value(value, range, owner, name);
+void check_value(std::array<Value, n> const& values, Range const& range, std::string_view owner, Label label) {
+  for (auto const& value : values) check_value(value, range, owner, label);
 }
-inline void check_value(Vec3<double> const& v, Range const& range, std::string_view owner, char const* name) {
-  for (double component : {v.x, v.y, v.z}) check_value(component, range, owner, name);
+inline void check_value(Vec3<double> const& v, Range const& range, std::string_view owner, Label label) {
+  for (double component : {v.x, v.y, v.z}) check_value(component, range, owner, label);
 }
 /// Values in the range, at increasing finite points.
-inline void check_value(PiecewiseLinear const& table, Range const& range, std::string_view owner, char const* name) {
-  check_value(table.x, finite_number, owner, name);
-  check_value(table.y, range, owner, name);
+inline void check_value(PiecewiseLinear const& table, Range const& range, std::string_view owner, Label label) {
+  check_value(table.x, finite_number, owner, label.name);
+  check_value(table.y, range, owner, label);
   for (std::size_t i = 1; i < table.x.size(); ++i)
     if (!(table.x[i - 1] < table.x[i]))
-      throw std::invalid_argument(std::string(owner) + ": " + name + " must be given at increasing points");
+      throw std::invalid_argument(std::string(owner) + ": " + label.name + " must be given at increasing points");
 }
-inline void check_value(TimeTable const& table, Range const& range, std::string_view owner, char const* name) {
-  check_value(table.points, range, owner, name);
+inline void check_value(TimeTable const& table, Range const& range, std::string_view owner, Label label) {
+  check_value(table.points, range, owner, label);
 }
 
 }  // namespace rollerrig

@@ -3,7 +3,8 @@
 #include <algorithm>
 #include <span>
 
-#include "rollerrig/geometry/wheel_circle.hpp"
+#include "rollerrig/geometry/reduction.hpp"
+#include "rollerrig/math/dual.hpp"
 
 namespace rollerrig {
 namespace {
@@ -14,14 +15,30 @@ using Row = std::array<double, GapNodes::capacity + native_lanes>;
 
 constexpr std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
+/// A pose that stays while something else moves.
+template <class T>
+RelativePose<T> lifted(RelativePose<double> const& pose) {
+  auto const fixed = [](Vec3<double> const& v) { return Vec3<T>{T(v.x), T(v.y), T(v.z)}; };
+  return {fixed(pose.o), {fixed(pose.R.ex), fixed(pose.R.ey), fixed(pose.R.ez)}};
+}
+
 /// One wheel in one pose.
 class Scan {
  public:
-  Scan(WheelRollerPair const& pair, GapNodes const& nodes, RelativePose<double> const& pose)
-      : pair_(pair), nodes_(nodes), pose_(pose), h_(nodes.step()), near_(steepest_hidden * h_), sag_(0.01 * h_) {
+  /// @param reach          height over the other surface up to which it counts as inside [m]
+  /// @param every_minimum  those that share a region, too, however near they are to each other
+  Scan(WheelRollerPair const& pair, GapNodes const& nodes, RelativePose<double> const& pose, double reach,
+       bool every_minimum)
+      : pair_(pair),
+        nodes_(nodes),
+        pose_(pose),
+        h_(nodes.step()),
+        near_(steepest_hidden * h_),
+        sag_(0.01 * h_),
+        reach_(reach),
+        every_minimum_(every_minimum) {
     lane_pair_.set_all(pair_, nodes_.arc().abscissae());
-    auto const all = [](Vec3<double> const& v) { return Vec3<V>{V(v.x), V(v.y), V(v.z)}; };
-    lane_pose_ = {all(pose_.o), {all(pose_.R.ex), all(pose_.R.ey), all(pose_.R.ez)}};
+    lane_pose_ = lifted<V>(pose_);
   }
 
   GapScan run() {
@@ -33,6 +50,13 @@ class Scan {
     count_ = last - first_;
     if (count_ < 3) return out_;
     look();
+    far_ = every_minimum_ &&
+           (reach_ > 0.0 || *std::min_element(gap_.begin(), gap_.begin() + count_) < -nearly_touching * pair_.size);
+    if (far_)
+      for (int k = 0; k < count_; ++k) {
+        Point const p = by_reduction(point(k));
+        gap_[at(k)] = p.gap, slope_[at(k)] = p.slope;
+      }
     if (gap_[0] < 0.0) open({place(0), place(0), place(0), false});
     for (int k = 0; k + 1 < count_; ++k) {
       highest_between_ = std::max(highest_between_, gap_[at(k)]);
@@ -53,6 +77,9 @@ class Scan {
   static constexpr double steepest_hidden = 0.05;
   /// For a gap that bends downwards between two nodes: its slope changes by as much [-].
   static constexpr double slope_allowance = 0.01;
+  static constexpr int hidden_levels = 2;      ///< nearer than 12 um a minimum and a maximum are about to merge
+  static constexpr double hidden_turn = 3e-4;  ///< by as much a slope may turn back and forth between two nodes [-]
+  static constexpr double nearly_touching = 0.1e-3;  ///< gap or overlap of full-scale surfaces [m]
   static constexpr int levels = 3;
   static constexpr int inner = 8;  ///< nodes laid between two
 
@@ -61,6 +88,10 @@ class Scan {
 
   /// Gap and slope at every node: exact where they may be near contact and beside that, elsewhere the gap of bound().
   void look() {
+    if (every_minimum_) {
+      for (int k = 0; k < count_; k += native_lanes) look_at(k);
+      return;
+    }
     for (int k = 0; k < count_; k += native_lanes) store_lanes(bound(k), &gap_[at(k)]);
     std::fill_n(slope_.begin(), count_, 0.0);
     for (int k = 0, from = 0; k < count_; ++k) {
@@ -98,7 +129,7 @@ class Scan {
     auto [sine, cosine] = facing_angle(lane_pair_, lane_pose_, circle);
     auto here = circle_point(lane_pair_, lane_pose_, circle, sine, cosine);
     // The lowest point of the circle lies lower by about tilt^2 / (4 curvature); twice that is sure.
-    V const lowest = here.gap - 0.5 * here.tilt * here.tilt * reciprocal(here.curvature);
+    V const lowest = here.gap - reach_ - 0.5 * here.tilt * here.tilt * reciprocal(here.curvature);
     if (any(lowest < near_)) {  // found or not: the lowest point may be on the profile where the first is not
       for (int i = 0; i < 2 && any(here.tilt > settled_tilt || here.tilt < -settled_tilt); ++i) {
         turn_by(towards_lowest(here, circle), sine, cosine);
@@ -106,8 +137,20 @@ class Scan {
       }
     }
     here = settled(here);
-    store_lanes(select(here.found, here.gap, V(no_gap)), &gap_[at(k)]);
+    store_lanes(select(here.found, here.gap - reach_, V(no_gap)), &gap_[at(k)]);
     store_lanes(here.slope, &slope_[at(k)]);
+  }
+
+  /// A point so far from the other surface, or so deep in it, that the osculating circle under it is no estimate of the foot on
+  /// it, and may lie beyond its end: by (G2), exactly.
+  Point by_reduction(Point const& p) const {
+    if (p.found() && !(p.gap < near_ && std::abs(p.gap + reach_) > nearly_touching * pair_.size)) return p;
+    using Along = Dual<1>;
+    double const s = nodes_.arc().abscissa(p.position);
+    auto const exact = reduce(pair_, lifted<Along>(pose_), Along::variable(s, 0));
+    if (!exact.rail_point.found) return {p.position, no_gap, 0.0};
+    double const slope = pair_.wheel->at(s).slope;
+    return {p.position, exact.gap.value - reach_, exact.gap.d[0] / std::sqrt(1.0 + slope * slope)};
   }
 
   /// The stretch from b to c.
@@ -119,6 +162,8 @@ class Scan {
                        : close({b.position, b.position, b.position, false});
     }
     if (!b.found()) return;
+    if (every_minimum_ && level < hidden_levels && (b.inside() || c.inside()) && may_hide_extremes(b, c))
+      return refine(b, c, level);
     bool const falls = b.slope < slope_allowance && c.slope > -slope_allowance;  // a minimum may lie between
     bool const climbs = b.slope > -slope_allowance && c.slope < slope_allowance;
     if (!b.inside() && !c.inside()) {
@@ -132,10 +177,9 @@ class Scan {
     } else {
       // Steep and narrow ends within a node's distance, or a hidden extreme beside the end.
       if (level < 1 && (b.inside() ? b.slope < 0.0 : c.slope > 0.0)) return refine(b, c, level);
-      if (b.inside())
-        close(end(c, b));
-      else
-        open(end(b, c));
+      if (c.inside()) open(end(b, c));
+      if (every_minimum_) note_extreme(b, c);
+      if (b.inside()) close(end(c, b));
     }
   }
 
@@ -147,16 +191,24 @@ class Scan {
     return (b.gap * right + c.gap * left - left * right * h) / (left + right);
   }
 
+  /// Whether more minima and maxima may lie between b and c than their slopes tell: not where the slope runs straight, and its
+  /// mean is that of both ends. A slope that dips to zero and back has a mean lower by half the lesser one at least; half of that
+  /// is looked for. Where it changes its sign anyway, it is to run nearly straight.
+  bool may_hide_extremes(Point const& b, Point const& c) const {
+    double const h = c.position - b.position, least = std::min(std::abs(b.slope), std::abs(c.slope));
+    if (least < hidden_turn * h / h_) return true;
+    double const bend = std::abs((c.gap - b.gap) / h - 0.5 * (b.slope + c.slope));
+    return bend > ((b.slope < 0.0) != (c.slope < 0.0) ? 0.1 * std::abs(b.slope - c.slope) : 0.25 * least);
+  }
+
   /// The cubic through both points with their slopes, t from 0 to 1.
   struct Cubic {
-    double c0, c1, c2, c3;
-    Cubic(Point const& b, Point const& c) {
-      double const h = c.position - b.position, jump = c.gap - b.gap, m0 = h * b.slope, m1 = h * c.slope;
-      c0 = b.gap, c1 = m0, c2 = 3.0 * jump - 2.0 * m0 - m1, c3 = m0 + m1 - 2.0 * jump;
-    }
-    double value(double t) const { return ((c3 * t + c2) * t + c1) * t + c0; }
-    double slope(double t) const { return (3.0 * c3 * t + 2.0 * c2) * t + c1; }
-    double bend(double t) const { return 6.0 * c3 * t + 2.0 * c2; }
+    std::array<double, 4> c;
+    Cubic(Point const& a, Point const& b)
+        : c(hermite(1.0, a.gap, b.gap, (b.position - a.position) * a.slope, (b.position - a.position) * b.slope)) {}
+    double value(double t) const { return ((c[3] * t + c[2]) * t + c[1]) * t + c[0]; }
+    double slope(double t) const { return (3.0 * c[3] * t + 2.0 * c[2]) * t + c[1]; }
+    double bend(double t) const { return 6.0 * c[3] * t + 2.0 * c[2]; }
   };
 
   /// A minimum or maximum between two nodes inside a region.
@@ -168,7 +220,7 @@ class Scan {
     for (int i = 0; i < 3; ++i)
       if (double const bend = cubic.bend(t); low ? bend > 0.0 : bend < 0.0)
         t = std::clamp(t - cubic.slope(t) / bend, 0.0, 1.0);
-    GapExtreme const e{b.position + t * (c.position - b.position), cubic.value(t)};
+    GapExtreme const e{b.position + t * (c.position - b.position), cubic.value(t) + reach_, b.position, c.position};
     if (low) return add_minimum(e);
     if (e.gap > rise_.gap) rise_ = e;
   }
@@ -227,9 +279,11 @@ class Scan {
       for (int i = 0; i < native_lanes; ++i) set_lane(s[0], i, nodes_.arc().abscissa(a.position + h * (k + i + 1)));
       std::array<CirclePoint<V>, 1> p;
       lowest_points(lane_pair_, lane_pose_, s, p);
-      for (int i = 0; i < native_lanes && k + i < inner; ++i)
-        row[at(k + i + 1)] = {a.position + h * (k + i + 1), lane(p[0].found, i) ? lane(p[0].gap, i) : no_gap,
-                              lane(p[0].slope, i)};
+      for (int i = 0; i < native_lanes && k + i < inner; ++i) {
+        Point const here{a.position + h * (k + i + 1), lane(p[0].found, i) ? lane(p[0].gap, i) - reach_ : no_gap,
+                         lane(p[0].slope, i)};
+        row[at(k + i + 1)] = far_ ? by_reduction(here) : here;
+      }
     }
     for (std::size_t i = 0; i + 1 < row.size(); ++i) cell(row[i], row[i + 1], level + 1);
   }
@@ -237,8 +291,8 @@ class Scan {
   WheelRollerPair const& pair_;
   GapNodes const& nodes_;
   RelativePose<double> const& pose_;
-  double h_, near_;
-  double sag_;  ///< [m]
+  double h_, near_, sag_, reach_;
+  bool every_minimum_, far_{false};
   int first_{0}, count_{0};
   Row gap_, slope_;
   GapScan out_;
@@ -273,7 +327,12 @@ int GapNodes::first_from(double s) const {
 }
 
 GapScan scan_gap(WheelRollerPair const& pair, GapNodes const& nodes, RelativePose<double> const& pose) {
-  return Scan(pair, nodes, pose).run();
+  return Scan(pair, nodes, pose, 0.0, false).run();
+}
+
+GapScan scan_minima(WheelRollerPair const& pair, GapNodes const& nodes, RelativePose<double> const& pose,
+                    double reach) {
+  return Scan(pair, nodes, pose, reach, true).run();
 }
 
 }  // namespace rollerrig

@@ -25,10 +25,7 @@ void check_assembled(AssembledModel const& assembled) {
   if (assembled.setup) check_setup(*assembled.setup, model);
   check_value(assembled.start, within_reach, "assembled model", "x0");
   need(static_cast<int>(assembled.start.size()) == model.map.states(), "assembled model: x0: needed is one per state");
-  for (auto const& [body, coordinate] : assembled.disturbed)
-    need(body >= 0 && body < static_cast<int>(model.bodies.size()) && coordinate >= 0 && coordinate < 6 &&
-             model.map.coordinate[static_cast<std::size_t>(body)][static_cast<std::size_t>(coordinate)] >= 0,
-         "assembled model: disturbed: there is no such coordinate");
+  check_disturbances(assembled.disturbances, model);
   integrate::check_options(assembled.options, model.map.states(), true);
   check_settings(assembled.options, assembled.start_time, assembled.setup ? assembled.setup->step : 0.0);
 }

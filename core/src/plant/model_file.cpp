@@ -19,14 +19,14 @@ struct Content {
   integrate::Options options{};
   double start_time{};
   std::vector<double> start{};
-  std::vector<std::array<int, 2>> disturbed{};
+  std::vector<Disturbance> disturbances{};
 
   static constexpr auto fields() {
     using P = Content;
     return std::tuple{Member{"name", &P::name},       Member{"model", &P::model},
                       Member{"setup", &P::setup},     Member{"names", &P::names},
-                      Member{"options", &P::options}, Member{"start_time", &P::start_time},
-                      Member{"start", &P::start},     Member{"disturbed", &P::disturbed}};
+                      Member{"options", &P::options}, Member{"start_time", &P::start_time, "s", "time at the start"},
+                      Member{"start", &P::start},     Member{"disturbances", &P::disturbances}};
   }
 };
 
@@ -70,7 +70,7 @@ std::string const& model_layout() {
 }
 
 std::vector<std::byte> write_model(AssembledModel const& a) {
-  Content const content{a.name, parts_of(*a.model), a.setup, a.names, a.options, a.start_time, a.start, a.disturbed};
+  Content const content{a.name, parts_of(*a.model), a.setup, a.names, a.options, a.start_time, a.start, a.disturbances};
   ByteWriter model;
   archive::Shared shared;
   archive::put(model, shared, content);
@@ -99,7 +99,7 @@ AssembledModel read_model(std::span<std::byte const> bytes) {
   }
   AssembledModel read{
       std::move(content.name), model_of(content.model), std::move(content.setup), std::move(content.names),
-      content.options,         content.start_time,      std::move(content.start), std::move(content.disturbed)};
+      content.options,         content.start_time,      std::move(content.start), std::move(content.disturbances)};
   check_assembled(read);
   return read;
 }

@@ -8,78 +8,13 @@
 #include <string_view>
 #include <type_traits>
 
-#include "rollerrig/system/dynamics.hpp"
-#include "rollerrig/system/equilibrium.hpp"
+#include "rollerrig/system/starting_state.hpp"
 
 namespace rollerrig {
 namespace {
 
 constexpr double endless = std::numeric_limits<double>::infinity();
 constexpr char const* directions[] = {"x", "y", "z", "roll", "pitch", "yaw"};
-
-struct Unit {
-  std::string_view field, unit;
-};
-/// Of the fields of laws and controllers.
-constexpr Unit units[] = {{"A", "1"},
-                          {"B", "s/m"},
-                          {"acceleration", "m/s^2"},
-                          {"ahead", "s"},
-                          {"bandwidth", "rad/s"},
-                          {"boundary_layer", "rad/s"},
-                          {"brake_friction", "1"},
-                          {"damping_ratio", "1"},
-                          {"fill_slip", "1"},
-                          {"fill_slip_speed", "m/s"},
-                          {"filter_time", "s"},
-                          {"gain", "1"},
-                          {"gradient", "1"},
-                          {"gravity", "m/s^2"},
-                          {"integral", "N m/rad"},
-                          {"k_A", "1"},
-                          {"k_S", "1"},
-                          {"largest", "N m"},
-                          {"least_acceleration", "m/s^2"},
-                          {"least_deceleration", "m/s^2"},
-                          {"least_factor", "1"},
-                          {"least_slip_reference", "m/s"},
-                          {"least_speed", "m/s"},
-                          {"locked_speed", "m/s"},
-                          {"longest_release", "s"},
-                          {"longest_vent", "s"},
-                          {"mass", "kg"},
-                          {"mu_0", "1"},
-                          {"proportional", "N m s/rad"},
-                          {"pulse_pause", "s"},
-                          {"pulse_time", "s"},
-                          {"recovery_acceleration", "m/s^2"},
-                          {"reduction_rate", "1/s"},
-                          {"reference_acceleration", "m/s^2"},
-                          {"reference_deceleration", "m/s^2"},
-                          {"regained_after", "s"},
-                          {"release_deceleration", "m/s^2"},
-                          {"release_interval", "s"},
-                          {"resistance_constant", "N"},
-                          {"resistance_linear", "N s/m"},
-                          {"resistance_quadratic", "N s^2/m^2"},
-                          {"restoring_rate", "1/s"},
-                          {"roller_inertia", "kg m^2"},
-                          {"roller_radius", "m"},
-                          {"shortest_release", "s"},
-                          {"slip", "1"},
-                          {"slip_speed", "m/s"},
-                          {"speed_noise", "rad/s"},
-                          {"switching", "N m"},
-                          {"vent_deceleration", "m/s^2"},
-                          {"vent_slip", "1"},
-                          {"vent_slip_speed", "m/s"},
-                          {"wheel_radius", "m"},
-                          {"wheelset_inertia", "kg m^2"}};
-
-std::string_view unit_of(std::string_view field) {
-  auto const found = std::ranges::find(units, field, &Unit::field);
-  return found == std::end(units) ? std::string_view{} : found->unit;
-}
 
 std::string words(std::string text) {
   std::ranges::replace(text, '_', ' ');
@@ -100,44 +35,6 @@ constexpr bool sampled_laws = std::is_same_v<V, AnyEstimator> || std::is_same_v<
 template <class Law>
 constexpr bool settled_at_start = std::is_same_v<Law, KalmanFilter>;
 
-/// What a run of a model starts from: on level track, coasting, its axles free to slip.
-class Start {
- public:
-  explicit Start(ModelParts parts) : dynamics_{start_model(parts)}, speed_{parts.speed.at(0.0)} {
-    auto found = solve_equilibrium(dynamics_, speed_, 0.0, {}, {});
-    if (!found.converged) throw std::invalid_argument("parameters: the model has no equilibrium with them");
-    rest_ = std::move(found.x);
-  }
-  std::vector<double> const& rest() const { return rest_; }
-  double& place(std::vector<double>& x, std::array<int, 2> const& of) const {
-    return x[at(dynamics_.map().coordinate[at(of[0])][at(of[1])])];
-  }
-  /// In equilibrium with the disturbed coordinates at these offsets; where there is none, nothing but them is off the rest.
-  std::vector<double> disturbed(std::vector<std::array<int, 2>> const& coordinates, std::vector<double> const& offset) {
-    std::vector<double> x = rest_;
-    std::vector<FixedCoordinate> fixed;
-    for (std::size_t i = 0; i < coordinates.size(); ++i) {
-      place(x, coordinates[i]) += offset[i];
-      fixed.push_back({coordinates[i][0], coordinates[i][1], place(x, coordinates[i])});
-    }
-    if (fixed.empty()) return rest_;
-    auto found = solve_equilibrium(dynamics_, speed_, 0.0, fixed, rest_);
-    return found.converged ? std::move(found.x) : x;
-  }
-
- private:
-  static std::shared_ptr<Model const> start_model(ModelParts parts) {
-    parts.resistance = {};
-    parts.rolling_wheelsets.clear();
-    parts.track_brakes.clear();
-    return model_of(parts);
-  }
-
-  Dynamics dynamics_;
-  double speed_;
-  std::vector<double> rest_;
-};
-
 }  // namespace
 
 /// Collects the numbers of one model.
@@ -155,17 +52,19 @@ struct ModelParameters::Walk {
     own.first_.push_back(value);
   }
 
-  /// Every number of a struct and of the structs and laws in it.
+  /// Every number of a struct and of the structs and laws in it that acts on something.
   template <Described S>
   void fields(S& s, std::string const& owner, bool fixed) {
-    auto const one = [&]<class Field>(Field const& field) {
+    static_assert(every_number_has_a_unit<S>);
+    auto const one = [&](auto const& field) {
       auto& value = s.*field.member;
       using V = std::remove_cvref_t<decltype(value)>;
-      std::string const inner = std::string_view(field.name) == "law" ? owner : owner + "." + field.name;
-      auto const number = [&](double& of) {
-        auto const unit = unit_of(field.name);
-        if (!unit.empty()) add(inner, unit, words(std::string(field.name) + " of " + owner), field.range, {&of}, fixed);
-      };
+      std::string_view const name = field.name;
+      if (name.starts_with("sand") && !(own.setup_ && own.setup_->sanding)) return;
+      if constexpr (std::is_same_v<S, Friction>)
+        if (name == "gauge_face" ? s.gauge_face < 0.0 : s.map != nullptr) return;
+      std::string const inner = name == "law" || std::is_same_v<V, FrictionLaw> ? owner : owner + "." + field.name;
+      auto const number = [&](double& of) { add(inner, field.unit, field.meaning, field.range, {&of}, fixed); };
       if constexpr (std::is_same_v<V, double>) {
         number(value);
       } else if constexpr (std::is_same_v<V, std::optional<double>>) {
@@ -228,11 +127,9 @@ struct ModelParameters::Walk {
   }
 
   void friction() {
-    for (std::size_t i = 0; i < own.parts_.contacts.size(); ++i) {
-      std::string const owner = wheel_name(own.given_, own.given_.model->contacts[i]) + ".friction";
-      Friction& law = own.parts_.contacts[i].laws.friction;
-      if (!law.map) std::visit([&](auto& one) { fields(one, owner, true); }, law.law);
-    }
+    for (std::size_t i = 0; i < own.parts_.contacts.size(); ++i)
+      fields(own.parts_.contacts[i].laws.friction, wheel_name(own.given_, own.given_.model->contacts[i]) + ".friction",
+             true);
   }
 
   /// A map of its own in place of each one that contacts and virtual rails share.
@@ -252,25 +149,22 @@ struct ModelParameters::Walk {
     }
     for (std::size_t m = 0; m < own.maps_.size(); ++m)
       for (std::size_t k = 0; k < own.maps_[m]->pieces.size(); ++k) {
-        RailAdhesion& piece = own.maps_[m]->pieces[k];
         std::string const map = own.maps_.size() > 1 ? "adhesion_" + std::to_string(m + 1) : "adhesion";
-        std::string const owner = own.maps_[m]->pieces.size() > 1 ? map + ".piece_" + std::to_string(k + 1) : map;
-        condition(piece.degraded, owner + ".degraded");
-        condition(piece.recovered, owner + ".recovered");
-        add(owner + ".recovery_constant", "m^2/J", "recovery by dissipated energy per area", not_negative,
-            {&piece.recovery_constant});
+        std::string const piece = own.maps_[m]->pieces.size() > 1 ? ".piece_" + std::to_string(k + 1) : "";
+        fields(own.maps_[m]->pieces[k], map + piece, true);
       }
   }
-  void condition(RailCondition& rail, std::string const& owner) {
-    std::visit([&](auto& law) { fields(law, owner, true); }, rail.friction);
-    add(owner + ".k_A", "1", "stiffness of the creep curve on the area of adhesion", fraction, {&rail.k_A});
-    add(owner + ".k_S", "1", "stiffness of the creep curve on the area of slip", fraction, {&rail.k_S});
-  }
 
+  /// What is sampled, and the brake unit where it is not.
   void controllers() {
     for (SampledController& one : own.setup_->controllers)
-      std::visit([&]<class Law>(Law& law) { fields(law, Law::name, std::is_same_v<Law, RigController>); },
-                 one.controller);
+      std::visit(
+          [&]<class Law>(Law& law) {
+            fields(law, Law::name, std::is_same_v<Law, RigController> || std::is_same_v<Law, BrakeUnit>);
+          },
+          one.controller);
+    if (own.setup_->braked() && !own.setup_->brake_unit_is_sampled())
+      fields(own.setup_->actuators.pneumatics, "brake", true);
   }
 
   /// Of all rollers: their crowns stay where they are.
@@ -315,11 +209,13 @@ AssembledModel ModelParameters::assembled() const {
   }
   out.setup = setup_;
   out.model = model_of(parts);
-  Start before(parts_of(*given_.model));
-  std::vector<double> offset, start = given_.start, rest = before.rest();
-  for (auto const& coordinate : given_.disturbed)
-    offset.push_back(before.place(start, coordinate) - before.place(rest, coordinate));
-  out.start = Start(parts).disturbed(given_.disturbed, offset);
+  auto start = starting_state(out.model, out.start_time, out.disturbances);
+  if (start.found == StartingState::no_equilibrium)
+    throw std::invalid_argument("parameters: the model has no equilibrium with them");
+  if (start.found == StartingState::no_support)
+    throw std::invalid_argument("parameters: " + out.names.bodies[at(start.body)] +
+                                " finds no support at its disturbance with them");
+  out.start = std::move(start.x);
   return out;
 }
 

@@ -3,6 +3,9 @@
 #include <array>
 #include <vector>
 
+#include "rollerrig/integrate/amplification.hpp"
+#include "rollerrig/simulate/recorded_rows.hpp"
+
 namespace rollerrig {
 namespace {
 
@@ -82,6 +85,28 @@ LinearModel linear_model(Dynamics& dynamics, double t, double const* x, Inputs i
     held.slope = 0.0;
   }
   return linear;
+}
+
+LinearModel linear_model(Driver& driver, double t, double const* x, std::span<double const> pressure,
+                         std::span<double const> roller_torque) {
+  Inputs inputs;
+  if (driver.system() != nullptr) driver.system()->prepare(driver.plant().model(), inputs);
+  auto const hold = [t](std::vector<HeldInput>& held, std::span<double const> values) {
+    if (values.empty()) return;
+    held.clear();
+    for (double const value : values) held.push_back({t, value, 0.0});
+  };
+  hold(inputs.cylinder, pressure);
+  hold(inputs.roller_torque, roller_torque);
+  return linear_model(driver.plant(), t, x, std::move(inputs));
+}
+
+MatrixXd step_amplification(Dynamics& dynamics, integrate::Method method, double step, double t, double const* x) {
+  JacobianData j(dynamics.sizes());
+  dynamics.jacobian(t, x, j);
+  integrate::LinearSystem system{j.a, dynamics.stiff_modes(), dynamics.sizes().quadratures};
+  dynamics.renew_stiff_modes({}, system.modes);
+  return integrate::amplification(system, method, step);
 }
 
 }  // namespace rollerrig

@@ -30,16 +30,6 @@ ContactPlacement<T> ForceAssembly<T>::placement(std::size_t index) const {
   return p;
 }
 
-template <Scalar T>
-void ForceAssembly<T>::search_contact(std::size_t index, RelativePose<T> const& pose) const {
-  if constexpr (std::same_as<T, double>) {
-    if (evaluation_.exhaustive_search)
-      evaluation_.search[index].find_all(pose, 0.0);
-    else
-      evaluation_.search[index].find_indented(pose);
-  }
-}
-
 /// Where the load of a wheel lies on the head, its mean [m].
 template <Scalar T>
 T loaded_abscissa(WheelPatches<T> const& patches, int count) {
@@ -91,11 +81,9 @@ void ForceAssembly<T>::find_patches(T const& t, std::vector<int> const& group, S
     if (selection && !selection->contact[index]) continue;
     auto& placed = w_.placed[index];
     placed = placement(index);
-    if (follows_minima(laws.normal)) search_contact(index, placed.pose);
     WheelContact const& contact = model_.contacts[index];
     w_.wheels.push_back({{head_under(index), laws.material, contact.laws.nodes.get()},
                          &placed.pose,
-                         &evaluation_.search[index],
                          &w_.patches[index],
                          &w_.patch_count[index],
                          with_strips ? &w_.strips[index] : nullptr});
@@ -151,7 +139,6 @@ void ForceAssembly<T>::apply_contacts(T const& t, Selection const* selection) co
 }
 
 template ContactPlacement<double> ForceAssembly<double>::placement(std::size_t) const;
-template void ForceAssembly<double>::search_contact(std::size_t, RelativePose<double> const&) const;
 template void ForceAssembly<double>::apply_contacts(double const&, Selection const*) const;
 template void ForceAssembly<JacobianDual>::apply_contacts(JacobianDual const&, Selection const*) const;
 

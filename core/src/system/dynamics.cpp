@@ -55,20 +55,6 @@ void Dynamics::evaluate(double t, double const* x, Inputs const& inputs) {
   if (!(inputs == evaluated_inputs_)) evaluated_inputs_ = inputs;
 }
 
-void Dynamics::search_contacts(double t, double const* x) {
-  ForceAssembly<double> const forces(*model_, evaluated_inputs_, evaluation_, evaluation_.work);
-  unpack(x);
-  forces.place_track(t);
-  evaluated_time_ = std::numeric_limits<double>::quiet_NaN();  // no forces
-  for (std::size_t i = 0; i < model_->contacts.size(); ++i) forces.search_contact(i, forces.placement(i).pose);
-}
-
-std::int64_t Dynamics::search_evaluations() const {
-  std::int64_t sum = 0;
-  for (auto const& search : evaluation_.search) sum += search.node_evaluations();
-  return sum;
-}
-
 Status Dynamics::derivative(double t, double const* x, double* x_dot, double* z_dot, Inputs const& inputs) {
   evaluate(t, x, inputs);
   auto const& work = evaluation_.work;

@@ -62,25 +62,6 @@ double vertical_force_on(Dynamics& dynamics, double t, std::vector<double> const
   return dynamics.work().wrench[at(body)].force.z;
 }
 
-/// Lowers or lifts a wheelset to where its rollers carry what presses on it: in steps that double, then by halving. A search
-/// of contacts that begins near the last one costs least.
-void set_down(Dynamics& dynamics, double t, std::vector<double>& x, int body, double reach, double resolution) {
-  int const z = dynamics.map().coordinate[at(body)][coord_z];
-  if (z < 0) return;
-  double const start = x[at(z)];
-  bool const in_air = !(vertical_force_on(dynamics, t, x, body) > 0.0);
-  double inner = 0.0, outer = 16.0 * resolution;  // distances from the start, on this and on the other side [m]
-  auto const beyond = [&](double distance) {
-    x[at(z)] = in_air ? start - distance : start + distance;
-    return (vertical_force_on(dynamics, t, x, body) > 0.0) == in_air;
-  };
-  while (!beyond(outer) && outer < reach) inner = outer, outer *= 2.0;
-  while (outer - inner > resolution) {
-    double const middle = 0.5 * (inner + outer);
-    (beyond(middle) ? outer : inner) = middle;
-  }
-}
-
 bool is_hanging(Dynamics const& dynamics, int body) {
   Model const& model = dynamics.model();
   for (int c = 0; c < static_cast<int>(model.contacts.size()); ++c)
@@ -340,6 +321,26 @@ std::vector<double> relaxed(Dynamics& dynamics, double t, std::vector<FixedCoord
 }
 
 }  // namespace
+
+// In steps that double, then by halving: a search of contacts that begins near the last one costs least.
+bool set_down(Dynamics& dynamics, double t, std::vector<double>& x, int body, double reach, double resolution) {
+  int const z = dynamics.map().coordinate[at(body)][coord_z];
+  if (z < 0) return true;
+  double const start = x[at(z)];
+  bool const in_air = !(vertical_force_on(dynamics, t, x, body) > 0.0);
+  double inner = 0.0, outer = 16.0 * resolution;  // distances from the start, on this and on the other side [m]
+  auto const beyond = [&](double distance) {
+    x[at(z)] = in_air ? start - distance : start + distance;
+    return (vertical_force_on(dynamics, t, x, body) > 0.0) == in_air;
+  };
+  bool found = beyond(outer);
+  for (; !found && outer < reach; found = beyond(outer)) inner = outer, outer *= 2.0;
+  while (outer - inner > resolution) {
+    double const middle = 0.5 * (inner + outer);
+    (beyond(middle) ? outer : inner) = middle;
+  }
+  return found;
+}
 
 Equilibrium solve_equilibrium(Dynamics& dynamics, double speed, double t, std::vector<FixedCoordinate> const& fixed,
                               std::vector<double> const& near, bool only_near) {

@@ -224,11 +224,9 @@ int ModelBuilder::add_contact(ContactDescription const& d) {
   auto& kalker = kalker_[d.laws.material.poisson_ratio];
   if (!kalker) kalker = std::make_shared<KalkerTable const>(d.laws.material.poisson_ratio);
   c.laws.kalker = kalker;
-  if (std::holds_alternative<ElasticStrips>(d.laws.normal)) {
-    auto& nodes = nodes_[{d.wheel_profile, d.size}];
-    if (!nodes) nodes = std::make_shared<GapNodes const>(*c.pair.wheel, d.size);
-    c.laws.nodes = nodes;
-  }
+  auto& nodes = nodes_[{d.wheel_profile, d.size}];
+  if (!nodes) nodes = std::make_shared<GapNodes const>(*c.pair.wheel, d.size);
+  c.laws.nodes = nodes;
   auto& tip = flange_tips_[{d.wheel_profile, d.size}];
   if (!tip) tip = flange_tip(*c.pair.wheel, d.size);
   c.flange_tip = *tip;
@@ -387,8 +385,8 @@ std::shared_ptr<Model const> ModelBuilder::finish() const {
     model->on_rails = model->on_rails || c.rail;
     model->on_adhesion_map = model->on_adhesion_map || c.laws.friction.map != nullptr;
     model->foremost_wheel = std::max(model->foremost_wheel, c.distance_ahead);
-    need(!model->changes_heads() || !follows_minima(c.laws.normal),
-         "heads that change need a law of normal contact that looks at the profiles in every call: elastic strips");
+    need(!model->changes_heads() || std::holds_alternative<ElasticStrips>(c.laws.normal),
+         "heads that change need elastic strips: one rise for all patches of a wheel is for patches that move little");
   }
   for (Body const& b : model->bodies) {
     model->rear = std::min(model->rear, b.position.x);

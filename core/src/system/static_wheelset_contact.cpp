@@ -54,9 +54,7 @@ StaticPatch seen(WheelContact const& contact, NormalPatch<double> const& patch) 
 }  // namespace
 
 StaticWheelsetContact::StaticWheelsetContact(std::shared_ptr<Model const> model, int left, int right)
-    : model_{std::move(model)},
-      contact_{&model_->contact(left, "left"), &model_->contact(right, "right")},
-      search_{ContactSearch(contact_[0]->pair), ContactSearch(contact_[1]->pair)} {
+    : model_{std::move(model)}, contact_{&model_->contact(left, "left"), &model_->contact(right, "right")} {
   if (contact_[0]->right || !contact_[1]->right || contact_[0]->wheelset != contact_[1]->wheelset)
     throw std::invalid_argument("left and right must be the two contacts of one wheelset");
 }
@@ -73,7 +71,7 @@ RelativePose<double> StaticWheelsetContact::pose(WheelsetPosition const& p, bool
   return {offset + m.p, m.R};
 }
 
-StaticWheelsetContact::Load StaticWheelsetContact::load_at(WheelsetPosition const& p) {
+StaticWheelsetContact::Load StaticWheelsetContact::load_at(WheelsetPosition const& p) const {
   Load load{0.0, 0.0};
   for (bool right : {false, true}) {
     auto const at = pose(p, right);
@@ -87,15 +85,13 @@ StaticWheelsetContact::Load StaticWheelsetContact::load_at(WheelsetPosition cons
   return load;
 }
 
-std::vector<StaticPatch> StaticWheelsetContact::patches(WheelsetPosition const& p, bool right) {
+std::vector<StaticPatch> StaticWheelsetContact::patches(WheelsetPosition const& p, bool right) const {
   WheelContact const& contact = *contact_[right];
-  ContactSearch& search = search_[right];
   auto const at = pose(p, right);
-  if (follows_minima(contact.laws.normal)) search.find_indented(at);
   PatchList<NormalPatch<double>> found;
   int count = 0;
   std::array const wheel{NormalContact<double, NormalPatch<double>>{
-      {contact.pair, contact.laws.material, contact.laws.nodes.get()}, &at, &search, &found, &count}};
+      {contact.pair, contact.laws.material, contact.laws.nodes.get()}, &at, &found, &count}};
   normal_patches<double, NormalPatch<double>>(contact.laws.normal, wheel);
   std::vector<StaticPatch> list;
   for (int k = 0; k < count; ++k) list.push_back(seen(contact, found[static_cast<std::size_t>(k)]));
@@ -103,17 +99,15 @@ std::vector<StaticPatch> StaticWheelsetContact::patches(WheelsetPosition const& 
 }
 
 PointWrench<double> StaticWheelsetContact::creep(WheelsetPosition const& p, bool right,
-                                                 ContactMotion<double> const& motion) {
+                                                 ContactMotion<double> const& motion) const {
   WheelContact const& contact = *contact_[right];
   ContactLaws const& laws = contact.laws;
   auto const at = pose(p, right);
-  if (follows_minima(laws.normal)) search_[right].find_indented(at);
   WheelPatches<double> found;
   auto const strips = std::make_unique<WheelStrips<double>>();
   int count = 0;
   std::array const wheel{NormalContact<double, Patch<double>>{{contact.pair, laws.material, laws.nodes.get()},
                                                               &at,
-                                                              &search_[right],
                                                               &found,
                                                               &count,
                                                               follows_strips(laws.creep) ? strips.get() : nullptr}};
@@ -132,39 +126,42 @@ PointWrench<double> StaticWheelsetContact::creep(WheelsetPosition const& p, bool
   return sum;
 }
 
-std::vector<StaticPatch> StaticWheelsetContact::minima(WheelsetPosition const& position, bool right, double reach) {
-  ContactSearch& search = search_[right];
+std::vector<StaticPatch> StaticWheelsetContact::minima(WheelsetPosition const& position, bool right,
+                                                       double reach) const {
+  WheelContact const& contact = *contact_[right];
   auto const at = pose(position, right);
-  search.find_all(at, reach);
+  auto const minima = find_minima(contact.pair, *contact.laws.nodes, at, reach);
   std::vector<StaticPatch> list;
-  for (int k = 0; k < search.count(); ++k) {
+  for (std::size_t k = 0; k < minima.count; ++k) {
     NormalPatch<double> patch;
-    patch.point = contact_point(contact_[right]->pair, at, search[k].s, search[k].gradient);
-    hertz_patch(contact_[right]->laws.material, patch);
-    list.push_back(seen(*contact_[right], patch));
+    patch.point = contact_point(contact.pair, at, minima.minimum[k]);
+    hertz_patch(contact.laws.material, patch);
+    list.push_back(seen(contact, patch));
   }
   return list;
 }
 
-double StaticWheelsetContact::touch_height(WheelsetPosition p, bool right) {
+double StaticWheelsetContact::touch_height(WheelsetPosition p, bool right) const {
+  double reach = 1.0;  // [m]
   auto const lowest_gap = [&](double z) {
     p.z = z;
-    double gap = 1.0;
-    for (auto const& patch : minima(p, right, 1.0)) gap = std::min(gap, -patch.approach);
+    double gap = reach;
+    for (auto const& patch : minima(p, right, reach)) gap = std::min(gap, -patch.approach);
     return gap;
   };
-  // From above: lowering the wheel by d takes at most d off any gap, so a step may be as long as the lowest gap.
+  // From above: lowering the wheel by d takes at most d off any gap, so a step may be as long as the lowest gap, which only falls.
   double high = 0.05;
   double low = high;
   for (double gap = lowest_gap(low); gap >= 0.0 && low > -0.05; gap = lowest_gap(low)) {
     high = low;
-    low -= gap < 1.0 ? std::max(0.5e-3, gap) : 0.5e-3;
+    low -= gap < reach ? std::max(0.5e-3, gap) : 0.5e-3;
+    reach = std::min(reach, gap + 1e-6);
   }
   return root_between(lowest_gap, low, high, 1e-13);
 }
 
 /// Height at which the contacts carry `load`, looked for around p.z.
-double StaticWheelsetContact::height_for(WheelsetPosition p, double load) {
+double StaticWheelsetContact::height_for(WheelsetPosition p, double load) const {
   double const start = p.z;
   auto const surplus = [&](double z) {
     p.z = z;
@@ -179,7 +176,7 @@ double StaticWheelsetContact::height_for(WheelsetPosition p, double load) {
   return root_between(surplus, low, high, 1e-13);
 }
 
-LoadedWheelset StaticWheelsetContact::solve(WheelsetPosition p, double load, bool free_to_roll) {
+LoadedWheelset StaticWheelsetContact::solve(WheelsetPosition p, double load, bool free_to_roll) const {
   p.z = std::max(touch_height(p, false), touch_height(p, true));
   if (free_to_roll) {
     auto const moment = [&](double roll) {
@@ -207,28 +204,18 @@ LoadedWheelset StaticWheelsetContact::solve(WheelsetPosition p, double load, boo
   return result;
 }
 
-WheelBatch::WheelBatch(StaticWheelsetContact& wheelset, WheelsetPosition position, bool right, int wheels)
-    : law_{wheelset.contact_[right]->laws.normal},
-      search_(static_cast<std::size_t>(wheels), wheelset.search_[right]),
-      patches_(search_.size()),
-      count_(search_.size()) {
+WheelBatch::WheelBatch(StaticWheelsetContact const& wheelset, WheelsetPosition position, bool right, int wheels)
+    : law_{wheelset.contact_[right]->laws.normal}, patches_(static_cast<std::size_t>(wheels)), count_(patches_.size()) {
   WheelContact const& contact = *wheelset.contact_[right];
-  for (std::size_t i = 0; i < search_.size(); ++i) {
+  for (std::size_t i = 0; i < patches_.size(); ++i) {
     pose_.push_back(wheelset.pose(position, right));
     position.y += 0.1e-3;
   }
-  for (std::size_t i = 0; i < search_.size(); ++i)
-    contacts_.push_back({{contact.pair, contact.laws.material, contact.laws.nodes.get()},
-                         &pose_[i],
-                         &search_[i],
-                         &patches_[i],
-                         &count_[i]});
+  for (std::size_t i = 0; i < patches_.size(); ++i)
+    contacts_.push_back(
+        {{contact.pair, contact.laws.material, contact.laws.nodes.get()}, &pose_[i], &patches_[i], &count_[i]});
 }
 
-void WheelBatch::evaluate() {
-  if (follows_minima(law_))
-    for (std::size_t i = 0; i < search_.size(); ++i) search_[i].find_indented(pose_[i]);
-  normal_patches<double, NormalPatch<double>>(law_, contacts_);
-}
+void WheelBatch::evaluate() { normal_patches<double, NormalPatch<double>>(law_, contacts_); }
 
 }  // namespace rollerrig

@@ -15,13 +15,13 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from rollerrig.analysis.assessment import Assessment as Assessment
     from rollerrig.analysis.assessment import Row as Row
+    from rollerrig.analysis.assessment import accelerations as accelerations
     from rollerrig.analysis.assessment import assess as assess
     from rollerrig.analysis.assessment import table as table
+    from rollerrig.analysis.assessment import weighted_rms as weighted_rms
     from rollerrig.analysis.critical_speed import CriticalSpeedByDisturbance as CriticalSpeedByDisturbance
     from rollerrig.analysis.critical_speed import LinearCriticalSpeed as LinearCriticalSpeed
     from rollerrig.analysis.critical_speed import linear_critical_speed as linear_critical_speed
-    from rollerrig.analysis.crossings import Crossing as Crossing
-    from rollerrig.analysis.crossings import zero_crossings as zero_crossings
     from rollerrig.analysis.hunting import HuntingRun as HuntingRun
     from rollerrig.analysis.hunting import HuntingSettings as HuntingSettings
     from rollerrig.analysis.hunting import hunting_run as hunting_run
@@ -30,14 +30,14 @@ if TYPE_CHECKING:
     from rollerrig.analysis.limit_cycle import Diagram as Diagram
     from rollerrig.analysis.limit_cycle_runs import LimitCycleSettings as LimitCycleSettings
     from rollerrig.analysis.limit_cycle_runs import limit_cycle_table as limit_cycle_table
-    from rollerrig.analysis.linearise import Linearisation as Linearisation
-    from rollerrig.analysis.linearise import Lineariser as Lineariser
+    from rollerrig.analysis.mode_table import Crossing as Crossing
     from rollerrig.analysis.mode_table import stability as stability
+    from rollerrig.analysis.mode_table import zero_crossings as zero_crossings
+    from rollerrig.analysis.modes import Linearisation as Linearisation
+    from rollerrig.analysis.modes import Lineariser as Lineariser
     from rollerrig.analysis.ramp import RampSettings as RampSettings
     from rollerrig.analysis.ramp import end_of_hunting as end_of_hunting
     from rollerrig.analysis.ramp import ramp_run as ramp_run
-    from rollerrig.analysis.ride import accelerations as accelerations
-    from rollerrig.analysis.ride import weighted_rms as weighted_rms
     from rollerrig.analysis.signals import final_motion as final_motion
     from rollerrig.analysis.signals import growth_rate as growth_rate
     from rollerrig.analysis.signals import half_waves as half_waves
@@ -49,18 +49,18 @@ if TYPE_CHECKING:
 _HOME = {
     "Assessment": "assessment",
     "CriticalSpeedByDisturbance": "critical_speed",
-    "Crossing": "crossings",
+    "Crossing": "mode_table",
     "CyclePoint": "limit_cycle",
     "Diagram": "limit_cycle",
     "HuntingRun": "hunting",
     "HuntingSettings": "hunting",
     "LimitCycleSettings": "limit_cycle_runs",
     "LinearCriticalSpeed": "critical_speed",
-    "Linearisation": "linearise",
-    "Lineariser": "linearise",
+    "Linearisation": "modes",
+    "Lineariser": "modes",
     "RampSettings": "ramp",
     "Row": "assessment",
-    "accelerations": "ride",
+    "accelerations": "assessment",
     "assess": "assessment",
     "end_of_hunting": "ramp",
     "filtered": "wheel_rail_forces",
@@ -76,9 +76,9 @@ _HOME = {
     "stability": "mode_table",
     "statistics": "wheel_rail_forces",
     "table": "assessment",
-    "weighted_rms": "ride",
+    "weighted_rms": "assessment",
     "wheel_forces": "wheel_rail_forces",
-    "zero_crossings": "crossings",
+    "zero_crossings": "mode_table",
 }
 """Public name -> module that defines it."""
 

@@ -19,13 +19,13 @@ from numpy.typing import NDArray
 
 from rollerrig import _core
 from rollerrig.analysis.wheel_rail_forces import wheel_forces
-from rollerrig.assembly import AssembledModel, assemble
+from rollerrig.assembly.model import AssembledModel, assemble
 from rollerrig.cases import as_case, at_speed, on_track, without_actuators
+from rollerrig.common.linear_algebra import eigenvalues
 from rollerrig.config import Case, ConfigError, Rig
 from rollerrig.config.schema.track import Curve
-from rollerrig.eigenvalues import eigenvalues
 from rollerrig.results import Outcome, run_dataset, variable
-from rollerrig.starting_state import StartError
+from rollerrig.simulation.starting_state import StartError
 
 Vector = NDArray[np.float64]
 

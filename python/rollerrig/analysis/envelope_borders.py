@@ -13,7 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from rollerrig.analysis.run_limits import REPRODUCED
+from rollerrig.analysis.rig_limits import REPRODUCED
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,12 @@
 """Equivalent dead time of a rig: how much later its slide protection acts on the rail than on track.
 
-Case of a rig with [rig_control] -> [predicted_dead_time] -> DeadTime, in closed form
-numbers of rig and track -> [at_track_of] -> the dead time at which the track does as the rig does
+    AssembledModel of a case with [rig_control] -> [lags] -> Lags
+
+A rig whose controller is late acts on the wheels like a track whose slide protection has that much more dead time: the axle's
+torque reaches the virtual wheel late, and the wanted torque the roller. Equations: docs/theory/rig_control.md, (D17).
+
+    Case of a rig with [rig_control] -> [predicted_dead_time] -> DeadTime, in closed form
+    numbers of rig and track -> [at_track_of] -> the dead time at which the track does as the rig does
 
 Equations: docs/theory/rig_control.md, (D17), (Q7) and (Q8).
 """
@@ -11,10 +16,56 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from rollerrig.actuators import assemble_with_actuators
+from rollerrig import _core
+from rollerrig.assembly.actuators import assemble_with_actuators
+from rollerrig.assembly.model import AssembledModel
 from rollerrig.config import Case
-from rollerrig.mechatronics.lags import lags
-from rollerrig.mechatronics.setup import assumed_parameters
+from rollerrig.config.schema.rig_control import (
+    EstimatedTorque,
+    ExactEstimator,
+    ExtrapolatedTorque,
+    LeadCommand,
+    TorqueLoop,
+)
+from rollerrig.simulation.mechatronics import assumed_parameters, drive_command, estimator_response, motor
+
+
+@dataclass(frozen=True)
+class Lags:
+    """Lags of slow changes [s]; negative: ahead.
+
+    Attributes:
+        torque: of the axle's torque that the virtual train takes.
+        drive: of the roller's torque behind the wanted one; half a sample ahead with the default lead, (D22).
+    """
+
+    torque: float
+    drive: float
+
+    @property
+    def dead_time(self) -> float:
+        """Equivalent dead time, their sum [s]."""
+        return self.torque + self.drive
+
+
+def lags(model: AssembledModel) -> Lags:
+    """Lags that are left with the compensation of the case.
+
+    Args:
+        model: of a case with [rig_control].
+    """
+    control = model.case.rig_control
+    assert control is not None
+    torque, command = control.axle_torque, control.drive_command
+    late = 0.0
+    if isinstance(torque, EstimatedTorque | ExtrapolatedTorque) and not isinstance(control.estimator, ExactEstimator):
+        late = estimator_response(model)["torque"][1]
+    if isinstance(torque, ExtrapolatedTorque):
+        late -= torque.ahead
+    gain = command.gain if isinstance(command, TorqueLoop) else 0.0
+    lead = drive_command(control).ahead if isinstance(command, LeadCommand) else 0.0
+    drive = _core.torque_lag(motor(control.motor), control.sample_time, control.delay, gain)
+    return Lags(late, drive - lead)
 
 
 @dataclass(frozen=True)

@@ -1,34 +1,46 @@
 """Runs from a lateral disturbance at constant speed: does it decay, or end in a limit cycle?
 
-    Case, speeds -> [run, signals] -> amplitude, frequency and growth rate over speed -> critical speed by disturbance
+    Case, speeds -> [run until decided] -> amplitude, frequency and growth rate over speed -> critical speed by disturbance
 
 The critical speed by disturbance is the lowest at which a disturbance of a given size ends in a persistent oscillation. It
 depends on that size, and it can lie below the linear one.
+
+What is left of the sideways motion of a run at constant speed: has it decayed, or does the vehicle hunt?
+
+    run -> [lateral_rest] -> the body that moves most at the end, amplitude, frequency, growth rate -> report
+
+It is asked only where nothing but the start disturbs the vehicle: straight and smooth, without actuators, at constant speed.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import xarray as xr
 
-from rollerrig.analysis.crew import Progress
+from rollerrig import _core
+from rollerrig.analysis.limit_cycle import LEAST_AMPLITUDE, Decision, decide_motion
 from rollerrig.analysis.signals import FinalMotion, final_motion, half_waves
+from rollerrig.analysis.wheel_rail_forces import curved, irregular
+from rollerrig.assembly.model import assemble
 from rollerrig.cases import at_speed, displaced, leading_wheelset
 from rollerrig.config import Case
 from rollerrig.results import RunInfo, variable
-from rollerrig.simulation import simulate
+from rollerrig.results.dataset import add_energy_audit, run_draft
+from rollerrig.simulation.run import Progress, begin, march, outcome
+from rollerrig.simulation.starting_state import starting_state
 
-LEAST_AMPLITUDE = 2e-5
-"""A limit cycle below 0.02 mm is not counted as one [m]."""
+NOT_DECIDED = "not_decided"
+"""Status of a run that came to its end, but to no decision."""
 
-SLOWEST_DECAY = 0.2
-"""An oscillation that decays faster than this at the end of its run counts as decaying [1/s]."""
+PIECE = 2.0
+"""By so much a run is prolonged until it is decided [s]."""
 
 SIGNALS = ("lateral", "yaw")
+LATERAL = [name for name, _, _ in _core.body_fields].index("y")
 
 
 @dataclass(frozen=True)
@@ -41,6 +53,7 @@ class HuntingSettings:
         output_step: interval of the samples [s].
         relative_tolerance: of the integrator.
         absolute_tolerance: of the integrator, for displacements [m].
+        longest: to which a run is prolonged while it is open whether its motion persists [s].
     """
 
     disturbance: float = 3e-3
@@ -48,6 +61,7 @@ class HuntingSettings:
     output_step: float = 5e-3
     relative_tolerance: float = 1e-4
     absolute_tolerance: float = 1e-7
+    longest: float = 30.0
 
 
 @dataclass(frozen=True)
@@ -59,27 +73,29 @@ class HuntingRun:
         body: whose lateral motion decides.
         motion: Dataset over time and body, with the run's attributes.
         final: the motion at the end of the run.
+        decision: whether it persists or decays.
     """
 
     speed: float
     body: str
     motion: xr.Dataset
     final: FinalMotion
+    decision: Decision
 
     @property
     def valid(self) -> bool:
-        """Whether the run came to its end; one that did not says neither that the motion persists nor that it decays."""
+        """Whether the run came to its end and to a decision; else it says neither that the motion persists nor that it decays."""
         return str(self.motion.attrs["status"]) == "ok"
 
     @property
     def persists(self) -> bool:
-        """Whether the run came to its end in an oscillation that persists."""
-        return self.valid and self.final.persists(LEAST_AMPLITUDE, SLOWEST_DECAY)
+        """Whether the run ended in an oscillation that persists."""
+        return self.valid and self.decision == "persists"
 
     @property
     def decays(self) -> bool:
-        """Whether the run came to its end, and the disturbance had decayed or was decaying."""
-        return self.valid and not self.final.persists(LEAST_AMPLITUDE, SLOWEST_DECAY)
+        """Whether the disturbance had decayed or was decaying."""
+        return self.valid and self.decision == "decays"
 
 
 def hunting_case(case: Case, speed: float, settings: HuntingSettings) -> Case:
@@ -104,7 +120,7 @@ def observed_body(case: Case) -> str:
 
 
 def hunting_run(job: tuple[Case, float, HuntingSettings], progress: Progress | None = None) -> HuntingRun:
-    """One run from a disturbance at constant speed.
+    """One run from a disturbance at constant speed, until it is decided whether the motion persists.
 
     Args:
         job: case, running speed [m/s], settings.
@@ -115,14 +131,52 @@ def hunting_run(job: tuple[Case, float, HuntingSettings], progress: Progress | N
         StartError: no state was found from which the run can start.
     """
     case, speed, settings = job
-    run = simulate(hunting_case(case, speed, settings), progress=progress)
-    if run.attrs["status"] == "interrupted":
-        raise KeyboardInterrupt
-    body = observed_body(case)
-    moving = RunInfo.of(run).moving
-    motion = run[list(SIGNALS)].sel(body=moving).copy(deep=True)
-    lateral = motion["lateral"].sel(body=body).to_numpy()
-    return HuntingRun(speed, body, motion, final_motion(motion["time"].to_numpy(), lateral))
+    longest = max(settings.duration, settings.longest)
+    model = assemble(hunting_case(case, speed, replace(settings, duration=longest)))
+    simulation = _core.Simulation(model.core)
+    body = model.body_index(observed := observed_body(case))
+    room = math.ceil(longest / settings.output_step) + 2
+    times, rows = np.empty(room), np.empty((room, simulation.width))
+    begin(simulation, model, starting_state(simulation, model))
+    code, filled, at = _core.status_codes["ok"], 0, 0.0
+    decision: Decision = "open"
+
+    def report(at: float, _filled: int) -> None:
+        if progress is not None:
+            progress(at / longest, f"{3.6 * speed:.0f} km/h, t = {at:.1f} s")  # Ctrl-C arrives here
+
+    while code == _core.status_codes["ok"] and decision == "open" and at < longest:
+        until = min(max(at + PIECE, settings.duration), longest)
+        code, more = march(
+            simulation,
+            until,
+            times[filled:],
+            rows[filled:],
+            slice_length=settings.output_step,
+            begin_at=at,
+            report=report,
+        )
+        at, filled = until, filled + more
+        lateral = rows[:filled, body * len(_core.body_fields) + LATERAL]
+        decision = decide_motion(times[:filled], lateral, ended=at >= longest)
+    ended = outcome(simulation, model, code)
+    draft = run_draft(model, times[:filled], rows[:filled], ended)
+    add_energy_audit(draft)
+    run = draft.dataset()
+    motion = run[list(SIGNALS)].sel(body=RunInfo.of(run).moving).copy(deep=True)
+    time, lateral = motion["time"].to_numpy(), motion["lateral"].sel(body=observed).to_numpy()
+    final = final_motion(time, lateral, PIECE / at if at > settings.duration else 1 / 3)
+    if ended.status == "ok" and decision == "open":
+        motion.attrs |= {"status": NOT_DECIDED, "status_message": not_decided(at, final.amplitude, final.rate)}
+    return HuntingRun(speed, observed, motion, final, decision)
+
+
+def not_decided(time: float, amplitude: float, rate: float) -> str:
+    """What an open run says: its time [s], its amplitude [m] and growth rate [1/s] at the end."""
+    return (
+        f"after {time:g} s it was not decided whether the motion persists: an amplitude of {1e3 * amplitude:.3g} mm that changes "
+        f"by {100.0 * rate:+.2g} %/s"
+    )
 
 
 DECAY_SHARE = 0.1
@@ -145,7 +199,7 @@ def decay_frequency(run: HuntingRun) -> float:
 def hunting_table(runs: Sequence[HuntingRun], disturbance: float) -> xr.Dataset:
     """Runs as a Dataset over speed: amplitude, frequency, growth rate at the end; whether it persists or decays.
 
-    A run that did not come to its end does neither; amplitude, frequency and growth rate are NaN.
+    A run that did not come to its end or to a decision does neither; amplitude, frequency and growth rate are NaN.
     """
     ordered = sorted(runs, key=lambda run: run.speed)
     ended = [run.final if run.valid else FinalMotion(math.nan, math.nan, math.nan) for run in ordered]
@@ -163,10 +217,56 @@ def hunting_table(runs: Sequence[HuntingRun], disturbance: float) -> xr.Dataset:
             "decay_frequency": variable("speed", decaying, "Hz", "frequency while it decays"),
             "rate_at_end": variable("speed", rate, "1/s", "growth rate at the end"),
             "persists": variable("speed", persists, "1", "1: the run ends in an oscillation that persists"),
-            "decays": variable(
-                "speed", decays, "1", "1: the oscillation decays; neither: the run did not come to its end"
-            ),
+            "decays": variable("speed", decays, "1", "1: the oscillation decays; neither: the run was not decided"),
         },
         {"speed": variable("speed", np.array([3.6 * r.speed for r in ordered]), "km/h", "running speed")},
         {"disturbance_mm": 1e3 * disturbance, "body": body},
     )
+
+
+CONSTANT = 0.01
+"""Share of the speed: a run whose speed varies by less is one at constant speed [1]."""
+
+
+@dataclass(frozen=True)
+class LateralRest:
+    """Sideways motion in the last third of a run.
+
+    Attributes:
+        body: that moves most there.
+        largest: distance from its place in the whole run, either side [m].
+        final: what is left of its motion [m].
+        decision: whether it persists or decays; 'open' where the run is too short to tell.
+    """
+
+    body: str
+    largest: float
+    final: FinalMotion
+    decision: Decision
+
+
+def lateral_rest(run: xr.Dataset) -> LateralRest | None:
+    """What is left of the sideways motion.
+
+    Args:
+        run: of `simulate`.
+
+    Returns:
+        None where that is not to be said: the run did not come to its end, something else than the start disturbs the vehicle,
+        it was at rest all the time, or it ended within two half-waves.
+    """
+    info, speed = RunInfo.of(run), run["speed"].to_numpy()
+    if run.attrs["status"] != "ok" or len(speed) < 4 or info.actuators or curved(run) or irregular(run):
+        return None
+    if float(np.ptp(speed)) > CONSTANT * float(np.abs(speed).max()):
+        return None
+    bodies = info.moving
+    lateral = run["lateral"].sel(body=bodies).transpose("body", "time").to_numpy()
+    time = run["time"].to_numpy()
+    tail = lateral[:, time >= time[-1] - (time[-1] - time[0]) / 3]
+    ranges, largest = 0.5 * np.ptp(tail, axis=1), np.abs(lateral).max(axis=1)
+    at = int(ranges.argmax() if ranges.max() >= LEAST_AMPLITUDE else largest.argmax())
+    final = final_motion(time, lateral[at])
+    if largest[at] < LEAST_AMPLITUDE or (ranges[at] >= LEAST_AMPLITUDE and final.amplitude == 0.0):
+        return None
+    return LateralRest(bodies[at], float(largest[at]), final, decide_motion(time, lateral[at], ended=True))

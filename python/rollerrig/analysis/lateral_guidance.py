@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from rollerrig import _core
 from rollerrig.analysis.signals import half_waves
-from rollerrig.analysis.tracking import slip, under_test, virtual_slip
+from rollerrig.analysis.slide_statistics import slip, under_test, virtual_slip
 from rollerrig.config import Case
 
 Array = NDArray[np.float64]

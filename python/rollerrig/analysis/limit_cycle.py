@@ -19,11 +19,17 @@ from dataclasses import dataclass, field
 from typing import Generic, Literal, Protocol, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
+
+from rollerrig.analysis.signals import final_motion
 
 State = TypeVar("State")
 
 LEAST_AMPLITUDE = 2e-5
 """An oscillation below 0.02 mm is rest [m]."""
+
+WAVES, POINTS = 3, 96
+"""Waves in a window of a signal, and points at which its spline is read there."""
 
 ALIKE = 0.1
 """Two amplitudes that differ by less than this part of the larger one are of one branch [1]."""
@@ -40,9 +46,9 @@ class CyclePoint:
         frequency: of the oscillation [Hz]; NaN at rest.
         guiding_force: largest |Y| of any wheel, unfiltered [N].
         rate: growth rate of the amplitude at the end [1/s].
-        settled: whether the amplitude had come to stay before the longest time was over.
         duration: simulated time [s].
-        status: 'ok', or why the run ended early: such a run is neither a limit cycle nor rest.
+        status: 'ok'; 'not_decided', where the amplitude had neither come to stay nor decayed before the longest time was over;
+            or why the run ended early: such a run is neither a limit cycle nor rest.
         message: the same as a sentence, with time, wheel and remedy; '' if it came to its end.
     """
 
@@ -52,14 +58,13 @@ class CyclePoint:
     frequency: float = math.nan
     guiding_force: float = math.nan
     rate: float = math.nan
-    settled: bool = True
     duration: float = 0.0
     status: str = "ok"
     message: str = ""
 
     @property
     def valid(self) -> bool:
-        """Whether the run came to its end."""
+        """Whether the run came to its end and to a decision."""
         return self.status == "ok"
 
     @property
@@ -69,7 +74,7 @@ class CyclePoint:
 
     @property
     def decays(self) -> bool:
-        """Whether the run came to rest, or was coming to rest at its end."""
+        """Whether the run came to rest, or was coming to rest."""
         return self.valid and self.amplitude == 0.0
 
 
@@ -168,7 +173,7 @@ KIND_SENTENCES: dict[Kind, str] = {
     "supercritical": "Supercritical: limit cycles begin at the linear critical speed.",
     "detached": "Limit cycles beside a steady state that is stable in the whole range: only a large disturbance leads there.",
     "unstable throughout": "Limit cycles at all speeds of the range: their beginning lies below it.",
-    "open": "Where limit cycles begin is left open by runs that did not come to their end.",
+    "open": "Where limit cycles begin is left open by runs that did not come to their end or to a decision.",
 }
 
 
@@ -222,9 +227,10 @@ class Diagram:
     def kind(self) -> Kind:
         """What the amplitudes say about the bifurcation at the linear critical speed."""
         low, high = self.decays, self.lowest_cycle
+        # NaN compares as false: no such limit. At the onset itself nothing ever settles: a run there leaves nothing open.
         if any(
-            not p.speed < low and not p.speed > high for p in self.ended_early
-        ):  # NaN compares as false: no such limit
+            not p.speed < low and not p.speed > high and not high - p.speed <= self.tolerance for p in self.ended_early
+        ):
             return "open"
         if not math.isfinite(high):
             return "none"
@@ -261,39 +267,81 @@ def diagram(up: Branch[State] | None, down: Branch[State] | None, linear: float,
 # ---------------------------------------------------------------------------------------------------- settling
 
 
-@dataclass(frozen=True)
-class Settling:
-    """When an oscillation counts as settled.
+Decision = Literal["persists", "decays", "open"]
 
-    Attributes:
-        change: amplitudes of successive windows that differ by less than this part have come to stay [1].
-        windows: so many of them in a row.
-        irregular: a motion whose amplitudes scatter counts as settled if so many windows show no trend.
-        trend: growth rate that is none [1/s].
+SETTLED, WINDOWS = 0.01, 3
+"""Amplitudes that differ by less than this part of the largest have come to stay, in so many windows in a row."""
+IRREGULAR, TREND = 8, 0.02
+"""Windows in which amplitudes that scatter may have no trend above this growth rate [1/s]."""
+FALLEN, NOT_SLOWING = 0.1, 0.9
+"""Part by which amplitudes of four windows must fall to decay (of three, where there are no more), and least part of the first
+fall that the last one must have."""
+
+
+def decide(amplitudes: Sequence[float], window: float, *, ended: bool = False) -> Decision:
+    """Whether an oscillation persists or decays: the one rule, of every study.
+
+    It persists where its amplitudes have come to stay. It decays where they are below LEAST_AMPLITUDE and fall, or where they
+    fall without slowing down: a motion that falls ever more slowly may come to a limit cycle or linger beside the place of
+    one before it decays, and is open. A motion that grows is open until its time is over, then it persists.
+
+    Args:
+        amplitudes: one per window of time [m].
+        window: its length [s].
+        ended: whether no more of them will come.
     """
+    last = np.asarray(amplitudes[-4:])
+    if not len(last):
+        return "open"
+    changes = np.diff(np.log(np.maximum(last, 1e-300)))
+    if last[-1] < LEAST_AMPLITUDE:
+        tiny = len(changes) > 0 and last[-1] < 0.05 * LEAST_AMPLITUDE
+        falls = len(changes) > 1 and bool((changes[-2:] < 0.0).all())
+        return "decays" if ended or tiny or falls or is_settled(amplitudes, window) else "open"
+    if is_settled(amplitudes, window):
+        return "persists"
+    if len(changes) > (1 if ended else 2) and (changes < 0.0).all():
+        goes_on = changes.sum() < math.log1p(-FALLEN) and changes[-1] <= NOT_SLOWING * changes[0]
+        return "decays" if goes_on else "open"
+    return "persists" if ended and len(changes) > 1 and (changes > 0.0).all() else "open"
 
-    change: float = 0.01
-    windows: int = 3
-    irregular: int = 8
-    trend: float = 0.02
 
-
-def is_settled(amplitudes: Sequence[float], window: float, rules: Settling | None = None) -> bool:
+def is_settled(amplitudes: Sequence[float], window: float) -> bool:
     """Whether the amplitudes of successive windows of time have come to stay.
 
     Args:
         amplitudes: one per window [m], positive.
         window: its length [s].
-        rules: when.
     """
-    chosen = rules or Settling()
-    last = np.asarray(amplitudes[-chosen.windows :])
-    if len(last) == chosen.windows and float(np.ptp(last)) <= chosen.change * float(last.max()):
+    last = np.asarray(amplitudes[-WINDOWS:])
+    if len(last) == WINDOWS and float(np.ptp(last)) <= SETTLED * float(last.max()):
         return True
-    if len(amplitudes) < chosen.irregular:
+    many = np.asarray(amplitudes[-IRREGULAR:])
+    if len(many) < IRREGULAR or not many.min() > 0.0:
         return False
-    many = np.asarray(amplitudes[-chosen.irregular :])
     slope = float(np.polyfit(window * np.arange(len(many)), np.log(many), 1)[0])
     scatter = float(np.std(np.log(many)))
     # a trend must be small, and be lost in the scatter: else a slow growth would pass for an irregular motion
-    return abs(slope) < chosen.trend and abs(slope) * window * len(many) < scatter
+    return abs(slope) < TREND and abs(slope) * window * len(many) < scatter
+
+
+def decide_motion(time: NDArray[np.float64], signal: NDArray[np.float64], *, ended: bool = False) -> Decision:
+    """The same of a signal, in windows of WAVES waves from its end on, by the range of its spline in each.
+
+    Args:
+        time: rising times [s].
+        signal: lateral displacement, shape of `time` [m].
+        ended: whether no more of it will come.
+    """
+    from scipy.interpolate import CubicSpline  # slow to load, and seldom needed
+
+    final = final_motion(time, signal)
+    if not final.amplitude:  # less than a wave in the last third, or nothing at all
+        tail = signal[time >= time[-1] - (time[-1] - time[0]) / 3] if len(time) else signal
+        return "decays" if len(tail) > 3 and 0.5 * float(np.ptp(tail)) < LEAST_AMPLITUDE else "open"
+    window = WAVES / final.frequency
+    count = min(int((time[-1] - time[0]) / window * (1 + 1e-9)), IRREGULAR)
+    grid = np.linspace(time[-1] - count * window, time[-1], count * POINTS + 1)
+    values = CubicSpline(time, signal)(grid)
+    ranges = [0.5 * float(np.ptp(values[k * POINTS : (k + 1) * POINTS + 1])) for k in range(count)]
+    return decide(ranges, window, ended=ended)

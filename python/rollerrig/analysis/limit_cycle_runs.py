@@ -13,24 +13,20 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from rollerrig import _core
-from rollerrig.analysis.crew import Progress
-from rollerrig.analysis.hunting import HuntingSettings, hunting_case
-from rollerrig.analysis.limit_cycle import LEAST_AMPLITUDE, CyclePoint, Diagram, is_settled
+from rollerrig.analysis.hunting import NOT_DECIDED, HuntingSettings, hunting_case, not_decided
+from rollerrig.analysis.limit_cycle import CyclePoint, Decision, Diagram, decide
 from rollerrig.analysis.signals import half_waves
-from rollerrig.assembly import AssembledModel, assemble
+from rollerrig.assembly.model import AssembledModel, assemble
 from rollerrig.config import Case
 from rollerrig.results import Outcome, run_dataset, variable
-from rollerrig.simulation import begin, march, outcome
-from rollerrig.starting_state import starting_state
+from rollerrig.simulation.run import Progress, begin, march, outcome
+from rollerrig.simulation.starting_state import starting_state
 
 Vector = NDArray[np.float64]
 LastState = tuple[float, Vector]
 """Speed [m/s] and state in which a run ended."""
 
 PITCH = 4
-DECAY = 0.1
-"""An oscillation that decays faster than this when the longest time is over counts as at rest [1/s]."""
-
 SAMPLES_BY = 8
 """Rows of results beyond those a window needs."""
 
@@ -43,7 +39,7 @@ class LimitCycleSettings:
         disturbance: lateral offset of the leading wheelset at the start of the downward sweep [m].
         perturbation: the same on the upward sweep [m].
         window: amplitudes are compared between pieces of a run of this length [s], or of four waves if that is longer.
-        longest: time after which a run ends, settled or not [s].
+        longest: time after which a run ends, decided or not [s].
         output_step: interval of the samples [s].
         relative_tolerance: of the integrator.
         absolute_tolerance: of the integrator, for displacements [m].
@@ -90,7 +86,7 @@ def settling_run(
     )
     model = assemble(hunting_case(case, speed, hunting))
     simulation = _core.Simulation(model.core)
-    start = starting_state(simulation, model) if state is None else at_other_speed(simulation, model, state, speed)
+    start = starting_state(model) if state is None else at_other_speed(simulation, model, state, speed)
     begin(simulation, model, start)
     run = _Windows(simulation, model, settings)
     while not run.finished:
@@ -124,23 +120,20 @@ class _Windows:
 
     @property
     def finished(self) -> bool:
-        """Whether it is at rest, has settled, has lasted long enough, or left the model's validity."""
-        if self._code != _core.status_codes["ok"] or self.time >= self._settings.longest * (1 - 1e-9):
-            return True
-        if min(self._amplitudes, default=0.0) <= 0.0:
-            return len(self._amplitudes) > 1
-        return self._rests or is_settled(self._amplitudes, self._window)
+        """Whether it is decided, has lasted long enough, or left the model's validity."""
+        return self._code != _core.status_codes["ok"] or self._is_over or self._decision != "open"
+
+    @property
+    def _is_over(self) -> bool:
+        return self.time >= self._settings.longest * (1 - 1e-9)
+
+    @property
+    def _decision(self) -> Decision:
+        return decide(self._amplitudes, self._window, ended=self._is_over)
 
     @property
     def _outcome(self) -> Outcome:
         return outcome(self._simulation, self._model, self._code)
-
-    @property
-    def _rests(self) -> bool:
-        """Small, and still falling after what is left of the disturbance has had time to grow."""
-        last = self._amplitudes[-3:]
-        small = bool(last) and last[-1] < LEAST_AMPLITUDE
-        return small and (last[-1] < 0.05 * LEAST_AMPLITUDE or (len(last) == 3 and last[2] < last[1] < last[0]))
 
     def advance(self) -> None:
         """One window more."""
@@ -177,12 +170,12 @@ class _Windows:
 
     def point(self, speed: float) -> CyclePoint:
         """What the run ended in."""
-        status = self._outcome.status
+        status, message = self._outcome.status, self._outcome.message
         rate, amplitude = self._rate(), self._amplitudes[-1] if self._amplitudes else 0.0
-        settled = min(self._amplitudes, default=0.0) > 0.0 and is_settled(self._amplitudes, self._window)
-        decaying = not settled and rate < -DECAY
-        if status == "ok" and (self._rests or decaying or amplitude == 0.0):
-            return CyclePoint(speed, 0.0, rate=rate, settled=not decaying or self._rests, duration=self.time)
+        if status == "ok" and self._decision == "decays":
+            return CyclePoint(speed, 0.0, rate=rate, duration=self.time)
+        if status == "ok" and self._decision == "open":
+            status, message = NOT_DECIDED, not_decided(self.time, amplitude, rate)
         last = self._parts[-1]
         return CyclePoint(
             speed=speed,
@@ -191,10 +184,9 @@ class _Windows:
             frequency=self._frequency() or math.nan,
             guiding_force=float(np.abs(last["lateral_force"]).max()) if last.sizes["time"] else math.nan,
             rate=rate,
-            settled=settled,
             duration=self.time,
             status=status,
-            message="" if status == "ok" else self._outcome.message,
+            message="" if status == "ok" else message,
         )
 
 
@@ -212,7 +204,6 @@ def limit_cycle_table(found: Diagram) -> xr.Dataset:
         "cycle_frequency": ([p.frequency for _, p in points], "Hz", "frequency; NaN at rest"),
         "cycle_guiding_force": ([p.guiding_force for _, p in points], "N", "largest |Y| of a wheel, unfiltered"),
         "cycle_rate": ([p.rate for _, p in points], "1/s", "growth rate of the amplitude at the end"),
-        "cycle_settled": ([float(p.settled) for _, p in points], "1", "1: the amplitude had settled"),
         "cycle_duration": ([p.duration for _, p in points], "s", "simulated time"),
     }
     variables: dict[str, object] = {

@@ -19,14 +19,14 @@ import numpy as np
 import xarray as xr
 
 from rollerrig import _core
-from rollerrig.actuators import assemble_with_actuators
 from rollerrig.analysis.linear_system import LinearSystem, Matrix
-from rollerrig.assembly import AssembledModel, assemble
+from rollerrig.assembly.actuators import assemble_with_actuators
+from rollerrig.assembly.laws import angular
+from rollerrig.assembly.model import AssembledModel, assemble
 from rollerrig.cases import as_case, at_speed, wheelsets
 from rollerrig.config import Case, ConfigError, ConfigProblem, Motor
 from rollerrig.config.errors import nearest
-from rollerrig.core_struct import angular
-from rollerrig.starting_state import StartError, starting_state
+from rollerrig.simulation.starting_state import StartError, starting_state
 
 if TYPE_CHECKING:
     import control
@@ -118,8 +118,8 @@ class LinearBench:
         """
         self.case = steady_case(case, speed)
         self.speed = self.case.motion.speed
-        self.model = assemble_with_actuators(self.case) if case.sampled else assemble(self.case)
-        state = starting_state(_core.Simulation(self.model.start_core), self.model)
+        self.model = assemble_with_actuators(self.case, torque_on_all=True) if case.sampled else assemble(self.case)
+        state = starting_state(self.model)
         self._simulation = _core.Simulation(self.model.core)
         self.brake_pressure = brake_pressure
         pressures = self._pressures(brake_pressure)

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import block_diag, expm
 from scipy.linalg import eigvals as generalised_eigenvalues
 
-from rollerrig.blas_threads import one_blas_thread
+from rollerrig.common.linear_algebra import one_blas_thread
 from rollerrig.results import mat_bytes
 
 if TYPE_CHECKING:

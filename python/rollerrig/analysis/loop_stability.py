@@ -20,12 +20,12 @@ from scipy.linalg import expm
 
 from rollerrig import _core
 from rollerrig.analysis.control_loop import Loop, Wheel
-from rollerrig.analysis.linearise import DIRECTIONS
-from rollerrig.assembly import assemble
-from rollerrig.blas_threads import one_blas_thread
+from rollerrig.analysis.modes import DIRECTIONS
+from rollerrig.assembly.model import assemble
 from rollerrig.cases import without_actuators
+from rollerrig.common.linear_algebra import one_blas_thread
 from rollerrig.config import Case, Rig
-from rollerrig.starting_state import starting_state
+from rollerrig.simulation.starting_state import starting_state
 
 Array = NDArray[np.float64]
 
@@ -86,7 +86,7 @@ def vehicle_plant(case: Case) -> Plant:
     """
     model = assemble(without_actuators(case))
     simulation = _core.Simulation(model.core)
-    matrix = np.array(simulation.jacobian(0.0, np.asarray(starting_state(simulation, model)))[0])
+    matrix = np.array(simulation.jacobian(0.0, np.asarray(starting_state(model)))[0])
     spin = DIRECTIONS.index("pitch")
     rows = [simulation.rate_index[model.body_index(name)][spin] for name in (*model.wheelsets, *model.rollers)]
     reads = np.eye(len(matrix))[rows]

@@ -14,9 +14,9 @@ from numpy.typing import NDArray
 
 from rollerrig import _core
 from rollerrig.analysis.linear_bench import LinearBench
-from rollerrig.blas_threads import one_blas_thread
-from rollerrig.mechatronics import BRAKE_UNIT, roles_of
-from rollerrig.plant import assembled_model
+from rollerrig.common.linear_algebra import one_blas_thread
+from rollerrig.interfaces.plant import assembled_model
+from rollerrig.simulation.controllers import BRAKE_UNIT, roles_of
 
 POINTS = 32
 """Points of the held sine in a period, where the plant has no samples of its own."""

@@ -1,24 +1,140 @@
-"""Eigenvalues and mode shapes, followed from one value of a parameter to the next.
+"""Linearisation at the rolling equilibrium; eigenvalues and mode shapes, followed over a parameter; which modes are hunting.
+
+    Case, running speed -> [linearise] -> A of x' = A x around steady rolling, names of the states
+
+The rollers (or the rails) are speed-controlled: the rates of driven rollers are inputs, not states, and are taken out of A.
+Equations: docs/theory/equilibrium_and_linearisation.md, (L3)-(L4).
 
     A(speed) -> [modes] -> eigenvalues and eigenvectors in an order in which a column stays the same mode
 
 Equations: docs/theory/equilibrium_and_linearisation.md, (L5)-(L9).
+
+Which modes are hunting, speed by speed: the wheelsets move most, and roll where they point.
+
+    eigenvalues and shapes over speed -> [hunts] -> where each mode hunts -> names, frequency of hunting over speed
+
+A wheelset that rolls without sliding sideways is carried along by its yaw,
+
+    dy/dt = V psi,
+
+the kinematics of Klingel's wave, on rollers with the speed of their surface. In a mode of the suspension it slides sideways
+instead, or hardly moves. A mode that is followed over speed may be the one at low speed and the other at high speed: where the
+frequency of hunting, which rises with speed, meets that of the car body's sway, the two exchange their shapes.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy.linalg import eig
 
-from rollerrig.analysis.linearise import Linearisation
-from rollerrig.blas_threads import one_blas_thread
+from rollerrig import _core
+from rollerrig.assembly.model import AssembledModel, assemble
+from rollerrig.cases import at_speed
+from rollerrig.common.linear_algebra import one_blas_thread
+from rollerrig.config import Case
+from rollerrig.simulation.starting_state import StartError
+
+Matrix = NDArray[np.float64]
+
+DIRECTIONS = ("longitudinal", "lateral", "vertical", "roll", "pitch", "yaw")
+"""Words for the six coordinates of a body, in the core's order."""
+
+
+@dataclass(frozen=True)
+class Linearisation:
+    """x' = A x for small motions around steady rolling.
+
+    Attributes:
+        speed: running speed [m/s].
+        matrix: A, shape (states, states).
+        equilibrium: all states of the core at the equilibrium, driven rates included.
+        rate_rows: per moving body coordinate (body, direction), the row of its rate in A.
+        inertia: mass [kg] or moment of inertia [kg m^2] that belongs to each of them.
+    """
+
+    speed: float
+    matrix: Matrix
+    equilibrium: Matrix
+    rate_rows: dict[tuple[str, str], int]
+    inertia: dict[tuple[str, str], float]
+
+
+class Lineariser:
+    """One assembled model, linearised at any number of speeds.
+
+    Each speed starts from the equilibrium of the one before: neighbouring speeds in order are fastest.
+    """
+
+    def __init__(self, case: Case) -> None:
+        self.case = at_speed(case)
+        self.model = assemble(self.case)
+        simulation = _core.Simulation(self.model.core)
+        self._inertia = _inertias(self.model)
+        self._near: Matrix | None = None
+        driven = {simulation.rate_index[self.model.body_index(name)][4] for name in self.model.rollers}
+        self._kept = np.array([i for i in range(simulation.state_count) if i not in driven])
+        row_of = {int(state_index): row for row, state_index in enumerate(self._kept)}
+        self._rows = {
+            (body, direction): row_of[simulation.rate_index[b][d]]
+            for b, body in enumerate(self.model.bodies)
+            for d, direction in enumerate(DIRECTIONS)
+            if simulation.rate_index[b][d] in row_of
+        }
+
+    def simulation_at(self, speed: float) -> _core.Simulation:
+        """A simulation of the model whose rails run at this speed [m/s]; rollers take theirs from the state."""
+        return _core.Simulation(self.model.core.with_speed([(0.0, speed)]))
+
+    def at(self, speed: float) -> Linearisation:
+        """Linearise at a running speed.
+
+        Args:
+            speed: running speed [m/s].
+
+        Raises:
+            StartError: no rolling equilibrium was found at this speed.
+        """
+        simulation = self.simulation_at(speed)
+        found = simulation.equilibrium(speed, 0.0, [], self._near)
+        if not found["converged"]:
+            raise StartError(
+                f"{self.case.name}: no rolling equilibrium at {3.6 * speed:g} km/h: {found['residual']:.3g} N or N m remain "
+                "unbalanced; check gauge, profiles and torques with `rollerrig check`; a whole vehicle on track needs "
+                "something that holds it in x, e.g. locked = ['x'] for its car body"
+            )
+        state = np.ascontiguousarray(found["x"], dtype=np.float64)
+        self._near = state
+        full = simulation.jacobian(0.0, state)[0]
+        inertia = {key: self._inertia[key] for key in self._rows}
+        return Linearisation(speed, np.array(full[np.ix_(self._kept, self._kept)]), state, self._rows, inertia)
+
+
+def linearise(case: Case, speed: float) -> Linearisation:
+    """Linearise a case at one running speed; see `Lineariser` for many.
+
+    Args:
+        case: the case; its rollers or rails are speed-controlled.
+        speed: running speed [m/s].
+
+    Raises:
+        StartError: no rolling equilibrium was found at this speed.
+    """
+    return Lineariser(case).at(speed)
+
+
+def _inertias(model: AssembledModel) -> dict[tuple[str, str], float]:
+    return {
+        (body, direction): value
+        for body, mass in model.masses.items()
+        for direction, value in zip(DIRECTIONS, (mass, mass, mass, *model.inertias[body]), strict=True)
+    }
+
 
 Complex = NDArray[np.complex128]
-Matrix = NDArray[np.float64]
 
 LEAST_FREQUENCY = 2 * np.pi * 0.05
 """Below this, an eigenvalue does not count as an oscillation [rad/s]."""
@@ -245,3 +361,75 @@ def energy_shares(linearisation: Linearisation, system: Eigensystem, columns: Se
     energy = inertia[:, None] * np.abs(system.vectors[np.ix_(rows, columns)]) ** 2
     total = energy.sum(axis=0)
     return np.asarray(energy / np.where(total > 0.0, total, 1.0))
+
+
+LEAST_PART = 0.7
+"""A hunting wheelset moves sideways by at least this part of the largest lateral displacement of any body [1]."""
+
+LEAST_DISPLACEMENT = 0.3
+"""Least such displacement where the largest displacement of the mode is 1 m or rad: else it is no lateral motion."""
+
+MOST_SLIDING = 0.5
+"""|dy/dt - V psi| of a hunting wheelset is at most this part of |dy/dt| + |V psi| [1]."""
+
+
+def hunts(
+    keys: Sequence[tuple[str, str]],
+    speeds: NDArray[np.float64],
+    values: NDArray[np.complex128],
+    parts: NDArray[np.complex128],
+    wheelsets: Collection[str],
+) -> NDArray[np.bool_]:
+    """At which speeds a mode hunts.
+
+    Args:
+        keys: (body, direction) of each coordinate.
+        speeds: running speeds [m/s], shape (speeds,).
+        values: eigenvalues [1/s], shape (speeds, modes).
+        parts: displacements, shape (speeds, coordinates, modes).
+        wheelsets: names of the bodies that roll.
+
+    Returns:
+        Shape (speeds, modes).
+    """
+    rows = {key: row for row, key in enumerate(keys)}
+    free = [name for name in wheelsets if (name, "lateral") in rows and (name, "yaw") in rows]
+    if not free:
+        return np.zeros(values.shape, dtype=np.bool_)
+    lateral = parts[:, [rows[name, "lateral"] for name in free]]
+    swept = values[:, None, :] * lateral
+    carried = speeds[:, None, None] * parts[:, [rows[name, "yaw"] for name in free]]
+    sliding = np.abs(swept - carried).sum(axis=1)
+    whole = (np.abs(swept) + np.abs(carried)).sum(axis=1)
+    largest = np.abs(parts[:, [row for (_, way), row in rows.items() if way == "lateral"]]).max(axis=1)
+    most = np.abs(lateral).max(axis=1)
+    return np.asarray(
+        (values.imag > LEAST_FREQUENCY)
+        & (most >= LEAST_DISPLACEMENT * np.abs(parts).max(axis=1))
+        & (most > 0.0)
+        & (most >= LEAST_PART * largest)
+        & (sliding <= MOST_SLIDING * whole)
+    )
+
+
+def frequency_of_hunting(
+    names: Sequence[str], values: NDArray[np.complex128], hunting: NDArray[np.bool_]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Frequency [Hz] and damping ratio [1] of hunting over speed: of the least damped mode named so that hunts there.
+
+    Args:
+        names: of the modes.
+        values: eigenvalues [1/s], shape (speeds, modes).
+        hunting: of `hunts`, same shape.
+
+    Returns:
+        Both of shape (speeds,); NaN where none of these modes hunts.
+    """
+    named = np.array([name.startswith("hunting") for name in names], dtype=np.bool_)
+    damping = np.where(hunting & named, -values.real / np.maximum(np.abs(values), 1e-30), np.inf)
+    found = np.full(len(values), complex(np.nan, np.nan))
+    if values.shape[1]:
+        best = damping.argmin(axis=1)
+        some = np.isfinite(damping.min(axis=1))
+        found[some] = values[some, best[some]]
+    return np.abs(found.imag) / (2 * np.pi), -found.real / np.abs(found)

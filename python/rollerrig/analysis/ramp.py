@@ -20,11 +20,11 @@ from numpy.typing import NDArray
 
 from rollerrig import _core
 from rollerrig.analysis.hunting import HuntingSettings, hunting_case
-from rollerrig.assembly import AssembledModel, assemble
+from rollerrig.assembly.model import AssembledModel, assemble
 from rollerrig.config import Case
 from rollerrig.results import RunInfo, add_energy_audit, run_draft
-from rollerrig.simulation import begin, march, outcome
-from rollerrig.starting_state import starting_state
+from rollerrig.simulation.run import begin, march, outcome
+from rollerrig.simulation.starting_state import starting_state
 
 Vector = NDArray[np.float64]
 
@@ -79,7 +79,7 @@ def ramp_run(job: tuple[Case, RampSettings, HuntingSettings], progress: Callable
     for way, (first, last) in enumerate(ways):  # each way is a run of its own: no corner of the speed within it
         model = assemble(_one_way_case(case, ramp, settings, first, last, one_way))
         simulation = _core.Simulation(model.core)
-        state = starting_state(simulation, model) if state is None else state
+        state = starting_state(model) if state is None else state
         for start, stop in zip(marks[:-1], marks[1:], strict=True):
             if way == 0 and start > 0 and ramp.perturbation:
                 state = _perturbed(state, simulation, model, ramp.perturbation)

@@ -1,28 +1,34 @@
-"""Closed forms for the limits of a rig that reproduces a degraded rail, (V1) to (V6) of docs/theory/envelope.md.
+"""Limits of a rig that reproduces a degraded rail: closed forms, and which one a run reached first.
 
-Case of a rig with [rig_control] -> [rig_limits] -> RigLimits -> limits over adhesion, magnitudes per axle [N m]
-Case, adhesion of its rail       -> [creep_peak] -> peak of the virtual rail's creep curve, from the core's laws
+Closed forms for the limits of a rig that reproduces a degraded rail, (V1) to (V6) of docs/theory/envelope.md.
+
+    Case of a rig with [rig_control] -> [rig_limits] -> RigLimits -> limits over adhesion, magnitudes per axle [N m]
+    Case, adhesion of its rail       -> [creep_peak] -> peak of the virtual rail's creep curve, from the core's laws
 
 Rolling without sliding, steady forces, no lag of drives and estimator. An adhesion may be an array.
+
+    Dataset of a run -> [assess_limits] -> numbers, limits reached with their times, region of the operating envelope
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import xarray as xr
 from numpy.typing import NDArray
 
-from rollerrig import _core
-from rollerrig.assembly import AssembledModel, assemble
-from rollerrig.config import Case, Condition, Rig, SlideProtection, WheelSlipControl
-from rollerrig.config.schema.contact_law import ConstantFriction
-from rollerrig.contact_laws import core_law
-from rollerrig.mechatronics.setup import rotor_inertia, wheelset_inertia
-from rollerrig.mechatronics.train_axles import train_mass
-from rollerrig.mechatronics.virtual_train import load_transfer, rail_patch
+from rollerrig.analysis.slide_statistics import tracking, under_test, virtual_slip, wheel_radius
+from rollerrig.analysis.virtual_rail import FULL_SLIDING, creep_curve, creep_peak, patch_of
+from rollerrig.assembly.model import assemble
+from rollerrig.assembly.train_axles import train_mass
+from rollerrig.config import Case, Rig, SlideProtection, WheelSlipControl
+from rollerrig.results import COMPLETED
+from rollerrig.simulation.mechatronics import rotor_inertia, wheelset_inertia
+from rollerrig.simulation.virtual_train import load_transfer
 
 Array = NDArray[np.float64]
 
@@ -36,16 +42,8 @@ LINES = {
 }
 """Closed form -> meaning; magnitudes [N m]."""
 
-SLIDES = (1.2, 0.005)
-"""A wheel slides on the virtual rail beyond so many times the slip at which the adhesion is used up, plus so much [-]."""
-
-FULL_SLIDING = 0.98
-"""Share of the friction limit from which a contact counts as sliding [-]."""
-
 PITCHING = 1.04
 """Part of the friction that an axle uses while the bogie pitches, over that at rest, as measured in runs [-]."""
-
-_SLIPS = np.geomspace(1e-4, 0.5, 160)
 
 
 @dataclass(frozen=True)
@@ -200,64 +198,181 @@ def protection_slip(case: Case) -> float:
     return (case.wheel_slip_control or WheelSlipControl()).slip
 
 
-# ------------------------------------------------------------------------------------------------- the virtual rail
+Mask = NDArray[np.bool_]
+Record = dict[str, Any]
+
+TRACKING_LIMIT = 0.01
+"""Tracking error, RMS over train speed, up to which the rig reproduces the rail [-]."""
+
+LEAST_DURATION = 0.03
+"""A limit counts where it persists for at least this time; the corner of a ramp is shorter [s]."""
+
+REGIONS: Mapping[str, str] = {
+    "grip": "reproduced, wheels grip",
+    "slide": "reproduced, wheels slide",
+    "held": "reproduced, a brake holds a wheel",
+    "drive_grip": "drive at its limit, wheels grip",
+    "drive_slide": "drive at its limit, into the slide",
+    "drive_recovery": "drive at its limit, out of the slide",
+    "drive_power": "drive at its limit of power",
+    "contact": "wheel slides on roller",
+    "tracking": "no limit reached, tracking error above 1 %",
+    "failed": "run failed",
+}
+"""Region of the operating envelope -> meaning."""
+
+REPRODUCED = ("grip", "slide", "held")
+
+NUMBERS = {
+    "tracking_rms": ("1", "wheel less virtual wheel over train speed, RMS over time and axles"),
+    "tracking_largest": ("1", "the same, largest"),
+    "slip_largest": ("1", "largest slip of a virtual wheel"),
+    "friction_used": ("1", "creep force over friction times normal force between wheel and roller, largest"),
+    "real_sliding_mps": ("m/s", "wheel surface speed less that of the roller, largest"),
+    "roller_torque_nm": ("N m", "largest torque of a roller drive"),
+    "roller_power_w": ("W", "largest power of a roller drive"),
+    "recovery_margin_nm": (
+        "N m",
+        "least torque on an axle that comes out of a slide, over what (V6) asks for; NaN: none does",
+    ),
+}
+"""Number of a record -> unit and meaning."""
 
 
-@dataclass(frozen=True)
-class Patch:
-    """One ellipse that stands for all patches of a wheel on the rail: semi-axes [m] and load [N]."""
-
-    a: float
-    b: float
-    load: float
-
-
-def patch_of(model: AssembledModel) -> Patch:
-    """The patch of the virtual train's wheels.
-
-    Raises:
-        StartError: the vehicle has no equilibrium on track.
-    """
-    found = rail_patch(model)
-    return Patch(found.a, found.b, found.load)
-
-
-def rail_shape(case: Case) -> Condition:
-    """The condition of the virtual rail; clean without [adhesion]."""
-    clean = Condition(friction=ConstantFriction(kind="constant", mu_0=1.0))
-    return clean if case.adhesion is None else case.adhesion.rail
-
-
-def creep_curve(case: Case, patch: Patch, adhesion: float, slip: Array) -> tuple[Array, Array]:
-    """Friction (A1) and longitudinal force over load of a wheel on the virtual rail, both [-], as the core computes them.
+def assess_limits(run: xr.Dataset, case: Case, torque: float, grip_slip: float, rig: RigLimits | None = None) -> Record:
+    """Numbers and limits of a run of the operating envelope.
 
     Args:
-        case: whose rail, creep law and speed it is.
-        patch: of a wheel.
-        adhesion: at no slip [-].
-        slip: over the train's speed [-].
+        run: of `simulate`.
+        case: what was run.
+        torque: on each axle, positive forward [N m].
+        grip_slip: slip of a virtual wheel up to which it grips [-].
+        rig: closed forms, for the margin of (V6); None: that is left out.
+
+    Returns:
+        `region` of REGIONS: the limit reached first, or the kind of run where there is none; `limits`: all that were reached,
+        with their times [s]; the numbers of NUMBERS, None where not defined; `status` and `message` of the run.
     """
-    rail, contact, slip = rail_shape(case), case.contact, np.asarray(slip, dtype=np.float64)
-    friction = _core.friction_at(
-        core_law(rail.friction.model_copy(update={"mu_0": adhesion})), slip * case.motion.speed
-    )
-    law, reduction = core_law(contact.creep), (rail.k_A, rail.k_S)
-    shear, poisson = contact.material.shear_modulus, contact.material.poisson_ratio
-    ellipse = (patch.a, patch.b, patch.load)
-    rows = [
-        _core.creep_forces(np.array([[-s, 0.0, 0.0]]), *ellipse, max(m, 1e-6), shear, poisson, law, reduction=reduction)
-        for s, m in zip(slip, friction, strict=True)
-    ]
-    return friction, np.array([float(row[0, 0]) for row in rows]) / patch.load
+    slip = np.abs(virtual_slip(run).to_numpy())
+    used = friction_used(run, case.contact.friction.mu_0)
+    limits = {**_contact_limit(run, used), **_drive_limits(run, case, torque, slip > grip_slip)}
+    rms, largest = tracking(run)
+    slip_largest = float(np.nanmax(slip)) if np.isfinite(slip).any() else 0.0
+    status, roller = str(run.attrs["status"]), np.abs(run["roller_torque"].to_numpy())
+    kind = "held" if _held(run, case) else "slide" if slip_largest > grip_slip else "grip"
+    return {
+        "region": region(status, limits, rms, kind),
+        "limits": dict(sorted(limits.items(), key=lambda item: item[1])),
+        "tracking_rms": _finite(rms),
+        "tracking_largest": _finite(largest),
+        "slip_largest": slip_largest,
+        "friction_used": float(used.max(initial=0.0)),
+        "real_sliding_mps": float(np.abs(run["real_sliding"].to_numpy()).max(initial=0.0)),
+        "roller_torque_nm": float(roller.max(initial=0.0)),
+        "roller_power_w": float((roller * np.abs(run["roller_speed"].to_numpy())).max(initial=0.0)),
+        "recovery_margin_nm": None if rig is None else _finite(_recovery_margin(run, torque, slip > grip_slip, rig)),
+        "status": status,
+        "message": "" if status in COMPLETED else str(run.attrs["status_message"]),
+    }
 
 
-def creep_peak(case: Case, patch: Patch, adhesion: float) -> tuple[float, float]:
-    """Slip at which FULL_SLIDING of the adhesion is used, and the largest force over load of the virtual rail [-]."""
-    forces = creep_curve(case, patch, adhesion, _SLIPS)[1]
-    largest = float(forces.max())
-    return float(_SLIPS[np.flatnonzero(forces >= FULL_SLIDING * largest)[0]]), largest
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None
 
 
-def grip_slip(case: Case, patch: Patch, adhesion: float) -> float:
-    """Slip of a virtual wheel up to which it grips [-]: somewhat beyond that at which the adhesion is used up."""
-    return SLIDES[0] * creep_peak(case, patch, adhesion)[0] + SLIDES[1]
+def failed(status: str, message: str) -> Record:
+    """The record of a run that could not start."""
+    return {"region": "failed", "limits": {}, **dict.fromkeys(NUMBERS), "status": status, "message": message}
+
+
+def _held(run: xr.Dataset, case: Case) -> bool:
+    """Whether a brake holds a wheel of the virtual train for LEAST_DURATION while that runs, (D15)."""
+    control = case.rig_control
+    assert control is not None
+    rolling = wheel_radius(run) * np.abs(run["virtual_speed"].to_numpy())
+    runs = run["train_speed"].to_numpy()[:, None] - rolling > control.locked_speed
+    return persists_since(run["time"].to_numpy(), (rolling < control.locked_speed) & runs) is not None
+
+
+def _recovery_margin(run: xr.Dataset, torque: float, sliding: Mask, rig: RigLimits) -> float:
+    """Least torque over what (V6) asks for, on an axle whose virtual wheel slides and regains speed [N m]; NaN: none does."""
+    time, speed = run["time"].to_numpy(), run["virtual_speed"].to_numpy()
+    out = sliding & (-np.sign(torque) * np.gradient(speed, time, axis=0) > 0.0)
+    acting = np.sign(torque) * (run["brake_torque"] + run["traction_torque"]).to_numpy()
+    margin = acting - rig.recovery_at(np.abs(run["virtual_force"].to_numpy()))
+    return float(margin[out].min()) if out.any() else math.nan
+
+
+def region(status: str, limits: Mapping[str, float], tracking_rms: float, kind: str) -> str:
+    """The region of a run: a key of REGIONS.
+
+    Args:
+        status: of the run.
+        limits: those reached, and when [s].
+        tracking_rms: error over train speed; NaN: not defined.
+        kind: of the run where no limit is reached: one of REPRODUCED.
+    """
+    if status not in (*COMPLETED, "rollers_protected"):
+        return "failed"
+    if limits:
+        return min(limits, key=lambda name: limits[name])
+    if not tracking_rms < TRACKING_LIMIT:
+        return "tracking"
+    return kind
+
+
+def persists_since(times: NDArray[np.float64], reached: Mask) -> float | None:
+    """When a condition began that persisted for LEAST_DURATION or longer on any axle [s]; None: never.
+
+    Args:
+        times: shape (time,) [s].
+        reached: shape (time, axle).
+    """
+    begins = []
+    for column in reached.T:
+        edges = np.flatnonzero(np.diff(np.concatenate(([False], column, [False])).astype(int)))
+        begin, end = times[edges[::2]], times[edges[1::2] - 1]
+        begins += begin[end - begin >= LEAST_DURATION * (1.0 - 1e-9)].tolist()
+    return min(begins, default=None)
+
+
+def friction_used(run: xr.Dataset, friction: float) -> NDArray[np.float64]:
+    """Creep force over friction times normal force of both wheels of each axle under test, shape (time, axle)."""
+    run = under_test(run)
+    size = np.hypot(run["patch_creep_force_x"].to_numpy(), run["patch_creep_force_y"].to_numpy())
+    per_axle = (run.sizes["time"], run.sizes["axle"], -1)
+    force = np.nan_to_num(size).reshape(per_axle).sum(axis=2)
+    normal = np.nan_to_num(run["patch_normal"].to_numpy()).reshape(per_axle).sum(axis=2)
+    return np.asarray(force / np.maximum(friction * normal, 1.0))
+
+
+def _contact_limit(run: xr.Dataset, used: NDArray[np.float64]) -> dict[str, float]:
+    since = persists_since(run["time"].to_numpy(), used >= FULL_SLIDING)
+    if since is None and run.attrs["status"] == "rollers_protected":
+        since = float(run.attrs["stopped_at_s"])
+    return {} if since is None else {"contact": since}
+
+
+def _drive_limits(run: xr.Dataset, case: Case, torque: float, sliding: Mask) -> dict[str, float]:
+    """Where the command is the largest torque of a roller drive, and what it is needed for."""
+    control = case.rig_control
+    assert control is not None
+    command = run["roller_command"].to_numpy()
+    largest = control.feedback.largest if control.is_ours else np.inf
+    available = np.full(command.shape, largest)
+    weaker = np.zeros(command.shape, dtype=bool)
+    if control.motor.envelope is not None:
+        speeds, torques = np.array(control.motor.envelope).T
+        at_speed = np.interp(np.abs(run["roller_speed"].to_numpy()), speeds, torques)
+        weaker = at_speed < min(largest, 0.999 * torques.max())
+        available = np.minimum(available, at_speed)
+    at_limit = np.abs(command) >= 0.999 * available
+    into = command * np.sign(torque) > 0.0  # the drive helps the wheel in the direction of its torque
+    masks = {
+        "drive_power": at_limit & weaker,
+        "drive_slide": at_limit & ~weaker & into,
+        "drive_recovery": at_limit & ~weaker & ~into & sliding,
+        "drive_grip": at_limit & ~weaker & ~into & ~sliding,
+    }
+    found = {name: persists_since(run["time"].to_numpy(), mask) for name, mask in masks.items()}
+    return {name: since for name, since in found.items() if since is not None}

@@ -31,7 +31,8 @@ def compare_runs(runs: Mapping[str, xr.Dataset], signals: Sequence[str] = ()) ->
         A variable per signal over `run` and `time` [s], at the first run's times; `<signal> largest difference` over `run`.
 
     Raises:
-        ValueError: no runs by name, fewer than two, a signal that one of them does not have, or no common time.
+        ValueError: no runs by name, fewer than two, results of something else, a signal that one of them does not have, or no
+            common time.
 
     Example:
         >>> import rollerrig as rr
@@ -45,6 +46,14 @@ def compare_runs(runs: Mapping[str, xr.Dataset], signals: Sequence[str] = ()) ->
         raise ValueError("compare_runs takes runs by name: compare_runs({'rig': run, 'track': other})")
     if len(runs) < 2:
         raise ValueError(f"{len(runs)} run; needed: two or more")
+    for label, run in runs.items():
+        if (
+            run.get("time", run).dims != ("time",)
+            or run.sizes["time"] < 2
+            or "speed" not in run
+            or "wheel" not in run.sizes
+        ):
+            raise ValueError(f"{label}: no run over time; needed: results of a run, such as its run.nc")
     first = next(iter(runs.values()))
     end = min(float(run["time"][-1]) for run in runs.values())
     times = first["time"].to_numpy()
@@ -66,7 +75,7 @@ def telling_signals(run: xr.Dataset) -> list[str]:
     """What is shown unless something is asked for."""
     speed = run["speed"].to_numpy()
     wheel = str(run["wheel"][0].item())
-    body = next(name for name in RunInfo.of(run).moving if wheel.startswith(name))
+    body = next((name for name in RunInfo.of(run).moving if wheel.startswith(name)), wheel)
     changes = float(np.ptp(speed)) > STEADY * float(np.abs(speed).max())
     return [*(["speed"] if changes else []), f"lateral:{body}", f"vertical_force:{wheel}", f"lateral_force:{wheel}"]
 

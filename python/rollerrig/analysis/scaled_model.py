@@ -12,12 +12,12 @@ import numpy as np
 import xarray as xr
 
 from rollerrig.analysis.critical_speed import linear_critical_speed
-from rollerrig.analysis.tracking import largest, rms, slip, stopped, tracking, wheel_radius
+from rollerrig.analysis.slide_statistics import largest, rms, slip, stopped, tracking, wheel_radius
 from rollerrig.cases import at_speed
 from rollerrig.config import Case
 from rollerrig.results import RunInfo
 from rollerrig.similitude import factors_of
-from rollerrig.starting_state import StartError
+from rollerrig.simulation.starting_state import StartError
 
 SPEEDS = tuple(v / 3.6 for v in range(40, 521, 40))
 """Full-scale speeds among which the linear critical speed is looked for [m/s]."""

@@ -1,4 +1,19 @@
-"""What an oscillation does: grows or decays, how large, how fast.
+"""Signals of a run: filters that shift no phase, and what an oscillation does: grows or decays, how large, how fast.
+
+Filters of a running test: low pass, band pass, sliding mean over distance; no phase is shifted.
+
+    signal over time -> [Butterworth, forward and backward] -> signal within a band
+                     -> [mean over the 2 m around it]       -> what the rail feels
+
+A second-order Butterworth filter run forward and backward is in all of fourth order: 24 dB per octave, as EN 14363 asks.
+Its corner is moved so that the two runs together have -3 dB where the cut-off is said to be:
+
+    |H|^2 of one run = 1 / (1 + x^4),  x = tan(π f / f_s) / tan(π f_1 / f_s)
+    both runs at the cut-off f_c: 1 / (1 + x_c^4) = 1 / sqrt(2)   =>   tan(π f_1 / f_s) = tan(π f_c / f_s) / (sqrt(2) - 1)^(1/4)
+
+A high pass has x upside down.
+
+Source: EN 14363:2016, table of assessed quantities and their filters; K. Steiglitz et al. on filtering twice.
 
     time series -> [extrema] -> half-wave amplitudes over time -> rate, amplitude, frequency
 
@@ -8,13 +23,183 @@ exponential.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
+from typing import Literal
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from rollerrig.common.linear_algebra import one_blas_thread
+
 Series = NDArray[np.float64]
+
+SAMPLES_PER_PERIOD = 10
+"""Least samples in a period of the cut-off: what the output step folds down from above must be small there."""
+
+SLIDING_LENGTH = 2.0
+"""Length of the sliding mean over distance [m]: EN 14363, for the sum of guiding forces and Y/Q."""
+
+_EVEN = 1e-6
+"""Steps of time may differ by this part: output times are multiples of the output step, to round-off."""
+
+_RUNS_SHIFT = (math.sqrt(2.0) - 1.0) ** 0.25
+"""Factor by which the corner of one run moves so that two runs have -3 dB at the cut-off."""
+
+
+def low_pass(signal: xr.DataArray, cutoff: float) -> xr.DataArray:
+    """The signal without what is faster than the cut-off.
+
+    Args:
+        signal: values with the dimension `time`, even steps [s]; other dimensions are filtered each on its own.
+        cutoff: frequency at which -3 dB are left [Hz].
+
+    Returns:
+        The same dimensions, coordinates and attributes.
+
+    Raises:
+        ValueError: the steps are uneven, too coarse for the cut-off, or too few.
+    """
+    return _filtered(signal, cutoff, "lowpass")
+
+
+def band_pass(signal: xr.DataArray, low: float, high: float) -> xr.DataArray:
+    """The signal between two frequencies, each at -3 dB [Hz]; the rest as in `low_pass`."""
+    return _filtered(_filtered(signal, high, "lowpass"), low, "highpass")
+
+
+def narrow_band(signal: xr.DataArray, low: float, high: float) -> xr.DataArray:
+    """The signal in a band that may be narrow: unchanged at its middle, -3 dB at its ends [Hz]; the rest as in `low_pass`.
+
+    A low and a high pass one after the other, as in `band_pass`, would take from the middle, too.
+    """
+    from scipy.signal import butter, sosfiltfilt
+
+    rate = sampling_rate(signal["time"].to_numpy(), high)
+    half = 0.5 * (high - low) / _RUNS_SHIFT  # of one run, about the same geometric mean
+    upper = half + math.sqrt(half * half + low * high)
+    sections = butter(2, (upper - 2.0 * half, upper), "bandpass", fs=rate, output="sos")
+    beyond = min(signal.sizes["time"] - 1, math.ceil(3 * rate / low))
+    axis = signal.get_axis_num("time")
+    return signal.copy(data=sosfiltfilt(sections, signal.to_numpy(), axis=axis, padlen=beyond, padtype="even"))
+
+
+def _filtered(signal: xr.DataArray, cutoff: float, kind: Literal["lowpass", "highpass"]) -> xr.DataArray:
+    from scipy.signal import butter, sosfiltfilt  # takes a second to load, and most commands filter nothing
+
+    rate = sampling_rate(signal["time"].to_numpy(), cutoff)
+    warped = math.tan(math.pi * cutoff / rate)
+    corner = math.atan(warped / _RUNS_SHIFT if kind == "lowpass" else warped * _RUNS_SHIFT) * rate / math.pi
+    sections = butter(2, corner, kind, fs=rate, output="sos")
+    axis = signal.get_axis_num("time")
+    beyond = min(signal.sizes["time"] - 1, math.ceil(3 * rate / cutoff))  # mirrored beyond both ends
+    # Even: an odd continuation would take the last value, vibration and all, for the level beyond the end.
+    return signal.copy(data=sosfiltfilt(sections, signal.to_numpy(), axis=axis, padlen=beyond, padtype="even"))
+
+
+def sampling_rate(time: Series, cutoff: float) -> float:
+    """Samples per second, if they can carry a filter of this cut-off.
+
+    Args:
+        time: output times [s].
+        cutoff: [Hz].
+
+    Raises:
+        ValueError: the steps are uneven, too coarse, or the whole is shorter than a period of the cut-off.
+    """
+    duration = float(time[-1] - time[0]) if len(time) else 0.0
+    if duration * cutoff < 1.0:
+        raise ValueError(
+            f"a filter at {cutoff:g} Hz needs a run of at least {1 / cutoff:g} s; this has {duration:.3g} s"
+        )
+    step = duration / (len(time) - 1)
+    if np.abs(np.diff(time) - step).max() > _EVEN * step:
+        raise ValueError("the output times are not evenly spaced; a filter needs one output_step")
+    if step * cutoff * SAMPLES_PER_PERIOD > 1.0 + _EVEN:
+        finest = 1e3 / (SAMPLES_PER_PERIOD * cutoff)
+        raise ValueError(
+            f"a filter at {cutoff:g} Hz needs an output_step of at most {finest:g} ms; this run has {1e3 * step:g} ms"
+        )
+    return 1.0 / step
+
+
+def sliding_mean(signal: xr.DataArray, distance: xr.DataArray, length: float = SLIDING_LENGTH) -> xr.DataArray:
+    """Mean of a signal over a distance centred at each sample.
+
+        mean(s) = 1/L ∫ f ds  from s - L/2 to s + L/2,  f straight between samples
+
+    Args:
+        signal: values with the dimension `time`.
+        distance: at each time [m], never falling.
+        length: L [m].
+
+    Returns:
+        The same shape; NaN where the window reaches beyond the run or over a NaN.
+
+    Raises:
+        ValueError: the run went backwards.
+    """
+    s = distance.to_numpy()
+    if np.any(np.diff(s) < 0.0):
+        raise ValueError("a mean over distance needs a run that never goes backwards")
+    values = np.moveaxis(signal.to_numpy(), signal.get_axis_num("time"), 0)
+    missing = np.isnan(values)
+    inside = (s - 0.5 * length >= s[:1] - 1e-9) & (s + 0.5 * length <= s[-1:] + 1e-9)
+    mean = np.full(values.shape, np.nan)
+    for column in np.ndindex(*values.shape[1:]):
+        at = (slice(None), *column)
+        mean[at] = _over_window(np.where(missing[at], 0.0, values[at]), s, length)
+        mean[at][_over_window(missing[at].astype(float), s, length) > 1e-12] = np.nan
+    mean[~inside] = np.nan
+    return signal.copy(data=np.moveaxis(mean, 0, signal.get_axis_num("time")))
+
+
+def _over_window(f: Series, s: Series, length: float) -> Series:
+    """Mean of f over s - length/2 to s + length/2, exact for straight lines between samples."""
+    interval = np.diff(s)
+    total = np.concatenate(([0.0], np.cumsum(0.5 * (f[1:] + f[:-1]) * interval)))
+
+    def integral(at: Series) -> Series:
+        k = np.clip(np.searchsorted(s, at, side="right") - 1, 0, len(s) - 2)
+        part = np.clip(at - s[k], 0.0, interval[k])
+        slope = np.divide(f[k + 1] - f[k], interval[k], out=np.zeros_like(part), where=interval[k] > 0.0)
+        return np.asarray(total[k] + part * (f[k] + 0.5 * slope * part))
+
+    return (integral(s + 0.5 * length) - integral(s - 0.5 * length)) / length
+
+
+@dataclass(frozen=True)
+class Fit:
+    """A linear least-squares fit.
+
+    Attributes:
+        coefficients: one per column.
+        residual: root mean square of what is left, over the largest value [1].
+        largest: largest of what is left, over the largest value [1].
+    """
+
+    coefficients: tuple[float, ...]
+    residual: float
+    largest: float
+
+
+@one_blas_thread()
+def fit(values: Series, *columns: Series) -> Fit:
+    """Fit values by a sum of columns.
+
+    Args:
+        values: shape (n,).
+        columns: each of shape (n,).
+    """
+    matrix = np.stack(columns, axis=1)
+    solution = np.linalg.lstsq(matrix, values, rcond=None)[0]
+    left = values - matrix @ solution
+    scale = float(np.abs(values).max()) or 1.0
+    return Fit(
+        tuple(float(c) for c in solution), float(np.sqrt(np.mean(left**2))) / scale, float(np.abs(left).max()) / scale
+    )
+
 
 LEAST_AMPLITUDE = 1e-6
 """Smaller half-waves are no motion but remains of the integration's error [m]."""
@@ -94,10 +279,6 @@ class FinalMotion:
     amplitude: float
     frequency: float
     rate: float
-
-    def persists(self, least_amplitude: float, slowest_decay: float) -> bool:
-        """Whether the oscillation persists: large enough, and not decaying."""
-        return self.amplitude >= least_amplitude and not self.rate < -slowest_decay
 
 
 RIPPLE = 0.25

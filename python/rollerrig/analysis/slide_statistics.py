@@ -1,26 +1,219 @@
-"""Statistics of a brake or traction test that do not depend on the phase of its limit cycle.
+"""Statistics of a brake or traction test: slip, tracking error of the rig, torque ripple, wheel flats.
+
+    run of `simulate` with a train -> [tracking] -> series over time and axle, RMS and largest values
+
+Equations: docs/theory/rig_control.md. A ratio to the speed of a train slower than LEAST_SPEED is not defined: NaN.
+
+A rig's run against the track's at the same times, where the phase of a limit cycle counts: for inspection, not for assessment.
+
+    runs of `simulate` with brake or traction -> [rig_fidelity] -> numbers; NaN or None where there are none
+
+What two starts of the same test on track differ by, point by point, is phase alone; `slide_statistics` has what is compared.
+Equations: docs/theory/rig_control.md.
 
 run of `simulate` with brake or traction -> [slide_statistics] -> TestRecord: measures, distribution of slip, distance over time
 
 Slide protection and wheel-slip control make a limit cycle whose phase differs from start to start: two such tests are compared
 by what is counted, averaged or distributed over each of them, never point by point.
+
+    run of `simulate` with a brake -> [wheel_flat] -> length of the longest flat [m]
+
+The worn volume is in proportion to the energy; what is worn off a wheel that does not turn is a segment of its circle under a
+chord: V = k E, V = b L^3 / (12 r) for L << r, (H1) and (H2) of docs/theory/wheel_flats.md. Heat, martensite and the rounding of
+the flat's ends are left out. On the rig no wheel slides so: the estimate is what the virtual train's wheels would get.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from rollerrig.analysis.torque_ripple import RIPPLE_ABOVE, torque_ripple
-from rollerrig.analysis.tracking import LEAST_SPEED, following, largest, rms, slip, under_test
+from rollerrig.analysis.virtual_rail import patch_of, slipperiest_peak
+from rollerrig.assembly.model import assemble
 from rollerrig.config import Case, Rig
+from rollerrig.config.schema.pneumatics import ReservoirAir
 from rollerrig.results import COMPLETED
+from rollerrig.results.run_info import RunInfo
+
+LEAST_SPEED = 2.0
+"""Below this a train is too slow for errors relative to its speed [m/s]."""
+
+
+def wheel_radius(run: xr.Dataset) -> float:
+    """Nominal radius of the wheels [m], of the run's own case."""
+    return RunInfo.of(run).wheel_radius
+
+
+def under_test(run: xr.Dataset) -> xr.Dataset:
+    """The run with those axles alone that are wheelsets of the vehicle, on rollers or on track; the train may have others."""
+    bodies = set(run["body"].to_numpy().tolist())
+    names = run["axle"].to_numpy().tolist()
+    tested = [name for name in names if name in bodies]
+    return run if len(tested) == len(names) else run.sel(axle=tested)
+
+
+def slip(run: xr.Dataset) -> xr.DataArray:
+    """(wheel speed - train speed) / train speed, over time and axle [-]."""
+    return _relative(run, wheel_radius(run) * run["axle_speed"] - run["train_speed"])
+
+
+def virtual_slip(run: xr.Dataset) -> xr.DataArray:
+    """The same of the virtual wheels of a rig."""
+    return _relative(run, wheel_radius(run) * run["virtual_speed"] - run["train_speed"])
+
+
+def tracking_error(run: xr.Dataset) -> xr.DataArray:
+    """(wheel speed - virtual wheel speed) / train speed, over time and axle under test [-]."""
+    run = under_test(run)
+    return _relative(run, wheel_radius(run) * (run["axle_speed"] - run["virtual_speed"]))
+
+
+def tracking(run: xr.Dataset) -> tuple[float, float]:
+    """RMS and largest magnitude of the tracking error [-]; NaN if the train is never fast enough."""
+    return rms(tracking_error(run)), largest(tracking_error(run))
+
+
+def following(run: xr.Dataset) -> dict[str, float]:
+    """How the wheels of a rig follow their virtual train and slide on their rollers, by names of the registry."""
+    error, greatest = tracking(run)
+    return {"tracking_rms": error, "tracking_largest": greatest, **real_sliding(run)}
+
+
+def real_sliding(run: xr.Dataset) -> dict[str, float]:
+    """Sliding of the wheels on rollers or rails, by names of the registry."""
+    sliding = run["real_sliding"].to_numpy()
+    return {"real_sliding_largest_mps": largest(sliding), "real_sliding_rms_mps": rms(sliding)}
+
+
+def rms(values: Any) -> float:
+    """Root mean square of what is finite; NaN if nothing is."""
+    finite = np.asarray(values)[np.isfinite(values)]
+    return float(np.sqrt(np.mean(finite**2))) if finite.size else math.nan
+
+
+def largest(values: Any) -> float:
+    """Largest magnitude of what is finite; NaN if nothing is."""
+    finite = np.asarray(values)[np.isfinite(values)]
+    return float(np.abs(finite).max()) if finite.size else math.nan
+
+
+def stopped(run: xr.Dataset) -> bool:
+    """Whether the train came to a stop."""
+    return bool(run.attrs["status"] == "stopped")
+
+
+def _relative(run: xr.Dataset, speed: xr.DataArray) -> xr.DataArray:
+    train = run["train_speed"]
+    return (speed / train).where(train > LEAST_SPEED)
+
 
 Array = NDArray[np.float64]
+
+RIPPLE_ABOVE = 10.0
+"""Slide protection acts at a few hertz; what is faster is the loop or its noise [Hz]."""
+
+WINDOW = 0.25  # [s]
+PERCENTILE = 95.0
+
+
+def torque_ripple(time: Array, torque: Array) -> tuple[float, float]:
+    """Persistent ripple of the worst axle's torque, and its frequency.
+
+    The RMS above RIPPLE_ABOVE in windows of a quarter of a second; the median of them, since the response to a switching valve
+    decays sooner than in every second of them.
+
+    Args:
+        time: evenly spaced [s], shape (time,).
+        torque: [N m], shape (time, axle).
+
+    Returns:
+        RMS [N m] and frequency of most power [Hz]; NaN where the run is shorter than two windows.
+    """
+    found = ripple_windows(time, torque)
+    if found is None:
+        return math.nan, math.nan
+    from scipy.signal import welch  # slow to load, and seldom needed
+
+    parts, high = found
+    median = np.median(parts, axis=0)
+    worst, step = int(np.argmax(median)), float(time[1] - time[0])
+    frequency, power = welch(high[:, worst], fs=1.0 / step, nperseg=min(len(high), 4 * round(WINDOW / step)))
+    return float(median[worst]), float(frequency[np.argmax(power)])
+
+
+def largest_ripple(time: Array, torque: Array, limit: float) -> tuple[float, float]:
+    """Ripple that is not passed for PERCENTILE of the time, of the worst axle, and its longest spell above a limit.
+
+    Args:
+        time: evenly spaced [s], shape (time,).
+        torque: [N m], shape (time, axle).
+        limit: RMS of a window [N m].
+
+    Returns:
+        RMS [N m] and duration [s]; NaN where the run is shorter than two windows.
+    """
+    found = ripple_windows(time, torque)
+    if found is None:
+        return math.nan, math.nan
+    spell = longest = np.zeros(found[0].shape[1])
+    for above in found[0] > limit:
+        spell = np.where(above, spell + WINDOW, 0.0)
+        longest = np.maximum(longest, spell)
+    return float(np.percentile(found[0], PERCENTILE, axis=0).max()), float(longest.max())
+
+
+def ripple_windows(time: Array, torque: Array) -> tuple[Array, Array] | None:
+    """RMS above RIPPLE_ABOVE in each window, shape (window, axle), and the filtered torque, shape (time, axle).
+
+    None where the run is shorter than two windows or has no torque at some time.
+    """
+    if time.size < 2 or time[-1] - time[0] < 2.0 * WINDOW or not np.isfinite(torque).all():
+        return None
+    from scipy.signal import butter, sosfiltfilt  # slow to load, and seldom needed
+
+    step = float(time[1] - time[0])
+    window = round(WINDOW / step)
+    high = sosfiltfilt(butter(4, RIPPLE_ABOVE, "highpass", fs=1.0 / step, output="sos"), torque, axis=0)
+    count = len(high) // window
+    return np.sqrt(np.mean(high[: count * window].reshape(count, window, -1) ** 2, axis=1)), high
+
+
+def point_by_point(track: xr.Dataset, other: xr.Dataset) -> dict[str, Any]:
+    """Another run, of the rig or of a second start, against the track's at the same times, as far as both ran.
+
+    Of the axles under test.
+    """
+    count = min(track.sizes["time"], other.sizes["time"])
+    a, b = (under_test(run).isel(time=slice(0, count)) for run in (track, other))
+    speed = a["train_speed"].to_numpy()
+    fast = speed > LEAST_SPEED
+    difference = wheel_radius(other) * (b["axle_speed"].to_numpy() - a["axle_speed"].to_numpy())
+    relative = difference[fast] / speed[fast, None]
+    torque = sum(b[name].to_numpy() - a[name].to_numpy() for name in ("brake_torque", "traction_torque"))
+    return {
+        "wheel_speed_rms": rms(relative),
+        "wheel_speed_largest": float(np.abs(relative).max(initial=0.0)),
+        "train_speed_largest_mps": float(np.abs(b["train_speed"].to_numpy() - speed).max()),
+        "slip_difference_rms": rms(slip(b).to_numpy() - slip(a).to_numpy()),
+        "torque_difference_rms_nm": rms(np.asarray(torque)),
+    }
+
+
+def by_own_motion(run: xr.Dataset) -> float | None:
+    """Part of the variance of the tracking error in proportion to the wheelsets' own motion along the track, (D14) [-]."""
+    run = under_test(run)
+    moving = run["train_speed"].to_numpy() > LEAST_SPEED
+    error = (run["axle_speed"] - run["virtual_speed"]).to_numpy()[moving].ravel()
+    own = run["longitudinal_velocity"].sel(body=list(run["axle"].to_numpy())).to_numpy()[moving].ravel()
+    if not (error.size and float(np.std(error)) > 0.0 and float(np.std(own)) > 0.0):
+        return None
+    return float(np.corrcoef(error, own)[0, 1] ** 2)
+
 
 SLIP_EDGES = np.append(np.linspace(0.0, 1.0, 51), np.inf)
 """Edges of the classes of |slip| [-]; the last one is open."""
@@ -30,6 +223,9 @@ SLIDES = 0.10
 
 LOCKED = 0.05
 """An axle slower than this part of the train's speed is locked [-]."""
+
+OSCILLATES = 100.0
+"""Torque of a drive from which its ripple counts as an oscillation [N m]: 1 % of the torque that brakes an axle."""
 
 LIMITED = 0.999
 """Part of the largest torque from which a command is at its limit."""
@@ -74,7 +270,7 @@ def test_record(run: xr.Dataset, case: Case) -> TestRecord:
     """The record of a run of `case` on track or rig: of the train, and of its axles under test."""
     kept = _kept(run["time"].to_numpy())
     tested = under_test(run)
-    measures = {**_train(run), **_valves(tested), **_axles(tested)}
+    measures = {**_train(run, case), **_valves(tested), **_axles(tested), "beyond_peak_s": beyond_peak(tested, case)}
     if case.rig_control is not None and isinstance(case.support.data, Rig):
         measures |= _rig(tested, case.rig_control.feedback.largest, case.support.data.roller_radius)
     return TestRecord(
@@ -92,13 +288,16 @@ def _kept(time: Array) -> NDArray[np.intp]:
     return np.unique([*range(0, time.size, every), time.size - 1])
 
 
-def _train(run: xr.Dataset) -> dict[str, float]:
-    """Numbers of the train as a whole, which every axle brakes or pulls."""
+def _train(run: xr.Dataset, case: Case) -> dict[str, float]:
+    """Numbers of the train as a whole, which every axle brakes or pulls; a protection that is not ours has no reference speed."""
     speed, way = run["train_speed"].to_numpy(), run["train_distance"].to_numpy()
     acting = np.flatnonzero(_acting(run))
     begin = acting[0] if acting.size else -1
     run_since = way[-1] - way[begin]
+    tables = [one for one in (case.slide_protection, case.wheel_slip_control) if one is not None]
     wrong = run["reference_speed_error"].to_numpy()[speed > LEAST_SPEED]
+    if not all(table.is_ours for table in tables):
+        wrong = np.full_like(wrong, np.nan)
     return {
         "distance_m": way[-1],
         "duration_s": run.attrs["stopped_at_s"],
@@ -148,6 +347,36 @@ def _axles(run: xr.Dataset) -> dict[str, float]:
     }
 
 
+def beyond_peak(run: xr.Dataset, case: Case) -> float:
+    """Time that the axles together spent beyond the peak of the creep curve of the test's most slippery rail [s].
+
+    The slip of the peak grows as the train slows: it is found at some speeds and linear between them. 0 without [adhesion].
+    """
+    speed, slips = run["train_speed"].to_numpy(), abs(slip(run)).transpose("time", "axle").to_numpy()
+    if case.adhesion is None or not (speed > LEAST_SPEED).any():
+        return 0.0
+    patch, at = patch_of(assemble(case)), np.linspace(LEAST_SPEED, float(speed.max()), 6)
+    peak = np.interp(speed, at, [slipperiest_peak(case, patch, float(v))[0] for v in at])
+    count = np.count_nonzero(slips > peak[:, None])
+    return float(count * (run["time"][1] - run["time"][0])) if count else 0.0
+
+
+def idle_valves(case: Case) -> list[str]:
+    """Sentences on dump valves whose pulses are too short to move them; none of a protection that is not ours."""
+    air, table = getattr(case.brake, "air", None), case.slide_protection
+    if not isinstance(air, ReservoirAir) or table is None or not table.is_ours:
+        return []
+    kinds = (
+        ("fill", table.pulse_time, "open", air.opening_time),
+        ("hold", table.pulse_pause, "close", air.closing_time),
+    )
+    return [
+        f"Dump valves never {move} in stepwise filling: {1e3 * time:g} ms of {command}, {1e3 * dead:g} ms until they {move}"
+        for command, pulse, move, dead in kinds
+        if (time := max(pulse, air.least_pulse)) <= dead
+    ]
+
+
 def longest_lock(run: xr.Dataset) -> float:
     """Longest time that an axle turned slower than LOCKED of the speed of a train faster than LEAST_SPEED [s]."""
     time = run["time"].to_numpy()
@@ -192,7 +421,7 @@ def _rig(run: xr.Dataset, largest_torque: float, roller_radius: float) -> dict[s
     return {
         **following(run),
         "force_error_rms": rms(force - virtual) / size if size > 0.0 else math.nan,
-        "drive_oscillation_nm": drive_oscillation(run, roller_radius),
+        **drive_oscillation(run, roller_radius),
         "drive_limited_share": float(limited.mean()),
         "drive_power_wanted_kw": 1e-3 * largest(run["wanted_roller_power"]),
         "drive_power_limited_s": float(run["drive_power_limited"].isel(time=-1).max()),
@@ -201,14 +430,58 @@ def _rig(run: xr.Dataset, largest_torque: float, roller_radius: float) -> dict[s
     }
 
 
-def drive_oscillation(run: xr.Dataset, roller_radius: float) -> float:
-    """Persistent fast torque on the rollers that the virtual rail does not demand, RMS of the worst axle [N m].
+def drive_oscillation(run: xr.Dataset, roller_radius: float) -> dict[str, float]:
+    """Fast torque on the rollers that the virtual rail does not demand: 95th percentile of the worst axle, longest spell.
 
     The ripple of the contact's force less the virtual one, times the radius: zero for a rig that follows, also while slide
     protection acts fast; an oscillation of the loop on a locked wheel is all of it. NaN where outputs are too rare to see it.
     """
     time = run["time"].to_numpy()
-    if time.size < 2 or time[1] - time[0] > 1.0 / (4.0 * RIPPLE_ABOVE):
-        return math.nan
-    wrong = (run["creep_force"] - run["virtual_force"]).transpose("time", "axle").to_numpy()
-    return torque_ripple(time, roller_radius * np.nan_to_num(wrong))[0]
+    found = math.nan, math.nan
+    if time.size >= 2 and time[1] - time[0] <= 1.0 / (4.0 * RIPPLE_ABOVE):
+        wrong = (run["creep_force"] - run["virtual_force"]).transpose("time", "axle").to_numpy()
+        found = largest_ripple(time, roller_radius * np.nan_to_num(wrong), OSCILLATES)
+    return {"drive_oscillation_nm": found[0], "drive_oscillation_spell_s": found[1]}
+
+
+def flat_length(energy: float, radius: float, wear: float, width: float) -> float:
+    """Length of a flat [m].
+
+        V = k E        (H1)
+        L = (12 r V / b)^(1/3)        (H2)
+
+    Args:
+        energy: E, dissipated under one wheel while it did not turn [J].
+        radius: r of the wheel [m].
+        wear: k, volume worn off per energy [m^3/J].
+        width: b of the flat across the tread [m].
+
+    Example:
+        >>> round(1e3 * flat_length(165e3, radius=0.46, wear=7e-13, width=0.012), 1)
+        37.6
+    """
+    return float(np.cbrt(12.0 * radius * wear * energy / width))
+
+
+def lock_energies(run: xr.Dataset) -> NDArray[np.float64]:
+    """Energy dissipated under each wheel of an axle in each of its locks, of all axles [J].
+
+    A lock lasts while the axle turns slower than LOCKED of the speed of a train that is not too slow for slips.
+    """
+    time, train = run["time"].to_numpy(), run["train_speed"].to_numpy()
+    sliding = train[:, None] - wheel_radius(run) * run["axle_speed"].transpose("time", "axle").to_numpy()
+    power = 0.5 * np.abs(run["creep_force"].transpose("time", "axle").to_numpy() * sliding)  # of one wheel
+    locked = (slip(run) < LOCKED - 1.0).transpose("axle", "time").to_numpy()
+    found = []
+    for axle, own in enumerate(locked):
+        edges = np.flatnonzero(np.diff(np.concatenate([[False], own, [False]]).astype(int)))
+        for first, end in zip(edges[::2], edges[1::2], strict=True):
+            last = min(end, time.size - 1)  # to the first sample at which it turns again
+            found.append(float(np.trapezoid(power[first : last + 1, axle], time[first : last + 1])))
+    return np.array(found)
+
+
+def longest_flat(run: xr.Dataset, wear: float, width: float) -> float:
+    """Length of the longest flat that a run leaves, each lock at another place of the tread [m]."""
+    energies = lock_energies(run)
+    return flat_length(float(energies.max()), wheel_radius(run), wear, width) if energies.size else 0.0

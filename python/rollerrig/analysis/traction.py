@@ -17,9 +17,9 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from rollerrig import _core
-from rollerrig.analysis.fits import Fit, fit
+from rollerrig.analysis.signals import Fit, fit
+from rollerrig.assembly.laws import core_law
 from rollerrig.config import Case, Rig
-from rollerrig.contact_laws import core_law
 from rollerrig.results import variable
 
 Series = NDArray[np.float64]

@@ -1,4 +1,13 @@
-"""What engineers read off a run: wheel forces, their quotients and limits, unloading, wear number.
+"""What engineers read off a run: wheel forces, their quotients and limits, unloading, wear number; sections of the line.
+
+Sections of a run as EN 14363 assesses them: straights, transitions, circular curves by their radius.
+
+    run -> [track_sections] -> which output times belong to which section
+
+A vehicle is in a straight or a curve from where its last wheelset has come in until its first one leaves; between, it is in a
+transition, where nothing is quasi-static.
+
+Source: EN 14363:2016, test zones.
 
     run -> [wheel_forces] -> Y, Q, sum of Y, Y/Q, wear number over time -> [filtered] -> as EN 14363 assesses them
 
@@ -10,6 +19,7 @@ On a rig the rollers are the rails.
 
     Y/Q  ≤  (tan δ - μ) / (1 + μ tan δ)        Nadal: the flange, steepest at δ, does not climb          (R1)
     |ΣY| ≤  k (10 kN + 2 Q0 / 3)               Prud'homme: the track does not shift, Q0 per wheel         (R2)
+    r.m.s. of ΣY over 100 m ≤ half of (R2)     the vehicle is stable; f_0 ± 2 Hz, f_0 the frequency of its oscillation
     Tγ   =  -(T_x ν_x + T_y ν_y + M φ)         per patch [N]: heat per metre                              (R3)
 
 with creep forces T, spin moment M on the wheel and creepages ν, φ of the wheel against the rail. Tγ V is the power that the
@@ -23,20 +33,125 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from rollerrig.analysis.filters import low_pass, sliding_mean
-from rollerrig.analysis.track_sections import section_names
-from rollerrig.recording import MOST_READINGS, READING_STEP
-from rollerrig.results.readings import DIMENSION, PREFIX, readings_of
-from rollerrig.results.run_info import RunInfo
+from rollerrig.analysis.signals import low_pass, narrow_band, sliding_mean
+from rollerrig.results.readings import DIMENSION, MOST_READINGS, PREFIX, READING_STEP, readings_of
+from rollerrig.results.run_info import RunInfo, TrackSegment
 from rollerrig.track import nadal_limit
+
+WHOLE_RUN = "whole run"
+
+STEADY_SPEED = 0.05
+"""Part of its mean by which the speed may range in a section with quasi-static values; EN 14363: 5 km/h either side."""
+
+TEST_ZONES = ((600.0, 2), (400.0, 3), (250.0, 4))
+"""Radius [m] and test zone of curves above it; of 400 and 250 m including it. Straights are zone 1."""
+
+
+@dataclass(frozen=True)
+class TrackSection:
+    """A part of a run.
+
+    Attributes:
+        name: number in the order of the run and what it is; unique.
+        constant: whether curvature, cant and speed are constant there, so that it has quasi-static values.
+        within: which output times belong to it, shape (time,).
+    """
+
+    name: str
+    constant: bool
+    within: NDArray[np.bool_]
+
+
+def track_sections(run: xr.Dataset) -> list[TrackSection]:
+    """The sections that a run has come through, in their order; the whole run is the only one without curves and on a rig.
+
+    Args:
+        run: results of `simulate` or `load_run`.
+    """
+    info = RunInfo.of(run)
+    speed, distance = run["speed"].to_numpy(), run["distance"].to_numpy()
+    if len(info.segments) < 2:
+        everywhere = np.ones(run.sizes["time"], dtype=bool)
+        name = "rollers" if info.support == "rig" else in_words(info.segments[0]) if info.segments else "straight"
+        return [TrackSection(name, _steady(speed), everywhere)]
+    constant = [segment for segment in info.segments if segment.kind != "transition"]
+    numbers = _numbers(info, constant, distance)
+    found: list[TrackSection] = []
+    for number in np.unique(numbers).tolist():
+        within = numbers == number
+        segment = constant[number // 2] if number % 2 == 0 else None
+        name = f"{len(found) + 1} {in_words(segment) if segment else 'transition'}"
+        found.append(TrackSection(name, segment is not None and _steady(speed[within]), within))
+    return found
+
+
+def section_names(run: xr.Dataset) -> NDArray[np.str_]:
+    """Name of the section at every output time, shape (time,)."""
+    names = np.full(run.sizes["time"], "", dtype=object)
+    for section in track_sections(run):
+        names[section.within] = section.name
+    return names.astype(str)
+
+
+def _numbers(info: RunInfo, constant: Sequence[TrackSegment], distance: NDArray[np.float64]) -> NDArray[np.int_]:
+    """2 k where the vehicle is wholly in the constant segment k, 2 k + 1 on its way from there to the next, -1 before all."""
+    places = [body.position[0] for body in info.wheelsets]
+    rear, front = distance + min(places), distance + max(places)
+    ends = [math.inf if segment is info.segments[-1] else segment.end for segment in constant]
+    left = np.searchsorted(ends, front, side="left")
+    numbers = 2 * left - 1
+    for k, segment in enumerate(constant):
+        come = (rear >= segment.start) | (segment is info.segments[0])
+        numbers = np.where(come & (left == k), 2 * k, numbers)
+    return np.asarray(numbers)
+
+
+def in_words(segment: TrackSegment) -> str:
+    """`straight`, or a curve with its radius, direction and test zone."""
+    if segment.curvature == 0.0:
+        return "straight"
+    radius = 1.0 / abs(segment.curvature)
+    side = "left" if segment.curvature > 0 else "right"
+    zone = test_zone(radius)
+    return f"curve R {radius:.0f} m {side}" + (f", test zone {zone}" if zone else "")
+
+
+def test_zone(radius: float) -> int | None:
+    """Test zone of EN 14363 of curves of a radius [m]; None below 250 m."""
+    large = TEST_ZONES[0]
+    if radius > large[0] * (1.0 + 1e-9):
+        return large[1]
+    return next((zone for least, zone in TEST_ZONES[1:] if radius >= least * (1.0 - 1e-9)), None)
+
+
+def _steady(speed: NDArray[np.float64]) -> bool:
+    return not len(speed) or float(np.ptp(speed)) <= STEADY_SPEED * abs(float(speed.mean()))
+
+
+def curved(run: xr.Dataset) -> bool:
+    """Whether the run met a curve or cant."""
+    return "curvature" in run and bool((run["curvature"] != 0.0).any() or (run["cant"] != 0.0).any())
+
+
+def irregular(run: xr.Dataset) -> bool:
+    """Whether rails or rollers were irregular."""
+    return "rail_lateral" in run and bool((run["rail_lateral"] != 0.0).any() or (run["rail_vertical"] != 0.0).any())
+
 
 FORCE_CUTOFF = 20.0
 """Low pass of Y, Q, Y/Q and ΣY [Hz]."""
+
+INSTABILITY_LENGTH = 100.0
+"""Distance over which the r.m.s. of ΣY says whether a vehicle is stable [m]."""
+
+INSTABILITY_BAND, SLOWEST, FASTEST = 2.0, 0.4, 18.0
+"""Half the width of its band pass, least lower end and largest centre [Hz]."""
 
 PRUDHOMME_FACTOR = 1.0
 """k in (R2): 1 for locomotives, power cars and passenger coaches; 0.85 for freight wagons."""
@@ -139,9 +254,10 @@ def _over_time(
 def filtered(read: xr.Dataset) -> xr.Dataset:
     """The forces as EN 14363 assesses them, at the output times.
 
-    Y, Q and the wear number: low pass 20 Hz. Y/Q and ΣY: low pass 20 Hz, then the sliding mean over 2 m, which is NaN
-    within 1 m of both ends. Wheel unloading is that of the filtered load. Filtered are the readings between the output
-    times where the run has them.
+    Y, Q and the wear number: low pass 20 Hz, the latter cut at 0 where it rings below. Y/Q and ΣY: low pass 20 Hz, then the
+    sliding mean over 2 m, which is NaN within 1 m of both ends. The instability criterion `guiding_force_sum_rms`: ΣY through
+    f_0 ± 2 Hz, then the r.m.s. over 100 m, in a run of that length. Wheel unloading is that of the filtered load. Filtered are
+    the readings between the output times where the run has them.
 
     Args:
         read: what `wheel_forces` returns.
@@ -166,14 +282,34 @@ def filtered(read: xr.Dataset) -> xr.Dataset:
     through = {name: low_pass(dense[name], FORCE_CUTOFF) for name in names}
     load = through["wheel_load"]
     through["wheel_unloading"] = dense["wheel_unloading"].copy(data=1.0 - load / read["static_wheel_load"])
+    if float(np.ptp(dense["distance"].to_numpy())) >= INSTABILITY_LENGTH:
+        through["guiding_force_sum_rms"] = _instability(dense)
     quotient = (through["guiding_force"] / load).where(load > 0.0)
     through["derailment_quotient"] = dense["derailment_quotient"].copy(data=quotient)
     for name, values in through.items():
-        done = f"{FORCE_CUTOFF:g} Hz"
+        done = str(values.attrs.get("filter", f"{FORCE_CUTOFF:g} Hz"))
         if name in ("derailment_quotient", "guiding_force_sum"):
             values, done = sliding_mean(values, dense["distance"]), f"{done}, mean over 2 m"
+        if name == "wear_number":  # a heat: what the filter rings below its least value is no part of it
+            values, done = values.clip(min=min(0.0, float(dense[name].min()))), f"{done}, not below 0"
         through[name] = values.sel(time=kept["time"]).assign_attrs(filter=done)
     return kept.assign(through)
+
+
+def _instability(dense: xr.Dataset) -> xr.DataArray:
+    """Moving r.m.s. of ΣY in a band about the frequency at which it oscillates most."""
+    force, time = dense["guiding_force_sum"], dense["time"].to_numpy()
+    duration = float(time[-1] - time[0])
+    varying = (force - force.mean("time")).transpose("time", "wheelset").to_numpy()
+    spectrum = (np.abs(np.fft.rfft(varying * np.hanning(len(time))[:, None], axis=0)) ** 2).sum(axis=1)
+    frequency = np.fft.rfftfreq(len(time), duration / (len(time) - 1))
+    within = (frequency >= SLOWEST) & (frequency <= FASTEST)
+    centre = float(frequency[within][spectrum[within].argmax()]) if within.any() else FASTEST
+    low, high = max(centre - INSTABILITY_BAND, SLOWEST, (1.0 + 1e-9) / duration), centre + INSTABILITY_BAND
+    square = narrow_band(force, low, high) ** 2
+    rms = sliding_mean(square, dense["distance"], INSTABILITY_LENGTH).clip(min=0.0) ** 0.5
+    meaning = "instability criterion: moving r.m.s. of ΣY"
+    return _named(rms, "N", meaning).assign_attrs(filter=f"{low:.1f} to {high:.1f} Hz, r.m.s. over 100 m")
 
 
 def at_output_times(read: xr.Dataset) -> xr.Dataset:

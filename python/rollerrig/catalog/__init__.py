@@ -8,7 +8,7 @@ Every entry can be copied to a file and edited: what it refers to by name is fou
 import tomllib
 from typing import get_args
 
-from rollerrig.config.read.library import CatalogKind, catalog_file, catalog_names, schema_uri
+from rollerrig.config.read import CatalogKind, catalog_file, catalog_names, schema_uri
 
 KINDS: tuple[CatalogKind, ...] = get_args(CatalogKind)
 

@@ -12,11 +12,10 @@ from typing import Any
 
 from rollerrig.config import load_case
 from rollerrig.config.errors import ConfigError, ConfigProblem, show_value
-from rollerrig.config.read.library import catalog_file, catalog_names, schema_uri
+from rollerrig.config.read import catalog_file, catalog_names, schema_uri
 from rollerrig.config.schema.base import quantity_of
 from rollerrig.config.schema.vehicle import Vehicle
-from rollerrig.config.write.explain import KeyPlace, key_places
-from rollerrig.config.write.reference import unit_text
+from rollerrig.config.write.explain import KeyPlace, key_places, unit_text
 from rollerrig.config.write.toml import key_text, literal, plain
 
 Raw = dict[str, Any]

@@ -9,7 +9,8 @@ from importlib import import_module
 import typer
 
 from rollerrig import __version__
-from rollerrig.cli import studies
+from rollerrig.cli import cases, commands, interfaces, runs
+from rollerrig.cli.study_command import SPECIAL, study_command
 from rollerrig.cli.termination import CLOSED, INTERRUPTED, readable_errors
 
 COMMANDS = (
@@ -45,7 +46,7 @@ COMMANDS = (
     "catalog",
     "cite",
 )
-"""Functions of `studies`, or modules of this folder with a function `command`, or with an `app` where there are subcommands."""
+"""Functions of `commands.STUDIES`, `cases`, `runs`, `interfaces`, or modules of this folder with a function `command`."""
 
 HELP = """A roller rig for railway bogies, in software.
 
@@ -75,13 +76,15 @@ def build_app() -> typer.Typer:
         pass
 
     for name in COMMANDS:
-        word, command = name.replace("_", "-"), getattr(studies, name, None)
-        if command is None:
-            module = import_module(f"rollerrig.cli.{name}")
-            if hasattr(module, "app"):
-                app.add_typer(module.app, name=word)
-                continue
-            command = module.command
+        word = name.replace("_", "-")
+        home = next((module for module in (cases, runs, interfaces) if hasattr(module, name)), None)
+        if name in commands.STUDIES:
+            command = study_command(getattr(commands, name), **SPECIAL.get(name, {}))
+        else:
+            command = getattr(home, name) if home else import_module(f"rollerrig.cli.{name}").command
+        if isinstance(command, typer.Typer):
+            app.add_typer(command, name=word)
+            continue
         app.command(word, short_help=first_line(command))(readable_errors(command))
     return app
 

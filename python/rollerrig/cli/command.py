@@ -9,19 +9,16 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, NoReturn
 
 import typer
 
-from rollerrig.cli.progress import progress_bar
+from rollerrig.cli.progress import interrupts_noted, progress_bar
 from rollerrig.cli.termination import INTERRUPTED, OK, exit_code, say, stop
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable
     from concurrent.futures import Executor
 
-    from rollerrig.config import Case
+    from rollerrig.config import Case, Code
 
 CaseName = Annotated[str, typer.Argument(metavar="CASE", help="Case: a name of the catalogue or a TOML file.")]
-RigCaseName = Annotated[
-    str,
-    typer.Argument(metavar="CASE", help="Case on rollers with [rig_control]: a name of the catalogue or a TOML file."),
-]
 Out = Annotated[Path, typer.Option(help="Folder for the results; made if it does not exist.")]
 Force = Annotated[
     bool,
@@ -42,18 +39,16 @@ Changes = Annotated[
         "'vehicle.element.primary_*.x.stiffness=30 MN/m' changes all that match.",
     ),
 ]
-SpeedsKmh = Annotated[str, typer.Option(help="Speeds [km/h] as start:stop:step, or a list with commas.")]
-Processes = Annotated[int, typer.Option(min=1, max=64, help="Runs at a time.")]
 
 
 def read_case(name: str, *, allow_code: bool, changes: list[str] | None = None) -> Case:
     """The case with what `--set` changes of it, and a line to the user for every piece of code that it brings."""
-    from rollerrig.config import load_case
+    from rollerrig.config import code_of, load_case
 
     case = load_case(name, allow_code=allow_code)
     if changes:
         case = case.with_changes(changes_of(changes))
-    for line in code_lines(case):
+    for line in code_lines(code_of(case)):
         say(f"rollerrig: {name}: {line}")
     return case
 
@@ -98,14 +93,12 @@ def picture_kind(path: Path) -> Literal["svg", "png", "pdf"]:
     raise typer.BadParameter(f"'{path}': allowed: a file that ends in .svg, .png or .pdf", param_hint="--out")
 
 
-def code_lines(case: Case) -> list[str]:
-    """The code that a case brings, a line each."""
-    from rollerrig.config import code_of
-
+def code_lines(codes: Iterable[Code]) -> list[str]:
+    """Code that runs with a case or plan, a line each."""
     return [
         f"{code.key}: brings code: {'' if code.is_file else 'module '}{code.source}"
         + ("" if code.is_fmu else f", class {code.name}")
-        for code in code_of(case)
+        for code in codes
     ]
 
 
@@ -115,7 +108,6 @@ def carry_out(
     processes: int = 1,
     *,
     force: bool = False,
-    refused: tuple[type[Exception], ...] = (),
     executor: Executor | None = None,
 ) -> NoReturn:
     """Run a study, write what it found and print its summary; the exit code says how its runs ended.
@@ -125,34 +117,37 @@ def carry_out(
         out: folder for the results.
         processes: jobs at a time.
         force: whether files that the command did not write may be replaced in the folder.
-        refused: errors of the study that are the user's.
         executor: that does the jobs in place of processes of this machine.
     """
-    from rollerrig.wording import number
+    from rollerrig.common.formatting import number
+    from rollerrig.results import locked
+    from rollerrig.study.workers import WorkerError
 
     made = not out.exists()
-    try:
-        with progress_bar(study.command) as progress:
-            outcome = study.run(folder=out, force=force, processes=processes, progress=progress, executor=executor)
-    except Exception as error:
-        if made:
-            with suppress(OSError):  # there is something in it
-                out.rmdir()
-        if isinstance(error, refused):
-            stop(error)
-        raise
+    with interrupts_noted() as interrupts:
+        try:
+            with locked(out):
+                with progress_bar(study.command, interrupts) as progress:
+                    outcome = study.run(
+                        folder=out, force=force, processes=processes, progress=progress, executor=executor
+                    )
+                written = [] if outcome is None else outcome.write(out, force=force)
+        except Exception as error:
+            if made:
+                with suppress(OSError):  # there is something in it
+                    out.rmdir()
+            if isinstance(error, WorkerError):
+                stop(error)
+            raise
     if outcome is None:
         stop("interrupted; finished jobs are kept: the same command continues", INTERRUPTED)
-    try:
-        for path in outcome.write(out, force=force):
-            if path.parent == out:
-                typer.echo(path)
-    except KeyboardInterrupt:
-        kept = "; finished jobs are kept: the same command continues" if study.resumable else ""
-        stop(f"interrupted while its results were written{kept}", INTERRUPTED)
+    for path in written:
+        if path.parent == out:
+            typer.echo(path)
     say(outcome.summary)
     for what, times in outcome.study.timings(outcome.results).items():
         say(f"{what}, as measured now: {', '.join(f'{name} {number(value, 3)}' for name, value in times.items())}")
     if outcome.interrupted and study.resumable:
         say("Finished jobs are kept: the same command continues.")
-    raise typer.Exit(max((exit_code(status) for status in outcome.statuses), default=OK))
+    ended = max((exit_code(status) for status in outcome.statuses), default=OK)
+    raise typer.Exit(INTERRUPTED if interrupts.times else ended)

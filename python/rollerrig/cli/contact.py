@@ -46,8 +46,8 @@ def command(
             output_file(path, tables=tables, force=force)
     roll = None if roll_mrad is None else 1e-3 * roll_mrad
     if compare:
-        from rollerrig.contact_analysis.comparison import compare_contacts, comparison_csv, comparison_text
-        from rollerrig.contact_analysis.creep_comparison import compare_creep, creep_csv, creep_text
+        from rollerrig.contact_analysis.creep_laws import compare_creep, creep_csv, creep_text
+        from rollerrig.contact_analysis.static_contact import compare_contacts, comparison_csv, comparison_text
 
         try:
             creep = compare_creep(chosen, places, roll=roll)
@@ -90,9 +90,10 @@ def _positions(lateral_mm: str, yaw_mrad: str | None, yaw_mrad_per_mm: float | N
 
 def _known_tables() -> tuple[str, ...]:
     """First lines of the tables that this command writes: those it may replace."""
-    from rollerrig.contact_analysis import comparison, creep_comparison, static_contact
+    from rollerrig.contact_analysis.creep_laws import SIDE_BY_SIDE_HEAD
+    from rollerrig.contact_analysis.static_contact import CSV_HEAD, NORMALS_HEAD
 
-    return tuple(module.CSV_HEAD for module in (static_contact, comparison, creep_comparison))
+    return CSV_HEAD, NORMALS_HEAD, SIDE_BY_SIDE_HEAD
 
 
 def _beside(path: Path) -> Path:

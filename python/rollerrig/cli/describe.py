@@ -1,16 +1,248 @@
-"""What `check` prints about a case or a part of one."""
+"""A case or other file as a few tables of text, as `rollerrig check` prints it: line, actuators, controllers, bodies, balance.
+
+Case -> assembled model, its equilibrium -> [describe_case] -> lines
+"""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Sequence
 
 import xarray as xr
 
-from rollerrig.assembly import AssembledModel, assemble
-from rollerrig.cli.describe_actuators import actuator_lines
-from rollerrig.cli.describe_track import irregularity_lines, line_rows
-from rollerrig.config import Case, Element, Material, ProfileSpec, Programme, Rig, Track, Vehicle
-from rollerrig.starting_state import degrees_of_freedom, equilibrium_dataset
+from rollerrig.analysis.equivalent_dead_time import lags
+from rollerrig.analysis.slide_statistics import idle_valves
+from rollerrig.assembly.actuators import assemble_with_actuators
+from rollerrig.assembly.model import AssembledModel, assemble
+from rollerrig.config import GRAVITY, Case, Element, Material, ProfileSpec, Programme, Rig, Track, Vehicle, code_of
+from rollerrig.config.schema.rig_control import BandwidthEstimator
+from rollerrig.config.schema.track import SpectrumIrregularity, rails_of_run
+from rollerrig.config.validate.check_track import highest_speed_on, speeds_on
+from rollerrig.irregularity import RailIrregularity
+from rollerrig.simulation.controllers import COMMANDS, fmu_controller, look_at_controller, users_controllers
+from rollerrig.simulation.mechatronics import estimator_response, feedback_gains, full_brake_torque, rig_controller
+from rollerrig.simulation.starting_state import degrees_of_freedom, equilibrium_dataset
+from rollerrig.track import Segment, equilibrium_speed, plane_acceleration
+
+Rows = list[list[str]]
+
+
+def line_rows(track: Track, case: Case | None = None) -> Rows:
+    """A heading and one row per segment; with a case, also how its vehicle runs there at its highest speed."""
+    line = track.line
+    if line is None:
+        return []
+    heading = ["segment", "from m", "to m", "radius m", "cant mm", "equilibrium km/h"]
+    heading += ["speed km/h", "cant deficiency mm", "at most km/h"] if case else []
+    rows, gravity = [heading], case.gravity if case else GRAVITY
+    for i, segment in enumerate(line.segments):
+        row = [
+            f"{i} {segment.kind}",
+            f"{segment.start:g}",
+            f"{segment.end:g}",
+            *_curve(segment, track.cant_base, gravity),
+        ]
+        rows.append(row + (_run(case, track, segment) if case else []))
+    return rows
+
+
+def _curve(segment: Segment, base: float, gravity: float) -> list[str]:
+    if segment.kind != "curve":
+        return [segment.shape if segment.kind == "transition" else "", "", ""]
+    curvature, cant = segment.curvature[0], segment.cant[0]
+    side = "left" if curvature > 0 else "right"
+    balanced = equilibrium_speed(curvature, cant, base, gravity)
+    outer = math.copysign(1.0, curvature) * cant
+    return [
+        f"{1 / abs(curvature):g} {side}",
+        f"{1e3 * outer + 0.0:g}",
+        "none" if math.isnan(balanced) else f"{3.6 * balanced:z.1f}",
+    ]
+
+
+def _run(case: Case, track: Track, segment: Segment) -> list[str]:
+    """Speed, cant deficiency and highest speed; a cant deficiency is the cant that would have to be added."""
+    speeds = speeds_on(case, segment)
+    if speeds is None:
+        return ["not reached", "", ""]
+    if segment.kind != "curve":
+        return [f"{3.6 * speeds[1]:z.1f}", "", ""]
+    curvature, cant = segment.curvature[0], segment.cant[0]
+    left_over = plane_acceleration(speeds[1], curvature, cant, track.cant_base, case.gravity)
+    outward = math.copysign(1.0, curvature) * left_over
+    highest = highest_speed_on(case, track, segment)
+    return [
+        f"{3.6 * speeds[1]:z.1f}",
+        f"{1e3 * track.cant_base * outward / case.gravity:z.0f}",
+        f"{3.6 * highest:z.0f}",
+    ]
+
+
+def irregularity_lines(support: Rig | Track, rails: RailIrregularity | None = None) -> list[str]:
+    """Where the irregularity comes from, and the root mean square of its components where they are known."""
+    chosen = support.irregularity
+    if chosen is None:
+        return []
+    if isinstance(chosen, SpectrumIrregularity):
+        rails = rails or rails_of_run(chosen, 0.0, 0.0)
+        waves = f"waves of {chosen.shortest_wavelength:g} to {chosen.longest_wavelength:g} m"
+        origin = f"ORE B 176, {chosen.level} level, seed {chosen.seed}, {waves}, repeating after {chosen.period:g} m"
+    else:
+        origin = f"measured, {chosen.path}"
+    scaled = f", scaled by {chosen.scale:g}" if chosen.scale != 1.0 else ""
+    lines = [f"irregularity: {origin}{scaled}, fading in over {chosen.fade_in:g} m"]
+    if rails is not None:
+        sizes = ", ".join(
+            f"{name.replace('_', ' ')} {1e3 * size:z.2f}" for name, size in rails.root_mean_square().items()
+        )
+        lines.append(f"root mean square [mm]: {sizes}")
+    return lines
+
+
+_WORDS = {
+    "proportional_integral": "proportional-integral feedback",
+    "sliding_mode": "sliding mode",
+    "none": "no feedback",
+}
+
+
+def actuator_lines(case: Case, *, run_code: bool = False) -> list[str]:
+    """Brake, drive, adhesion and controllers, a line each; empty for a case without actuators.
+
+    Args:
+        case: what is described.
+        run_code: whether the user's controllers are made; they are only looked at otherwise.
+
+    Raises:
+        ConfigError: a controller of the user cannot be used.
+        StartError: the virtual train's vehicle has no equilibrium on track.
+    """
+    users = users_controllers(case, {}) if run_code else {}
+    for code in code_of(case):
+        look_at_controller(code, case.name)
+    if not case.sampled:
+        return []
+    model = assemble_with_actuators(case)
+    load = sum(model.axle_loads.values()) / len(model.wheelsets)
+    lines = [*_brake(case, load), *_traction(case, load), *_adhesion(case)]
+    if case.rig_control is not None:
+        lines += [_train(model), *_roller_drives(case)]
+    for name in COMMANDS:
+        table = getattr(case, name)
+        if table is not None:
+            if table.fmu is not None:
+                lines.append(_fmu(case, name))
+                continue
+            if table.user is not None and name not in users:
+                own = f"class {table.user.rpartition(':')[2]} of your own, acting {1e3 * table.delay:g} ms later"
+                lines.append(f"{name}: {own}; it has not been run, --allow-code does")
+                continue
+            time = users.get(name, table).sample_time
+            text = f"{name}: every {1e3 * time:g} ms, acting {1e3 * table.delay:g} ms later"
+            if name in users:
+                text += f", {type(users[name]).__name__} of your own"
+            elif name == "rig_control":
+                text += _rig_control(model)
+            lines.append(text)
+    return [*lines, *idle_valves(case)]
+
+
+def _fmu(case: Case, role: str) -> str:
+    """An FMU, of which only the description has been read."""
+    table, controller = getattr(case, role), fmu_controller(case, role)
+    file = controller.file
+    taken = ", ".join(link.signal for link in file.inputs)
+    text = (
+        f"{role}: every {1e3 * table.sample_time:g} ms, acting {1e3 * table.delay:g} ms later, FMU {controller.name} (FMI "
+        f"{file.description.fmiVersion}): {taken} -> {file.command.signal}"
+    )
+    return text + (f"; nothing drives {', '.join(file.unused)}" if file.unused else "")
+
+
+def _brake(case: Case, load: float) -> list[str]:
+    if case.brake is None:
+        return []
+    pressure = max(row[1] for row in case.brake.demand)
+    radius = case.vehicle.data.wheel.radius
+    torque = full_brake_torque(case)
+    by = "by the traction motors" if case.brake.motors_stand_in else "by friction brakes"
+    return [
+        f"brake: {pressure / 1e5:.3g} bar at most, {torque / 1e3:.3g} kN m per axle {by}, "
+        f"which asks for an adhesion of {torque / radius / load:z.3f}"
+    ]
+
+
+def _traction(case: Case, load: float) -> list[str]:
+    if case.traction is None:
+        return []
+    torque = max((abs(row[1]) for row in case.traction.demand), default=0.0)
+    asks = torque / case.vehicle.data.wheel.radius / load
+    return [] if torque == 0.0 else [f"traction: {torque / 1e3:.3g} kN m per axle at most, an adhesion of {asks:z.3f}"]
+
+
+def _adhesion(case: Case) -> list[str]:
+    if case.adhesion is None:
+        return []
+    rails = [case.adhesion.rail, *(piece.rail for piece in case.adhesion.piece)]
+    laws = [rail.friction for rail in rails]
+    parts = [f"{law.mu_0:g} falling to {law.mu_0 * getattr(law, 'A', 1.0):g} with slip" for law in laws]
+    recovery = "; it recovers under sliding wheels" if case.adhesion.recovery_constant > 0.0 else ""
+    return [f"adhesion of the rail: {', then '.join(parts)}{recovery}"]
+
+
+def _roller_drives(case: Case) -> list[str]:
+    """What a full brake that the wheels' adhesion bears asks of each roller axle's drive at the start, and what the drive can."""
+    assert case.rig_control is not None
+    support, motor = case.support.data, case.rig_control.motor
+    torque = full_brake_torque(case)
+    if torque == 0.0 or not isinstance(support, Rig):
+        return []
+    wheel = case.vehicle.data.wheel.radius
+    at_roller = torque * support.roller_radius / wheel
+    power = torque * case.motion.speed / wheel
+    limits = [
+        f"{value / 1e3:.4g} {unit}"
+        for value, unit in ((motor.largest_torque, "kN m"), (motor.largest_power, "kW"))
+        if value is not None
+    ]
+    has = f"they have {' and '.join(limits)}" if limits else "no limit is set"
+    return [
+        f"roller drives: a full brake at {3.6 * case.motion.speed:.4g} km/h asks for {at_roller / 1e3:.3g} kN m and "
+        f"{power / 1e3:.4g} kW per axle; {has}"
+    ]
+
+
+def _train(model: AssembledModel) -> str:
+    train = rig_controller(model).train
+    loads = ", ".join(f"{q / 1e3:z.1f}" for q in train.static_load)
+    return f"virtual train: {train.mass / 1e3:z.3f} t on {len(train.static_load)} axles, static axle loads {loads} kN"
+
+
+def _rig_control(model: AssembledModel) -> str:
+    control = model.case.rig_control
+    assert control is not None
+    estimator, kind = control.estimator, control.feedback.kind
+    pole = f" {estimator.bandwidth:g} Hz" if isinstance(estimator, BandwidthEstimator) else ""
+    text = f", {estimator.kind.replace('_', ' ')}{pole}, {_WORDS.get(kind, kind)}"
+    if kind == "proportional_integral":
+        proportional, integral = feedback_gains(model)
+        text += f" {proportional / 1e3:.3g} kN m s/rad and {integral / 1e3:.3g} kN m/rad"
+    text += f", roller drives {control.motor.bandwidth:g} Hz"
+    if estimator.kind != "exact":
+        text += "; measured on the estimates:"
+        for name, (bandwidth, delay) in estimator_response(model).items():
+            text += f" {name} {bandwidth:z.1f} Hz and {1e3 * delay:z.1f} ms,"
+        text = text.removesuffix(",")
+    left = lags(model)
+    left, command = lags(model), control.drive_command.kind.replace("_", " ")
+    return (
+        f"{text}; axle torque {control.axle_torque.kind}, drive command {command}: equivalent dead time "
+        f"{1e3 * left.dead_time:z.1f} ms, {1e3 * left.torque:z.1f} ms of the torque and {1e3 * left.drive:z.1f} ms of the drives"
+    )
+
+
+_CLOSED = 1e-6
+"""Part of the weight: a larger difference to the wheel loads has a reason."""
 
 Part = Vehicle | Rig | Track | Material | ProfileSpec | Programme
 
@@ -133,7 +365,11 @@ def _balance(model: AssembledModel, run: xr.Dataset) -> list[str]:
     sums = f"total weight {total / 1e3:z.3f} kN, sum of the wheel loads {on_wheels / 1e3:z.3f} kN"
     if float(run["curvature"]) or float(run["cant"]):  # the plane of the track takes a part of both forces
         return [*lines, f"{sums}, normal to the track in the curve where the run starts"]
-    return [*lines, f"{sums} (difference {on_wheels - total:+.1e} N)"]
+    lines.append(f"{sums} (difference {on_wheels - total:+.1e} N)")
+    held = [body for body in own if "z" in model.case.vehicle.data.body_named(body).locked]
+    if held and abs(on_wheels - total) > _CLOSED * total:
+        lines.append(f"the difference is what holds {', '.join(held)}, whose z is locked")
+    return lines
 
 
 def _downward(run: xr.Dataset, element: Element, fixed: Sequence[str]) -> float:

@@ -1,7 +1,7 @@
 """How far a command is: a bar on a terminal, lines now and then in a pipe; and Ctrl-C, which reaches the work through it.
 
 fraction, text -> [progress_bar] -> bar, or a line per part of the work, with the time left as soon as it can be estimated
-first Ctrl-C -> reported at once, KeyboardInterrupt; second Ctrl-C -> the command ends there and then
+first Ctrl-C -> reported at once, KeyboardInterrupt at the next progress; second Ctrl-C -> the command ends there and then
 """
 
 from __future__ import annotations
@@ -13,6 +13,8 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from types import FrameType
+
+from rollerrig.cli.termination import INTERRUPTED
 
 Progress = Callable[[float, str], None]
 Clock = Callable[[], float]
@@ -26,70 +28,62 @@ REPORT_SHARE, PART_SHARE = 0.02, 0.05
 LEAST_GAINED, LEAST_SECONDS = 0.1, 10.0
 """The time left is shown when so much of the whole is done, and so long after the begin [s]."""
 
-JUMP = 0.02
-"""More of the whole within JUMP_SECONDS was not computed now but taken over."""
-JUMP_SECONDS = 0.05
+JUMP, JUMP_SECONDS = 0.02, 0.05
+"""More of the whole within so many seconds was not computed now but taken over."""
 
 STOPPING = """
 Interrupted, writing results: jobs at work are given up. Ctrl-C again ends at once and leaves what is there.
 """
-INTERRUPTED = 130
 
 
-class CtrlC:
-    """What was heard of Ctrl-C; `check` raises KeyboardInterrupt once more, which Python drops in a callback of the collector."""
+class InterruptHandler:
+    """Handler of Ctrl-C for a command: the first one is noted, so that no result is lost; the second one ends the program.
+
+    Attributes:
+        times: how often it was pressed.
+    """
 
     def __init__(self) -> None:
         self.times = 0
-        self._owed = False
 
-    def heard(self, _signal: int, _frame: FrameType | None) -> None:
-        """The signal's handler.
+    def __call__(self, _signal: int, _frame: FrameType | None) -> None:
+        """Note it.
 
         Raises:
-            KeyboardInterrupt: the first time.
             SystemExit: the second time; nothing catches it, and files under their temporary names are removed on its way.
         """
         self.times += 1
         if self.times > 1:
             raise SystemExit(INTERRUPTED)
         os.write(2, STOPPING.encode())  # `print` may be at work itself
-        self._owed = True
-        raise KeyboardInterrupt
-
-    def check(self) -> None:
-        """To be called now and then.
-
-        Raises:
-            KeyboardInterrupt: one was dropped.
-        """
-        if self._owed:
-            self._owed = False
-            raise KeyboardInterrupt
 
 
 @contextmanager
-def heard_ctrl_c() -> Iterator[CtrlC]:
-    """Within it, Ctrl-C is handled by CtrlC, unless this is not the main program or ignores Ctrl-C."""
-    ears = CtrlC()
+def interrupts_noted() -> Iterator[InterruptHandler]:
+    """Within it, Ctrl-C is handled by InterruptHandler, unless this is not the main program or ignores Ctrl-C."""
+    handler = InterruptHandler()
     if signal.getsignal(signal.SIGINT) is not signal.default_int_handler:
-        yield ears
+        yield handler
         return
-    before = signal.signal(signal.SIGINT, ears.heard)
+    signal.signal(signal.SIGINT, handler)
     try:
-        yield ears
+        yield handler
     finally:
-        signal.signal(signal.SIGINT, before)
+        signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 @contextmanager
-def progress_bar(title: str) -> Iterator[Progress]:
-    """A function (fraction, text) that moves a bar, or prints lines where stderr is no terminal."""
-    with heard_ctrl_c() as ears, _shown(title) as show:
+def progress_bar(title: str, handler: InterruptHandler) -> Iterator[Progress]:
+    """A function (fraction, text) that moves a bar, or prints lines where stderr is no terminal.
+
+    It raises KeyboardInterrupt once Ctrl-C was pressed.
+    """
+    with _shown(title) as show:
 
         def progress(fraction: float, text: str) -> None:
-            ears.check()
-            show(fraction, "interrupted" if ears.times else text)
+            if handler.times:
+                raise KeyboardInterrupt
+            show(fraction, text)
 
         yield progress
 
@@ -110,7 +104,10 @@ def _shown(title: str) -> Iterator[Progress]:
 
 
 class TimeLeft:
-    """The time left from the average since the begin: no jumping about with the last job, and nothing while it is a guess."""
+    """The time left from the average since the begin: no jumping about with the last job, and nothing while it is a guess.
+
+    The estimates of rich's and tqdm's columns follow the last jobs and count what was taken over as speed.
+    """
 
     def __init__(self, clock: Clock = time.monotonic) -> None:
         self._clock = clock
@@ -140,7 +137,7 @@ def duration(seconds: float) -> str:
 
 
 def lines(clock: Clock = time.monotonic) -> Progress:
-    """Lines on stderr, one per part of the work and now and then: how much is done, since when, what is left, what is at work."""
+    """Lines on stderr, one per part of the work and now and then: how much is done, since when, what is left, what is running."""
     begun = last = clock()
     left, part = TimeLeft(clock), ""
 
@@ -152,7 +149,7 @@ def lines(clock: Clock = time.monotonic) -> Progress:
             return
         last, part = now, text
         times = ", ".join(filter(None, (f"{duration(now - begun)} so far", remaining)))
-        with suppress(BrokenPipeError):  # nobody reads any more (`2>&1 | head`): the work goes on
+        with suppress(BrokenPipeError):  # the reader has ended (`2>&1 | head`): the work continues
             print(f"{100 * fraction:3.0f} %  ({times})  {text}".rstrip(), file=sys.stderr, flush=True)
 
     return report

@@ -33,13 +33,13 @@ def command(
 
     Every finished case is kept at once: after Ctrl-C, or a machine that went down, the same command continues with the rest.
     """
-    from rollerrig.analysis.cluster import ClusterError, cluster
     from rollerrig.config import load_plan
+    from rollerrig.study.cluster import ClusterError, cluster
     from rollerrig.study.runs.sweep import resized
     from rollerrig.study.sweep import SweepStudy
 
     whole = load_plan(plan, allow_code=allow_code, changes=changes_of(change))
-    for line in code_lines(whole.case):
+    for line in code_lines(whole.code):
         say(f"rollerrig: {plan}: {line}")
     study = SweepStudy(whole if samples is None else resized(whole, samples), many=yes)
     if dask is None:

@@ -48,7 +48,7 @@ def exit_code(status: str) -> int:
 
 def _with_file(message: str, options: Mapping[str, object]) -> str:
     """The message with the user's file in place of the name of the case in it: what is found late knows only the name."""
-    from rollerrig.input_files import LARGEST_TEXT, read_input
+    from rollerrig.common.input_files import LARGEST_TEXT, read_input
 
     source = str(options.get("case") or options.get("file") or "")
     try:
@@ -68,18 +68,12 @@ def readable_errors(command: Callable[P, R]) -> Callable[P, R]:
     def wrapped(*arguments: P.args, **options: P.kwargs) -> R:
         from rollerrig.config import ConfigError
         from rollerrig.results import OutputError
-        from rollerrig.starting_state import StartError
+        from rollerrig.simulation.starting_state import StartError
 
         try:
             return command(*arguments, **options)
         except (ConfigError, OutputError, StartError) as error:
             stop(_with_file(str(error), options))
-        except RuntimeError as error:
-            from rollerrig.analysis.crew import WorkerError
-
-            if isinstance(error, WorkerError):
-                stop(error)
-            raise
         except MemoryError:
             stop("not enough memory; raise time.output_step or shorten the run")
         except KeyboardInterrupt:

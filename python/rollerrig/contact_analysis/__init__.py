@@ -5,8 +5,8 @@ WHEEL, RAIL -> [pair] -> Case -> [shift] -> rolling radii, angles -> [conicity] 
 a/b, laws -> [creep_laws] -> forces beside the exact theory
 """
 
-from rollerrig.contact_analysis.conicity import conicity_table, equivalent_conicity, nonlinearity_parameter
-from rollerrig.contact_analysis.pair import pair_case
-from rollerrig.contact_analysis.shift import shift_table
-
-__all__ = ["conicity_table", "equivalent_conicity", "nonlinearity_parameter", "pair_case", "shift_table"]
+from rollerrig.contact_analysis.conicity import conicity_table as conicity_table
+from rollerrig.contact_analysis.conicity import equivalent_conicity as equivalent_conicity
+from rollerrig.contact_analysis.conicity import nonlinearity_parameter as nonlinearity_parameter
+from rollerrig.contact_analysis.conicity import shift_table as shift_table
+from rollerrig.contact_analysis.static_contact import pair_case as pair_case

@@ -1,4 +1,15 @@
-"""Equivalent conicity: the cone whose wheelset would weave as long as this one does.
+"""Where an unloaded wheelset touches over its lateral shift, how the rolling radii differ, and its equivalent conicity.
+
+    Case -> [touching points of the core] -> xarray.Dataset over `lateral` and `side`
+
+Rigid profiles, the wheelset above the crown, straight or yawed. Left of the running direction is positive. As in EN 15302
+each wheel is lowered on its own (roll neglected) unless the wheelset is asked to roll until both touch.
+
+At zero yaw the points of touch lie in the plane through the wheelset's and the roller's axis. There a roller is its
+generatrix, so wheel and roller touch where wheel and rail do; what differs is what the contact does to the rolling. In
+yaw they do not: a wheel touches ahead of or behind its axle, and there a roller lies lower than a rail.
+
+Equivalent conicity: the cone whose wheelset would weave as long as this one does.
 
     rolling radius difference over lateral shift -> [kinematic motion integrated] -> wavelength, conicity over amplitude
 
@@ -25,13 +36,251 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 from scipy.optimize import brentq
 
+from rollerrig import _core
+from rollerrig.assembly.model import assemble
+from rollerrig.config import Case, Rig
+from rollerrig.contact_analysis.static_contact import leading_wheelset
+from rollerrig.profiles import ProfileTable
 from rollerrig.results import variable
+
+SIDES = ("left", "right")
+
+JUMP = 1e-3
+"""Rows are set closer together where a contact moves further than this from row to row [m]..."""
+
+FINEST = 1e-6
+"""...down to this distance [m]: so well is a jump of the contact placed."""
+
+_JUST_TOUCHING = 1e-9
+"""A touching point whose gap is larger than this is none [m]; the core closes gaps to 1e-13 m."""
+
+LEVEL = 1e-10
+"""Both wheels touch where their heights differ by less [m]."""
+
+MOST_STEPS = 40
+
+_VARIABLES = {
+    "wheel_abscissa": ("m", "EN abscissa S of the contact on the wheel profile, negative towards the flange"),
+    "rail_abscissa": ("m", "contact on rail or roller, 0 at the highest point, negative towards the gauge side"),
+    "rail_height": ("m", "height of the head there over its highest point: what the roller's radius gains"),
+    "rolling_radius": ("m", "wheel radius at the contact"),
+    "contact_angle": ("rad", "inclination of the contact plane, positive as at the flange"),
+    "longitudinal": ("m", "contact ahead of the wheel's own axle; 0 without yaw"),
+}
+
+_HEIGHT = list(_VARIABLES).index("rail_height")
+
+
+@dataclass(frozen=True)
+class _Touch:
+    """Both wheels at one shift, left first; see _VARIABLES."""
+
+    roll: float
+    sides: tuple[tuple[float, ...], tuple[float, ...]]
+
+
+@dataclass(frozen=True)
+class _Pose:
+    """Pose of the wheelset while it is shifted.
+
+    Attributes:
+        yaw: turned to the left [rad].
+        arm: about how far the contacts are apart [m]: the wheelset rolls until both wheels touch. None: roll is 0.
+    """
+
+    yaw: float
+    arm: float | None
+
+
+def shift_table(
+    case: Case, largest: float = 8e-3, step: float = 0.1e-3, *, free_to_roll: bool = False, yaw: float = 0.0
+) -> xr.Dataset:
+    """Touching points and rolling radii of the leading wheelset over its lateral shift.
+
+    Args:
+        case: its wheel, support and their profiles; nothing else matters.
+        largest: lateral shift to both sides [m].
+        step: distance of the rows [m]; where a contact jumps, rows are added until the jump is placed to FINEST.
+        free_to_roll: roll the wheelset until both wheels touch; else each wheel is lowered on its own, as EN 15302 allows.
+        yaw: angle at which the wheelset is shifted, positive to the left [rad].
+
+    Returns:
+        Over `lateral` and `side`: wheel_abscissa, rail_abscissa, rail_height, rolling_radius, contact_angle, longitudinal. Over
+        `lateral`: roll [rad], rolling_radius_difference r_left - r_right [m], and effective_difference [m], which on
+        rollers is less by what the rollers' own radii differ, (r0/R0) (R_left - R_right). If a wheel finds no contact
+        the table ends before that shift, on both sides, and attrs["ended"] says so.
+
+    Raises:
+        ValueError: shift or step is not positive, or the wheels do not touch even in the middle.
+    """
+    if not (0 < step <= largest):
+        raise ValueError(f"step {step:g} m and largest shift {largest:g} m: positive, and the step not larger")
+    model = assemble(case)
+    contact = leading_wheelset(model).contact
+    wheel, support = case.vehicle.data.wheel, case.support.data
+    contact_distance = wheel.back_to_back + 2 * wheel.tape_circle
+    pose = _Pose(yaw, contact_distance if free_to_roll else None)
+
+    touches, ended = _outward(contact, _steps(largest, step), pose)
+    _refine(contact, touches, pose)
+    if model.right_rail_profile is model.rail_profile:
+        # The same profiles: a mirror turns (y, yaw) into (-y, -yaw), and running backwards -yaw into yaw.
+        touches |= {-y: _Touch(-touch.roll, _swapped(touch)) for y, touch in touches.items() if y > 0.0}
+    else:
+        others, early = _outward(contact, [-y for y in _steps(largest, step)], pose)
+        _refine(contact, others, pose)
+        touches, ended = {**others, **touches}, ended or early
+    roller_radius = support.roller_radius if isinstance(support, Rig) else np.inf
+    table = _dataset(touches, (model.rail_profile, model.right_rail_profile)).assign_attrs(
+        title=case.description,
+        support=support.kind,
+        wheel_radius_m=wheel.radius,
+        roller_radius_m=roller_radius,
+        contact_distance_m=contact_distance,
+        gauge_m=support.gauge,
+        back_to_back_m=wheel.back_to_back,
+        roll="free" if free_to_roll else "neglected",
+        yaw_rad=yaw,
+        ended=ended,
+    )
+    difference = _left_less_right(table["rolling_radius"])
+    of_rollers = _left_less_right(table["rail_height"])
+    table["rolling_radius_difference"] = difference.assign_attrs(
+        units="m", long_name="rolling radius, left less right wheel"
+    )
+    table["effective_difference"] = (difference - wheel.radius / roller_radius * of_rollers).assign_attrs(
+        units="m", long_name="rolling radius difference less that of the rollers, in the wheel's scale"
+    )
+    return table
+
+
+def _dataset(touches: dict[float, _Touch], rails: tuple[ProfileTable, ProfileTable]) -> xr.Dataset:
+    """Touching points over the lateral shift; the core's height of the head at each."""
+    ordered = [touches[y] for y in sorted(touches)]
+    values = np.array([touch.sides for touch in ordered])  # (lateral, side, variable)
+    for side, rail in enumerate(rails):
+        values[:, side, _HEIGHT] = rail.evaluate(values[:, side, _HEIGHT - 1])
+    variables: dict[str, Any] = {
+        name: variable(("lateral", "side"), values[:, :, k], unit, meaning)
+        for k, (name, (unit, meaning)) in enumerate(_VARIABLES.items())
+    }
+    roll = {"units": "rad", "long_name": "roll angle of the wheelset"}
+    variables["roll"] = ("lateral", [touch.roll for touch in ordered], roll)
+    lateral = variable("lateral", sorted(touches), "m", "lateral shift, left")
+    return xr.Dataset(variables, coords={"lateral": lateral, "side": list(SIDES)})
+
+
+def _swapped(touch: _Touch) -> tuple[tuple[float, ...], tuple[float, ...]]:
+    """The mirror image run backwards: sides change places, and what is ahead is behind."""
+    left, right = ((*side[:-1], -side[-1]) for side in touch.sides)
+    return right, left
+
+
+def _left_less_right(values: xr.DataArray) -> xr.DataArray:
+    return values.sel(side="left", drop=True) - values.sel(side="right", drop=True)
+
+
+def _steps(largest: float, step: float) -> list[float]:
+    """Shifts from the first step to the largest, both included [m]."""
+    return [min(k * step, largest) for k in range(1, math.ceil(largest / step - 1e-9) + 1)]
+
+
+def _outward(contact: _core.StaticWheelsetContact, shifts: list[float], pose: _Pose) -> tuple[dict[float, _Touch], str]:
+    """Rows from the middle to one side, as far as both wheels touch; why they end early, or nothing."""
+    middle = _touch(contact, 0.0, pose, 0.0)
+    if middle is None:
+        raise ValueError("the wheels do not touch in the middle; check gauge, back-to-back distance and profiles")
+    touches, last = {0.0: middle}, middle
+    for y in shifts:
+        touch = _touch(contact, y, pose, last.roll)
+        if touch is None:
+            return touches, f"no contact from {1e3 * y:g} mm on: a wheel is off its profile or off the rail"
+        touches[y] = last = touch
+    return touches, ""
+
+
+def _refine(contact: _core.StaticWheelsetContact, touches: dict[float, _Touch], pose: _Pose) -> None:
+    """Add rows where a contact moves fast or jumps."""
+    while True:
+        lateral = sorted(touches)
+        new = [
+            (low, 0.5 * (low + high))
+            for low, high in zip(lateral, lateral[1:], strict=False)
+            if high - low > FINEST and _contact_jump(touches[low], touches[high]) > JUMP
+        ]
+        if not new:
+            return
+        for beside, y in new:
+            touch = _touch(contact, y, pose, touches[beside].roll)
+            if touch is None:
+                return
+            touches[y] = touch
+
+
+def _contact_jump(a: _Touch, b: _Touch) -> float:
+    """How far the contacts on the wheels are apart [m]."""
+    return max(abs(p[0] - q[0]) for p, q in zip(a.sides, b.sides, strict=True))
+
+
+def _touch(contact: _core.StaticWheelsetContact, y: float, pose: _Pose, roll: float) -> _Touch | None:
+    """Both wheels touching at a lateral shift [m].
+
+    Args:
+        contact: static contact of the core.
+        y: lateral shift [m].
+        pose: yaw, and whether it rolls.
+        roll: roll angle to start from [rad].
+    """
+    yaw, arm = pose.yaw, pose.arm
+    heights = _heights(contact, y, yaw, roll)
+    slope, surplus = -(arm or 0.0), heights[0] - heights[1]  # secant steps; a metre's arm gains a metre per radian
+    for _ in range(MOST_STEPS):
+        if arm is None or abs(surplus) < LEVEL:
+            break
+        turn = -surplus / slope
+        roll += turn
+        heights, before = _heights(contact, y, yaw, roll), surplus
+        surplus = heights[0] - heights[1]
+        # On a flange, roll moves the wheel sideways as well: steeper than the arm. At a jump the slope has a step.
+        slope = min(max((surplus - before) / turn, -4 * arm), -0.5 * arm)
+    sides = tuple(
+        _first_touch(contact, (y, height, yaw, roll), right)
+        for height, right in zip(heights, (False, True), strict=True)
+    )
+    left, right_side = sides
+    return None if left is None or right_side is None else _Touch(roll, (left, right_side))
+
+
+def _heights(contact: _core.StaticWheelsetContact, y: float, yaw: float, roll: float) -> list[float]:
+    """Heights at which the left and the right wheel touch [m]."""
+    return [contact.touch_height(0.0, y, yaw, roll, right) for right in (False, True)]
+
+
+def _first_touch(
+    contact: _core.StaticWheelsetContact, place: tuple[float, float, float, float], right: bool
+) -> tuple[float, ...] | None:
+    """The point of touch of one wheel in the order of _VARIABLES, if there is one; place: lateral, height, yaw, roll."""
+    y, height, yaw, roll = place
+    near = contact.minima(0.0, y, height, yaw, roll, right, 1e-6)
+    if not near:
+        return None
+    patch = max(near, key=lambda found: found.approach)
+    if abs(patch.approach) > _JUST_TOUCHING:
+        return None
+    _, lean, upward = patch.direction
+    angle = np.arctan2(lean if right else -lean, upward)
+    along, across, level = patch.point
+    ahead = along * math.cos(yaw) + (across - y) * math.sin(yaw)
+    return patch.wheel_s, patch.rail_y, level, patch.wheel_radius, float(angle), ahead
+
 
 FloatArray = NDArray[np.float64]
 

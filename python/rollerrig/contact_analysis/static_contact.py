@@ -1,23 +1,76 @@
-"""Where a loaded wheelset touches: quasi-static contact over lateral position and yaw.
+"""Where a loaded wheelset touches: quasi-static contact over lateral position and yaw, by every normal contact there is.
 
     Case, positions -> [static contact of the core] -> xarray.Dataset, one row per contact patch
 
 The leading wheelset is in equilibrium under its static axle load with elastic normal forces only. Left of the running
 direction is positive. Height and roll count from the unloaded, centred wheelset that touches both sides.
+
+    Case, positions -> contact_table with each `contact.normal` -> per wheel: patches, centre, width, approach, pressure, cost
+
+Left of the running direction is positive. What each model is: `docs/theory/contact_forces.md`, `non_elliptic_contact.md`.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 
 from rollerrig import _core
-from rollerrig.assembly import AssembledModel, assemble
-from rollerrig.config import Case
+from rollerrig.assembly.model import AssembledModel, assemble
+from rollerrig.common.formatting import number
+from rollerrig.config import Case, load_case, load_profile
+from rollerrig.config.schema.contact import NORMAL_LAWS
 from rollerrig.results import variable
+
+DEFAULT_GAUGE = 1.435
+DEFAULT_GAUGE_DEPTH = 14e-3
+DEFAULT_BACK_TO_BACK = 1.360
+DEFAULT_RADIUS = 0.460
+
+
+def pair_case(
+    wheel: str,
+    rail: str,
+    *,
+    gauge: float = DEFAULT_GAUGE,
+    gauge_depth: float = DEFAULT_GAUGE_DEPTH,
+    back_to_back: float = DEFAULT_BACK_TO_BACK,
+    radius: float = DEFAULT_RADIUS,
+    roller_radius: float | None = None,
+) -> Case:
+    """A lone wheelset on a track or, with a roller radius, on a pair of rollers whose generatrix is the rail's head.
+
+    Args:
+        wheel: wheel profile: a name of the catalogue, a TOML file or a file of points.
+        rail: rail profile, likewise.
+        gauge: distance between the gauge sides [m].
+        gauge_depth: depth below the highest point at which the gauge is taken [m].
+        back_to_back: distance between the flange backs [m].
+        radius: wheel radius at the tape circle [m].
+        roller_radius: radius at the crown of the rollers [m]; None: rails.
+
+    Raises:
+        ConfigError: all mistakes found; also where the wheels would miss the rails.
+    """
+    titles = [load_profile(wheel, "wheel").name or wheel, load_profile(rail, "rail").name or rail]
+    changes: dict[str, object] = {
+        "description": " on ".join(titles),
+        "vehicle.wheel.profile": wheel,
+        "vehicle.wheel.radius": radius,
+        "vehicle.wheel.back_to_back": back_to_back,
+        "vehicle.body.wheelset_1.position": [0.0, 0.0, radius],
+        "support.profile": rail,
+        "support.gauge": gauge,
+        "support.gauge_depth": gauge_depth,
+    }
+    if roller_radius is not None:
+        changes["support.roller_radius"] = f"{roller_radius} m"
+    base = load_case("contact_benchmark_track" if roller_radius is None else "contact_benchmark_rollers")
+    return base.with_changes({"name": "conicity"}).with_changes(changes)
+
 
 _VARIABLES = {
     "lateral": ("m", "lateral position of the wheelset, positive to the left"),
@@ -96,11 +149,11 @@ def contact_table(case: Case, positions: Iterable[tuple[float, float]], *, roll:
             continue
         for side in ("left", "right"):
             patches = [patch for patch in found.patches if patch.right == (side == "right") and patch.normal > 0.0]
-            for number, patch in enumerate(sorted(patches, key=lambda p: p.wheel_s), start=1):
+            for count, patch in enumerate(sorted(patches, key=lambda p: p.wheel_s), start=1):
                 shape = (patch.wheel_s, patch.angle, patch.a, patch.b, patch.approach, patch.normal)
                 pose = (found.roll, found.z - unloaded)
                 rest = (patch.peak_pressure, patch.weight, patch.wheel_radius, patch.width, patch.area, patch.rail_y)
-                rows.append((lateral, yaw, side, number, *shape, *pose, *rest))
+                rows.append((lateral, yaw, side, count, *shape, *pose, *rest))
     columns = list(zip(*rows, strict=True)) if rows else [()] * len(_VARIABLES)
     variables: dict[str, Any] = {
         name: variable("row", np.array(column, dtype=_dtype(name)), unit, meaning)
@@ -152,3 +205,138 @@ def leading_wheelset(model: AssembledModel) -> LeadingWheelset:
 
 def _dtype(name: str) -> type:
     return {"side": str, "patch": int}.get(name, float)
+
+
+QUANTITIES = {
+    "patches": ("1", "patches under load, each counted with its weight"),
+    "normal": ("N", "sum of the normal forces"),
+    "centre": ("m", "EN abscissa S of the centre of the pressures on the wheel, negative towards the flange"),
+    "width": ("m", "loaded width across the rolling direction"),
+    "area": ("m^2", "loaded area"),
+    "approach": ("m", "largest elastic approach"),
+    "peak_pressure": ("Pa", "largest pressure"),
+}
+REPEATS = 2000  # of one evaluation, to time it
+
+
+def compare_contacts(
+    case: Case, positions: Sequence[tuple[float, float]], *, roll: float | None = None, timed: bool = True
+) -> xr.Dataset:
+    """Normal contact of the leading wheelset under its axle load, at each position with each model.
+
+    Args:
+        case: vehicle, support and contact; `contact.normal` is what varies.
+        positions: lateral position [m] and yaw [rad] of the wheelset.
+        roll: roll angle to hold [rad]; None: free to roll.
+        timed: measure `cost` too; a figure of this machine and this moment.
+
+    Returns:
+        Dataset over `model`, `position` and `side`: the quantities of QUANTITIES, NaN where there is no contact or no
+        balance; `lateral` [m] and `yaw` [rad] over `position`; `cost` [s] over `model`: search and normal contact of one
+        wheel, mean over the positions. The attribute `failed_positions` as of `contact_table`, named by model.
+    """
+    shape = (len(NORMAL_LAWS), len(positions), 2)
+    data = {name: np.full(shape, np.nan) for name in QUANTITIES}
+    cost = np.full(len(NORMAL_LAWS), np.nan)
+    failed: list[str] = []
+    title: dict[str, Any] = {}
+    for i, model in enumerate(NORMAL_LAWS):
+        chosen = case.with_changes({"contact.normal": model})
+        table = contact_table(chosen, positions, roll=roll)
+        title = {key: table.attrs[key] for key in ("title", "case", "wheelset", "load_n")}
+        failed += [f"{model}: {line}" for line in table.attrs["failed_positions"].splitlines()]
+        for j, (lateral, yaw) in enumerate(positions):
+            here = (table["lateral"] == lateral) & (table["yaw"] == yaw)
+            for k, side in enumerate(("left", "right")):
+                rows = table.isel(row=(here & (table["side"] == side)).to_numpy())
+                if rows.sizes["row"]:
+                    for name, value in _of_wheel(rows).items():
+                        data[name][i, j, k] = value
+        if timed:
+            cost[i] = _cost(chosen, table, positions)
+    coordinates = {
+        "model": list(NORMAL_LAWS),
+        "side": ["left", "right"],
+        "lateral": ("position", [lateral for lateral, _ in positions], {"units": "m"}),
+        "yaw": ("position", [yaw for _, yaw in positions], {"units": "rad"}),
+    }
+    variables: dict[str, Any] = {
+        name: variable(("model", "position", "side"), data[name], unit, meaning)
+        for name, (unit, meaning) in QUANTITIES.items()
+    }
+    variables["cost"] = variable("model", cost, "s", "search and normal contact of one wheel")
+    return xr.Dataset(variables, coordinates, {**title, "failed_positions": "\n".join(failed)})
+
+
+NORMALS_HEAD = (
+    "normal_contact,lateral_mm,yaw_mrad,side,patches,normal_n,"
+    "centre_s_mm,width_mm,area_mm2,approach_mm,peak_pressure_mpa"
+)
+"""First line of a table of normal contacts."""
+
+
+def comparison_csv(comparison: xr.Dataset) -> str:
+    """The comparison as CSV text, one row per model, position and wheel, in mm, mrad, N and MPa."""
+    factors = {"patches": 1.0, "normal": 1.0, "centre": 1e3, "width": 1e3, "area": 1e6, "approach": 1e3}
+    lines = [NORMALS_HEAD]
+    for model in comparison["model"].to_numpy():
+        for j in range(comparison.sizes["position"]):
+            for side in ("left", "right"):
+                here = comparison.sel(model=model, side=side).isel(position=j)
+                if not here["normal"] > 0.0:
+                    continue
+                values = [factor * float(here[name]) for name, factor in {**factors, "peak_pressure": 1e-6}.items()]
+                place = [1e3 * float(here["lateral"]), 1e3 * float(here["yaw"])]
+                numbers = [f"{v + 0.0:.9g}" for v in (*place, *values)]
+                lines.append(",".join([str(model), *numbers[:2], side, *numbers[2:]]))
+    return "\n".join(lines) + "\n"
+
+
+def comparison_text(comparison: xr.Dataset) -> str:
+    """A few lines for the terminal: per model its cost and the range of what it finds."""
+    lines = []
+    for model in comparison["model"].to_numpy():
+        here = comparison.sel(model=model)
+
+        def span(name: str, factor: float, of: xr.Dataset = here) -> str:
+            low, high = factor * float(of[name].min()), factor * float(of[name].max())
+            return f"{number(low, 3)} to {number(high, 3)}"
+
+        step = float(np.abs(here["centre"].diff("position")).max()) if comparison.sizes["position"] > 1 else 0.0
+        cost = "" if np.isnan(here["cost"]) else f", {number(1e6 * float(here['cost']), 2)} µs per wheel and evaluation"
+        lines.append(
+            f"{model}: {span('patches', 1.0)} patches, approach {span('approach', 1e6)} µm, peak pressure "
+            f"{span('peak_pressure', 1e-6)} MPa, width {span('width', 1e3)} mm; the centre moves by up to "
+            f"{number(1e3 * step, 3)} mm from one position to the next{cost}"
+        )
+    return "\n".join(lines)
+
+
+def _of_wheel(rows: xr.Dataset) -> dict[str, float]:
+    """All patches of one wheel as one: sums with their weights, the centre weighted with force, the largest pressure."""
+    normal, weight = rows["normal"].to_numpy(), rows["weight"].to_numpy()
+    return {
+        "patches": float(weight.sum()),
+        "normal": float(normal.sum()),
+        "centre": float(rows["wheel_abscissa"].to_numpy() @ normal / normal.sum()),
+        "width": float(rows["width"].to_numpy() @ weight),
+        "area": float(rows["area"].to_numpy() @ weight),
+        "approach": float(rows["approach"].max()),
+        "peak_pressure": float(rows["peak_pressure"].max()),
+    }
+
+
+def _cost(case: Case, table: xr.Dataset, positions: Sequence[tuple[float, float]]) -> float:
+    """Seconds for search and normal contact of one wheel, at the loaded positions."""
+    model = assemble(case)
+    _, _, contact, unloaded = leading_wheelset(model)
+    times = []
+    for lateral, yaw in positions:
+        rows = table.isel(row=((table["lateral"] == lateral) & (table["yaw"] == yaw)).to_numpy())
+        if rows.sizes["row"]:
+            z, roll = float(rows["height"][0]) + unloaded, float(rows["roll"][0])
+            times += [
+                contact.seconds_per_contact(0.0, lateral, z, yaw, roll, side == "right", 1, REPEATS)
+                for side in np.unique(rows["side"])
+            ]
+    return float(np.mean(times)) if times else float("nan")

@@ -3,24 +3,12 @@
 published spectrum and seed, measured file -> [RailIrregularity] -> the core's contacts
 """
 
-from rollerrig.irregularity.errors import IrregularityError
-from rollerrig.irregularity.generate import generate
-from rollerrig.irregularity.measured import MeasuredTrack, measured_irregularity, read_measured_track
-from rollerrig.irregularity.rails import COMPONENTS, RAILS, Component, RailIrregularity
-from rollerrig.irregularity.spectra import LEVELS, Level, standard_deviation, track_spectrum
-
-__all__ = [
-    "COMPONENTS",
-    "LEVELS",
-    "RAILS",
-    "Component",
-    "IrregularityError",
-    "Level",
-    "MeasuredTrack",
-    "RailIrregularity",
-    "generate",
-    "measured_irregularity",
-    "read_measured_track",
-    "standard_deviation",
-    "track_spectrum",
-]
+from rollerrig.irregularity.measured import measured_irregularity as measured_irregularity
+from rollerrig.irregularity.measured import read_measured_track as read_measured_track
+from rollerrig.irregularity.rails import COMPONENTS as COMPONENTS
+from rollerrig.irregularity.rails import RAILS as RAILS
+from rollerrig.irregularity.rails import IrregularityError as IrregularityError
+from rollerrig.irregularity.rails import RailIrregularity as RailIrregularity
+from rollerrig.irregularity.spectra import generate as generate
+from rollerrig.irregularity.spectra import standard_deviation as standard_deviation
+from rollerrig.irregularity.spectra import track_spectrum as track_spectrum

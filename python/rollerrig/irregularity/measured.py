@@ -18,10 +18,17 @@ from pathlib import Path
 
 import numpy as np
 
-from rollerrig.input_files import LARGEST_TABLE, read_input
-from rollerrig.irregularity.errors import IrregularityError
-from rollerrig.irregularity.rails import COMPONENTS, RAILS, FloatArray, RailIrregularity, periodic_spline, rails_of
-from rollerrig.splines import quasi_interpolant
+from rollerrig.common.input_files import LARGEST_TABLE, read_input
+from rollerrig.common.splines import quasi_interpolant
+from rollerrig.irregularity.rails import (
+    COMPONENTS,
+    RAILS,
+    FloatArray,
+    IrregularityError,
+    RailIrregularity,
+    periodic_spline,
+    rails_of,
+)
 
 UNITS = {"m": 1.0, "mm": 1e-3, "km": 1e3, "cm": 1e-2}
 LARGEST = 0.2

@@ -15,7 +15,12 @@ from typing import Literal, get_args
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rollerrig.splines import pieces
+from rollerrig.common.splines import pieces
+
+
+class IrregularityError(ValueError):
+    """A file of measured rails that cannot be used; the message says where, what was found and what is allowed."""
+
 
 FloatArray = NDArray[np.float64]
 Component = Literal["alignment", "vertical", "cross_level", "gauge"]

@@ -5,18 +5,32 @@ With `axes=` they draw into axes of your own and return these: one, or several f
 Datasets of run and analysis -> [plot] -> Figure -> report, files
 """
 
-from rollerrig.plot.contact import comparison_figure, contact_figure, creep_comparison_figure
-from rollerrig.plot.creep import creep_figure
-from rollerrig.plot.curving import curving_over_radius
-from rollerrig.plot.hunting import amplitude_over_speed, hunting_over_time, ramp_over_speed
-from rollerrig.plot.limit_cycle import limit_cycle_diagram
-from rollerrig.plot.modes import damping_map, damping_over_speed, frequency_over_speed, root_locus
-from rollerrig.plot.profile import profile_figure
-from rollerrig.plot.run import energy_over_time, motion_over_time, sliding_over_time
-from rollerrig.plot.runs_together import runs_together
-from rollerrig.plot.shapes import mode_shape, mode_shapes, shape_speed
+from rollerrig.plot.contact import (
+    comparison_figure,
+    contact_figure,
+    creep_comparison_figure,
+    creep_figure,
+    profile_figure,
+)
+from rollerrig.plot.hunting import (
+    amplitude_over_speed,
+    hunting_over_time,
+    limit_cycle_diagram,
+    ramp_over_speed,
+    traction_forces,
+    traction_sliding,
+)
+from rollerrig.plot.modes import (
+    damping_map,
+    damping_over_speed,
+    frequency_over_speed,
+    mode_shape,
+    mode_shapes,
+    root_locus,
+    shape_speed,
+)
+from rollerrig.plot.run import curving_over_radius, energy_over_time, motion_over_time, runs_together, sliding_over_time
 from rollerrig.plot.style import figure_bytes
-from rollerrig.plot.traction import traction_forces, traction_sliding
 from rollerrig.plot.vehicle import vehicle
 from rollerrig.plot.wheel_rail_forces import accelerations_along, line_and_response, quotient, track_shifting, wear
 from rollerrig.plot.wheel_rail_forces import wheel_forces as wheel_forces_over_time

@@ -1,15 +1,48 @@
-"""Figures of a test on degraded track and on the rig that reproduces it: the rig full, the track dashed."""
+"""Figures of a test on degraded track and on the rig that reproduces it, of ensembles, and of the lateral motion in it.
+
+Signals of the axles of one or more runs over time: a colour per axle, a line style per run.
+
+Figures of ensembles on track and rig: bars of causes with their errors, distributions of slip, distance over dead time.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
-from rollerrig.plot.axles import axles_over_time
-from rollerrig.plot.style import line, panels
+from rollerrig.plot.style import COLOURS, GREY, STYLES, house_style, line, logarithmic, new_figure, new_grid, panels
+
+Signal = tuple[str, str | Callable[[xr.Dataset], xr.DataArray], float]
+"""Label of the ordinate, variable or function of a run (over time, and over axle if each has its own), factor."""
+
+
+def axles_over_time(
+    runs: Mapping[str, xr.Dataset], signals: Sequence[Signal], height: float, xlabel: str = "time [s]"
+) -> Figure:
+    """A panel per signal.
+
+    Args:
+        runs: label -> run; the first is drawn with full lines, the next dashed.
+        signals: what is drawn.
+        height: of the figure [inches].
+        xlabel: of the abscissa.
+    """
+    with panels([label for label, _, _ in signals], xlabel, height) as (figure, axes):
+        for panel, (_, signal, factor) in zip(axes, signals, strict=True):
+            for (label, run), style in zip(runs.items(), STYLES, strict=False):
+                values = factor * (run[signal] if isinstance(signal, str) else signal(run))
+                suffix = f", {label}" if len(runs) > 1 else ""
+                if "axle" not in values.dims:
+                    line(panel, run["time"], values, 5, style, f"train{suffix}")
+                    continue
+                for number, axle in enumerate(values["axle"].to_numpy()):
+                    line(panel, run["time"], values.sel(axle=axle), number, style, f"{axle}{suffix}")
+        return figure
 
 
 def speeds(track: xr.Dataset, rig: xr.Dataset, radius: float) -> Figure:
@@ -102,3 +135,175 @@ def errors(track: xr.Dataset, rig: xr.Dataset, radius: float) -> Figure:
         line(speed, away["time"], b["train_speed"] - a["train_speed"], 5, "--", "train")
         line(distance, away["time"], b["train_distance"] - a["train_distance"], 5, "--", "train")
         return figure
+
+
+Array = NDArray[np.float64]
+
+
+def cause_bars(shares: Mapping[str, tuple[float, float, bool]]) -> Figure:
+    """Bars of what each imperfection contributes to the difference in distance; the last one is all of them.
+
+    Args:
+        shares: name -> part of the track's distance [-], its standard error, and whether it is inside its error: drawn hollow.
+    """
+    with house_style():
+        figure, (axes,) = new_figure(1, height=2.6)
+        for row, (share, error, hidden) in enumerate(shares.values()):
+            colour = COLOURS[1] if row == len(shares) - 1 else COLOURS[0]
+            look: dict[str, Any] = (
+                {"facecolor": "none", "edgecolor": colour, "linestyle": "--"} if hidden else {"color": colour}
+            )
+            axes.barh(row, 100.0 * share, height=0.55, **look)
+            axes.errorbar(100.0 * share, row, xerr=100.0 * error, color="black", capsize=3.0, linewidth=0.9)
+            text = f"{100.0 * share:+.2f} ± {100.0 * error:.2f}" + (", inside its error" if hidden else "")
+            outer, right = 100.0 * (share + np.copysign(error, share)), share >= 0.0
+            place: dict[str, Any] = {"xytext": (5 if right else -5, 0), "ha": "left" if right else "right"}
+            axes.annotate(text, (outer, row), textcoords="offset points", va="center", **place)
+        axes.set_yticks(range(len(shares)), list(shares))
+        axes.invert_yaxis()
+        axes.axvline(0.0, color="black", linewidth=0.8)
+        axes.margins(x=0.45)
+        axes.set_xlabel("mean distance of the rig less that of the track [% of it], ± standard error")
+        return figure
+
+
+def slip_histogram(edges: Array, shares: Mapping[str, Array]) -> Figure:
+    """Part of the time at each slip, and the sums.
+
+    Args:
+        edges: of the classes of |slip| [-], the last one infinite; shape (class + 1,).
+        shares: run -> part of the time, shape (class,).
+    """
+    with house_style():
+        figure, (parts, sums) = new_figure(2, height=4.4, sharex=True)
+        used = max(
+            (int(np.flatnonzero(one > 1e-4)[-1]) + 1 for one in shares.values() if (one > 1e-4).any()), default=1
+        )
+        ends = 100.0 * np.where(np.isfinite(edges), edges, 2.0 * edges[-2] - edges[-3])[: used + 1]
+        for number, (label, one) in enumerate(shares.items()):
+            look: dict[str, Any] = {
+                "color": COLOURS[1 - number % 2],
+                "linestyle": "--" if label == "track" else "-",
+                "linewidth": 1.3,
+            }
+            parts.stairs(100.0 * one[:used], ends, label=label, **look)
+            sums.plot(ends[1:], 100.0 * np.cumsum(one)[:used], label=label, **look)
+        parts.set_ylabel("part of the time [%]")
+        sums.set_ylabel("at most this slip\n[% of the time]")
+        sums.set_xlabel("|wheel speed - train speed| over train speed [%]")
+        parts.legend()
+        return figure
+
+
+def dead_time_curve(
+    track: Mapping[float, tuple[float, float]], rig: tuple[float, float], predicted: tuple[float, float]
+) -> Figure:
+    """Distance on track over additional dead time, and the rig's.
+
+    Args:
+        track: additional dead time [ms] -> mean distance, its standard error [m].
+        rig: mean distance, its standard error [m].
+        predicted: equivalent dead time in closed form, and the least [ms].
+    """
+    with house_style():
+        figure, (axes,) = new_figure(1, height=2.8)
+        delays = sorted(track)
+        means, errors = zip(*(track[delay] for delay in delays), strict=True)
+        axes.errorbar(delays, means, errors, color=COLOURS[1], marker="o", markersize=4, capsize=3.0, label="track")
+        axes.axhline(rig[0], color=COLOURS[0], linewidth=1.3, label="rig")
+        axes.axhspan(rig[0] - rig[1], rig[0] + rig[1], color=COLOURS[0], alpha=0.2, linewidth=0.0)
+        for value, style in zip(predicted, ("--", ":"), strict=True):
+            axes.axvline(value, color=GREY, linestyle=style, linewidth=1.0)
+        axes.set_xlabel("additional dead time of the protection on track [ms]")
+        axes.set_ylabel("mean distance [m]")
+        axes.legend()
+        return figure
+
+
+def motions(runs: Mapping[str, tuple[Array, Array]], slide: float) -> Figure:
+    """Lateral displacement of the leading wheelset over time, a panel per run.
+
+    Args:
+        runs: label -> times [s] and displacement [mm].
+        slide: when the wheels begin to slide [s]; NaN: they do not.
+    """
+    labels = ["y [mm]"] * len(runs)
+    with panels(labels, "time [s]", 1.0 + 1.15 * len(runs), legend=False, sharey=True) as (figure, all_axes):
+        for axes, (label, series) in zip(all_axes, runs.items(), strict=True):
+            line(axes, *series)
+            axes.set_title(label, fontsize=8.0, loc="left", pad=2.0)
+            if np.isfinite(slide):
+                axes.axvline(slide, color="#b00020", linewidth=1.0, linestyle=(0, (5, 2)))
+    return figure
+
+
+def amplitudes(runs: Mapping[str, tuple[Any, Any]], slips: Mapping[str, tuple[Any, Any]]) -> Figure:
+    """Amplitude of hunting over time above, slip of the leading wheelset below.
+
+    Args:
+        runs: label -> times [s] and amplitude [mm].
+        slips: label -> times [s] and slip [%].
+    """
+    labels = ("amplitude of the\nleading wheelset [mm]", "slip of the leading\nwheelset [%]")
+    with panels(labels, "time [s]", 4.6) as (figure, all_axes):
+        for axes, series in zip(all_axes, (runs, slips), strict=True):
+            for number, (label, values) in enumerate(series.items()):
+                line(axes, *values, number, STYLES[number % len(STYLES)], label, linewidth=1.1)
+        logarithmic(all_axes[0], "y")
+        all_axes[0].set_ylim(1e-3, None)
+    return figure
+
+
+def disturbed_control(runs: Mapping[str, xr.Dataset], radius: float) -> Figure:
+    """Tracking error and real sliding of the leading wheelset over time, a line per run.
+
+    Args:
+        runs: label -> Dataset of a rig.
+        radius: of the wheels [m].
+    """
+    labels = ("tracking error\n[% of train speed]", "sliding of wheel\non roller [mm/s]")
+    with panels(labels, "time [s]", 4.6) as (figure, (error, sliding)):
+        for number, (label, run) in enumerate(runs.items()):
+            axle = run.isel(axle=0)
+            relative = radius * (axle["axle_speed"] - axle["virtual_speed"]) / axle["train_speed"]
+            line(error, run["time"], 100.0 * relative, number, label=label)
+            line(sliding, run["time"], 1e3 * axle["real_sliding"], number, label=label)
+    return figure
+
+
+def creep_forces(runs: Mapping[str, tuple[Any, Any, Any]]) -> Figure:
+    """Creep forces of the leading left wheel over time: along and across, a column per run.
+
+    Args:
+        runs: label -> times [s], force along and force across the track [kN].
+    """
+    with house_style():
+        figure, grid = new_grid(2, len(runs), height=4.0, sharex=True, sharey="row")
+        for column, (label, (time, along, across)) in enumerate(runs.items()):
+            for axes, values in zip(grid[:, column], (along, across), strict=True):
+                line(axes, time, values, column)
+            grid[0, column].set_title(label, fontsize=8.0)
+            grid[1, column].set_xlabel("time [s]")
+        grid[0, 0].set_ylabel("creep force along [kN]")
+        grid[1, 0].set_ylabel("creep force across [kN]")
+    return figure
+
+
+def viscous(expected: Array, force: Array, slope: float) -> Figure:
+    """Lateral creep force of sliding wheels over the closed form.
+
+    Args:
+        expected: -F v_y / v_s [N].
+        force: of the run [N].
+        slope: of the line through both.
+    """
+    with house_style():
+        figure, (axes,) = new_figure(1, height=3.6, width=5.2)
+        line(axes, expected, force, 0, "", "axles on track", marker=".", markersize=2.0)
+        ends = np.array([expected.min(), expected.max()])
+        axes.plot(ends, ends, "--", color=GREY, label="Coulomb: opposite to sliding")
+        axes.plot(ends, slope * ends, "-", color=COLOURS[1], linewidth=1.0, label=f"slope {slope:.2f}")
+        axes.set_xlabel("-F v_y / v_s, both wheels [N]")
+        axes.set_ylabel("lateral creep force\nof the axle [N]")
+        axes.legend(fontsize=8.0)
+    return figure

@@ -1,23 +1,29 @@
-"""Figure of a contact table: where a loaded wheelset touches, and how hard, over its lateral position."""
+"""Figures of the contact alone: where wheels touch and how hard, characteristics of a pair, creep laws, a profile."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
-from rollerrig.plot.into import into_axes
 from rollerrig.plot.style import (
     COLOURS,
+    GREY,
     MARKERS,
     STYLES,
+    colour,
     headline,
     house_style,
+    into_axes,
     legend_above,
     legend_below,
+    logarithmic,
     new_figure,
     new_grid,
 )
@@ -134,4 +140,173 @@ def creep_comparison_figure(comparison: xr.Dataset, side: str = "left") -> Figur
             f"{comparison.attrs['case']}: {load:.4g} kN, {turned}, friction {comparison.attrs['friction']:g}, {side} wheel",
         )
         legend_below(figure, grid[0][0])
+        return figure
+
+
+def characteristics_figure(shifts: Mapping[str, xr.Dataset], conicity: Mapping[str, xr.Dataset]) -> Figure:
+    """Rolling radius difference, conicity, contact positions, angles and wavelength; each support in its own style.
+
+    Args:
+        shifts: label -> what `shift_table` returns; the first is drawn full, further ones dashed over it.
+        conicity: the same labels -> what `conicity_table` returns.
+    """
+    first = next(iter(shifts.values()))
+    rolls, yawed = first.attrs["roll"] == "free", first.attrs["yaw_rad"] != 0.0
+    with house_style():
+        rows = 4 if rolls or yawed else 3
+        figure = Figure(figsize=(8.4, 2.9 * rows), layout="constrained")
+        FigureCanvasAgg(figure)
+        radii, cone, on_wheel, on_rail, angle, wave, *further = figure.subplots(rows, 2).flat
+        for number, (label, table) in enumerate(shifts.items()):
+            style = STYLES[number % len(STYLES)]
+            lateral = 1e3 * table["lateral"]
+            colour = COLOURS[number % len(COLOURS)]
+            radii.plot(lateral, 1e3 * table["effective_difference"], style, color=colour, label=label)
+            for side, side_colour in zip(("left", "right"), COLOURS, strict=False):
+                here = table.sel(side=side)
+                name = side if number == 0 else None
+                on_wheel.plot(lateral, 1e3 * here["wheel_abscissa"], style, color=side_colour, label=name)
+                on_rail.plot(lateral, 1e3 * here["rail_abscissa"], style, color=side_colour, label=name)
+                angle.plot(lateral, here["contact_angle"], style, color=side_colour, label=name)
+            amplitude = 1e3 * conicity[label]["amplitude"]
+            cone.plot(amplitude, conicity[label]["conicity"], style, color=colour, label=label)
+            wave.plot(amplitude, conicity[label]["wavelength"], style, color=colour, label=label)
+            if table.attrs["support"] != "track":
+                cone.plot(
+                    amplitude, conicity[label]["of_rollers"], ":", color=colour, label="part of the rollers' radii"
+                )
+        shift, size = "lateral shift to the left [mm]", "amplitude [mm]"
+        _finish(radii, shift, "rolling radius difference [mm]", "left less right; on rollers with their own radii")
+        _finish(cone, size, "equivalent conicity [-]", "EN 15302, integration of the kinematic motion")
+        _finish(on_wheel, shift, "contact on the wheel S [mm]", "flange is negative")
+        _finish(on_rail, shift, "contact on the rail head [mm]", "gauge side is negative")
+        _finish(angle, shift, "contact angle [rad]", "positive as at the flange")
+        _finish(wave, size, "wavelength [m]", "free wheelset, pure rolling")
+        cone.set_ylim(bottom=min(0.0, cone.get_ylim()[0]))
+        if rolls:
+            _roll(further.pop(0), shifts)
+        if yawed:
+            _ahead(further.pop(0), shifts)
+        for empty in further:
+            empty.remove()
+        gauge, back = 1e3 * first.attrs["gauge_m"], 1e3 * first.attrs["back_to_back_m"]
+        yaw = f", yaw {1e3 * first.attrs['yaw_rad']:g} mrad" if yawed else ""
+        figure.suptitle(f"{first.attrs['title']}: gauge {gauge:g} mm, back-to-back {back:g} mm{yaw}", fontsize=10)
+    return figure
+
+
+def _roll(axes: Axes, shifts: Mapping[str, xr.Dataset]) -> None:
+    """Roll angle of a wheelset that touches on both sides."""
+    for number, (label, table) in enumerate(shifts.items()):
+        axes.plot(1e3 * table["lateral"], 1e3 * table["roll"], STYLES[number % 4], color=COLOURS[number], label=label)
+    _finish(axes, "lateral shift to the left [mm]", "roll angle [mrad]", "both wheels touch")
+
+
+def _ahead(axes: Axes, shifts: Mapping[str, xr.Dataset]) -> None:
+    """Longitudinal position of the contacts of a yawed wheelset."""
+    for number, table in enumerate(shifts.values()):
+        for side, ink in zip(("left", "right"), COLOURS, strict=False):
+            ahead = 1e3 * table["longitudinal"].sel(side=side)
+            name = side if number == 0 else None
+            axes.plot(1e3 * table["lateral"], ahead, STYLES[number % 4], color=ink, label=name)
+    _finish(axes, "lateral shift to the left [mm]", "contact ahead of the axle [mm]", "a yawed wheelset")
+
+
+def _finish(axes: Axes, along: str, up: str, note: str) -> None:
+    axes.set_xlabel(along)
+    axes.set_ylabel(up)
+    axes.set_title(note, loc="left", fontsize=8)
+    axes.legend(fontsize=7.5)
+
+
+COLUMNS = (
+    ("force_x", "longitudinal $T_x$ / μN"),
+    ("force_y", "lateral $T_y$ / μN"),
+    ("spin_moment", "spin moment $M$ / μNc"),
+)
+
+
+@into_axes
+def creep_figure(comparison: xr.Dataset) -> Figure:
+    """A row per direction of creepage, a column per component; the exact theory as points, each law as a line.
+
+    Args:
+        comparison: what `compare_laws` returns; its first law is the exact theory.
+    """
+    names = [str(name) for name in comparison["law"].to_numpy()]
+    directions = [str(name) for name in comparison["direction"].to_numpy()]
+    demand = comparison["demand"].to_numpy()
+    with house_style():
+        size = (7.4, 1.55 * len(directions) + 1.0)
+        figure, grid = new_grid(len(directions), len(COLUMNS), *size, sharex=True, sharey="col")
+        for column, (name, label) in enumerate(COLUMNS):
+            grid[0][column].set_title(label, fontsize=10)
+            grid[-1][column].set_xlabel("demand [-]")
+            for row, direction in enumerate(directions):
+                axes = grid[row][column]
+                values = comparison[name].sel(direction=direction)
+                error = comparison["grid_error"].sel(direction=direction).isel(component=column).to_numpy()
+                for number, law in enumerate(names[1:]):
+                    axes.plot(demand, values.sel(law=law), STYLES[number % len(STYLES)], color=COLOURS[number % len(COLOURS)],
+                              label=law)  # fmt: skip
+                axes.errorbar(demand, values.sel(law=names[0]), yerr=error, fmt="o", ms=3, color="black", capsize=2,
+                              lw=0.8, label="exact theory", zorder=5)  # fmt: skip
+                logarithmic(axes)
+                if column == 0:
+                    axes.set_ylabel(direction.replace(" and ", "\nand ").replace(" with ", "\nwith ")
+                                    .replace(" against ", "\nagainst "))  # fmt: skip
+        _frame_columns(grid, comparison, names[0])
+        legend_below(figure, grid[0][0])
+        attributes = comparison.attrs
+        headline(
+            figure,
+            f"Creep forces on an ellipse a/b = {attributes['a_over_b']:g}, ν = {attributes['poisson_ratio']:g}; "
+            "demand 1: the linear theory asks for about μN",
+        )
+    return figure
+
+
+def _frame_columns(grid: np.ndarray, comparison: xr.Dataset, exact: str) -> None:
+    """Columns are as high as what saturates: a law without saturation leaves the picture."""
+    for column, (name, _) in enumerate(COLUMNS):
+        values = comparison[name].sel(law=exact).to_numpy()
+        low, high = min(values.min(), -0.1), max(values.max(), 0.1)
+        margin = 0.25 * (high - low)
+        grid[0][column].set_ylim(low - margin, high + margin)
+
+
+@into_axes
+def profile_figure(curve: xr.Dataset) -> Figure:
+    """A profile as mounted, the measured points beside the smooth curve, its slope and its curvature.
+
+    Args:
+        curve: Dataset of `rollerrig.profile`.
+    """
+    wheel = curve.attrs["kind"] == "wheel"
+    sign = -1.0 if wheel else 1.0  # the radius of a wheel grows downward
+    along = 1e3 * curve["abscissa"]
+    with house_style():
+        figure, (shape, slope, curvature) = new_figure(
+            3, height=6.6, sharex=True, gridspec_kw={"height_ratios": (2.2, 1, 1)}
+        )
+        if curve.sizes["point"]:
+            low, high = float(along.min()), float(along.max())
+            near = curve.where(
+                (1e3 * curve["point_abscissa"] > low) & (1e3 * curve["point_abscissa"] < high), drop=True
+            )
+            shape.plot(1e3 * near["point_abscissa"], sign * 1e3 * near["point_height"], ".", color=GREY, markersize=3,
+                       label=f"{curve.sizes['point']} measured points")  # fmt: skip
+        shape.plot(along, sign * 1e3 * curve["height"], color=colour(0), label=str(curve.attrs["source"]))
+        shape.set_title(
+            f"{curve.attrs['name']}: left {curve.attrs['kind']} as mounted, outward to the right", loc="left"
+        )
+        shape.set_ylabel("up [mm]")
+        shape.legend(loc="lower right" if wheel else "lower center")
+        slope.plot(along, sign * curve["slope"], color=colour(0))
+        slope.set_ylabel("slope [-]")
+        curvature.plot(along, curve["curvature"], color=colour(0))
+        curvature.set_ylabel("curvature [1/m]\nconvex > 0")
+        limit = float(abs(curve["curvature"]).quantile(0.97))
+        curvature.set_ylim(-1.2 * limit, 1.2 * limit)
+        curvature.set_xlabel("abscissa, outward from the " + ("tape circle" if wheel else "highest point") + " [mm]")
         return figure

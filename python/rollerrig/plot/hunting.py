@@ -1,17 +1,29 @@
-"""Figures of runs from a disturbance: over time, over speed during a ramp, and limit cycles over speed."""
+"""Figures of hunting: runs from a disturbance, limit cycles over speed, traction near the limit."""
 
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
 import xarray as xr
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rollerrig.plot.into import into_axes
-from rollerrig.plot.style import colour, critical_lines, line, panels
+from rollerrig.plot.style import (
+    COLOURS,
+    GREY,
+    colour,
+    critical_line,
+    critical_lines,
+    into_axes,
+    line,
+    logarithmic,
+    look,
+    panels,
+)
 
 
 @into_axes
@@ -88,9 +100,120 @@ def amplitude_over_speed(
             drawn |= {"linestyle": "none", "markerfacecolor": "none", "markersize": size, "label": f"{label}: decays"}
             axes.plot(speed[decays], np.zeros(int(decays.sum())), **drawn)
             if early.any():  # neither: at the edge of the figure, where no amplitude can be read
-                drawn |= {"marker": "x", "label": f"{label}: run ended early", "transform": axes.get_xaxis_transform()}
+                drawn |= {"marker": "x", "label": f"{label}: not decided", "transform": axes.get_xaxis_transform()}
                 axes.plot(speed[early], np.full(int(early.sum()), 0.97), **drawn)
         critical_lines(axes, critical or {})
         axes.set_ylim(-0.15, max(1.0, axes.get_ylim()[1]))  # where all decay the axis is not round-off
         axes.set_title(title, loc="left")
+        return figure
+
+
+LOOKS: dict[str, dict[str, Any]] = {
+    "up": {"color": COLOURS[0], "marker": "^", "linestyle": "-"},
+    "down": {"color": COLOURS[1], "marker": "v", "linestyle": "--"},
+}
+
+
+@into_axes
+def limit_cycle_diagram(cycles: xr.Dataset, modes: xr.Dataset | None = None) -> Figure:
+    """Amplitude, frequency and guiding force over speed, on the upward sweep and on the downward sweep.
+
+    Args:
+        cycles: Dataset of `limit_cycle_table`.
+        modes: Dataset of `stability`: its linear critical speed, and the frequency of hunting for comparison.
+    """
+    labels = ("lateral amplitude of wheelsets [mm]", "frequency [Hz]", "largest |Y| [kN]")
+    ratios = {"height_ratios": (2.2, 1, 1)}
+    with panels(labels, "speed [km/h]", 7.0, legend=False, gridspec_kw=ratios) as (figure, axes):
+        amplitude, frequency, force = axes
+        for sweep, drawn in LOOKS.items():
+            _sweep(axes, cycles.isel(cycle_point=cycles["cycle_sweep"].to_numpy() == sweep), sweep, drawn)
+        if modes is not None and bool(modes["hunting_frequency"].notnull().any()):
+            linear = {"color": GREY, "linewidth": 1.0, "label": "linear hunting mode"}
+            frequency.plot(modes["speed"], modes["hunting_frequency"], **linear)  # type: ignore[arg-type]
+            frequency.legend(loc="best")
+        critical = {"critical speed by continuation": float(cycles.attrs["critical_speed_by_continuation_kmh"])}
+        if modes is not None:
+            critical["linear critical speed"] = float(modes.attrs["linear_critical_speed_kmh"])
+        for name, value in critical.items():
+            if math.isfinite(value):
+                critical_line(amplitude, value, f"{name} {value:.1f} km/h")
+                for panel in (frequency, force):
+                    panel.axvline(value, color=GREY, linewidth=1.0, linestyle=(0, (4, 2)))
+        speeds, sizes = cycles["cycle_speed"].to_numpy(), np.nan_to_num(1e3 * cycles["cycle_amplitude"].to_numpy())
+        margin = 0.03 * float(np.ptp(speeds)) + 1.0
+        amplitude.set_xlim(float(speeds.min()) - margin, float(speeds.max()) + margin)
+        amplitude.set_ylim(bottom=-0.03 * max(1.0, float(sizes.max(initial=0.0))))
+        amplitude.legend(loc="upper left")
+        frequency.set_ylim(bottom=0.0)
+        if float(np.nan_to_num(1e-3 * cycles["cycle_guiding_force"].to_numpy()).max(initial=0.0)) > 100.0:
+            logarithmic(force, "y")
+        return figure
+
+
+def _sweep(axes: Sequence[Axes], one: xr.Dataset, sweep: str, drawn: dict[str, Any]) -> None:
+    """Amplitude, frequency and force on one sweep through the speeds."""
+    amplitude, frequency, force = axes
+    down = sweep == "down"
+    style = {**drawn, "markersize": 5, "markerfacecolor": "white" if down else drawn["color"]}
+    speed, size = one["cycle_speed"].to_numpy(), 1e3 * one["cycle_amplitude"].to_numpy()
+    amplitude.plot(speed, size, label=f"{sweep}ward sweep", zorder=4 if down else 3, **style)
+    frequency.plot(speed, one["cycle_frequency"].to_numpy(), **style)
+    force.plot(speed, 1e-3 * one["cycle_guiding_force"].to_numpy(), **style)
+    for v, status in zip(speed, one["cycle_status"].to_numpy(), strict=True):
+        if status != "ok":
+            place: dict[str, Any] = {"xycoords": ("data", "axes fraction"), "rotation": 90, "fontsize": 7.5}
+            amplitude.annotate(str(status).replace("_", " "), (v, 0.5), **place)
+
+
+@into_axes
+def traction_sliding(study: xr.Dataset, wheels: Mapping[str, str]) -> Figure:
+    """Absolute sliding of wheels over time, with what the theory gives.
+
+    Args:
+        study: `sliding` and `sliding_theory` [m/s] over time and wheel, `torque` [N m] and `speed` [m/s] over time.
+        wheels: wheel -> label.
+    """
+    labels = ("absolute sliding [mm/s]", "torque [kN m]")
+    with panels(labels, "time [s]", 4.6, legend=False, height_ratios=[2.2, 1]) as (figure, (top, bottom)):
+        time = study["time"].to_numpy()
+        for number, (wheel, label) in enumerate(wheels.items()):
+            top.plot(time, 1e3 * study["sliding"].sel(wheel=wheel), label=label, **look(number))
+        theory = 1e3 * study["sliding_theory"].sel(wheel=next(iter(wheels)))
+        name = "slope of the creep law at the start × force × speed"
+        top.plot(time, theory, color="black", linestyle=":", linewidth=1.6, label=name)
+        top.set_ylim(bottom=0.0)
+        top.legend(loc="upper left")
+        bottom.plot(time, 1e-3 * study["torque"], color=COLOURS[2], label="torque per wheelset [kN m]")
+        bottom.yaxis.label.set_color(COLOURS[2])
+        other = bottom.twinx()
+        other.plot(time, 3.6 * study["speed"], color=COLOURS[4], linestyle="--")
+        other.set_ylabel("speed [km/h]", color=COLOURS[4])
+        other.grid(visible=False)
+        return figure
+
+
+@into_axes
+def traction_forces(study: xr.Dataset, wheels: Mapping[str, str]) -> Figure:
+    """Longitudinal creep force and vertical contact force of wheels over time, with their closed forms.
+
+    Args:
+        study: `longitudinal_creep_force`, `longitudinal_creep_force_theory`, `vertical_force`, `vertical_force_theory` [N]
+            over time and wheel.
+        wheels: wheel -> label.
+    """
+    labels = ("longitudinal creep force\non the wheel [kN]", "vertical force\non the wheel [kN]")
+    theory: dict[str, Any] = {"color": "black", "linestyle": ":", "linewidth": 1.2}
+    with panels(labels, "time [s]", 4.8, legend=False) as (figure, (top, bottom)):
+        time = study["time"].to_numpy()
+        for number, (wheel, label) in enumerate(wheels.items()):
+            own = study.sel(wheel=wheel)
+            top.plot(time, 1e-3 * own["longitudinal_creep_force"], label=label, **look(number))
+            bottom.plot(time, 1e-3 * own["vertical_force"], label=label, **look(number))
+            named = "closed form" if number == 0 else None
+            bottom.plot(time, 1e-3 * own["vertical_force_theory"], label=named, **theory)
+            if number == 0:
+                top.plot(time, 1e-3 * own["longitudinal_creep_force_theory"], label=named, **theory)
+        top.legend(loc="lower right")
+        bottom.legend(loc="center right")
         return figure

@@ -1,18 +1,31 @@
-"""Figures of one run over time: motion of the bodies, force and sliding of the wheels, energy balance."""
+"""Figures of runs over time or along a line: motion, sliding, energy, several runs over each other, steady curving."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rollerrig.plot.into import into_axes
-from rollerrig.plot.style import GREY, STYLES, calm, line, panels, wheel_lines
+from rollerrig.plot.style import (
+    GREY,
+    MARKERS,
+    STYLES,
+    calm,
+    headline,
+    house_style,
+    into_axes,
+    legend_below,
+    line,
+    look,
+    new_grid,
+    panels,
+    wheel_lines,
+)
 from rollerrig.results import COMPLETED, RunInfo
-from rollerrig.results.contact_loss import contact_losses
+from rollerrig.results.summary import contact_losses
 
 STEADY = 1e-3
 """A speed that changes by no more than this part is not worth a panel."""
@@ -84,3 +97,63 @@ def energy_over_time(run: xr.Dataset) -> Figure:
         line(residual, run["time"], run["energy_residual"], label="residual")
         balance.legend(loc="upper left")
         return figure
+
+
+_SHOWN = {"m": ("mm", 1e3), "rad": ("mrad", 1e3), "N": ("kN", 1e-3), "m/s": ("km/h", 3.6)}
+"""Unit of a result -> the one that is shown, and its factor."""
+
+
+@into_axes
+def runs_together(comparison: xr.Dataset) -> Figure:
+    """Each signal of several runs in one panel, a line per run.
+
+    Args:
+        comparison: Dataset of `compare_runs`.
+    """
+    signals = [str(name) for name, values in comparison.data_vars.items() if "time" in values.dims]
+    shown = {name: shown_unit(comparison[name]) for name in signals}
+    labels = [f"{name.replace(':', chr(10)).replace('_', ' ')} [{shown[name][0]}]" for name in signals]
+    with panels(labels, "time [s]", 1.2 + 1.5 * len(signals)) as (figure, axes):
+        for panel, name in zip(axes, signals, strict=True):
+            for number, run in enumerate(comparison["run"].to_numpy().tolist()):
+                values = shown[name][1] * comparison[name].sel(run=run)
+                line(panel, comparison["time"], values, number, STYLES[number % len(STYLES)], str(run))
+        return figure
+
+
+def shown_unit(values: xr.DataArray) -> tuple[str, float]:
+    """The unit in which a quantity is shown, and its factor."""
+    unit = str(values.attrs["units"])
+    return _SHOWN.get(unit, (unit, 1.0))
+
+
+PANELS = {
+    "guiding_force": ("guiding force Y [kN]", 1e-3),
+    "wheel_load": ("wheel load Q [kN]", 1e-3),
+    "derailment_quotient": ("Y/Q [-]", 1.0),
+    "guiding_force_sum": ("sum of guiding forces |ΣY| [kN]", 1e-3),
+    "wear_number": ("wear number Tγ [N]", 1.0),
+    "angle_of_attack": ("angle of attack [mrad]", 1e3),
+}
+"""Variable -> label and factor of its panel."""
+
+
+@into_axes
+def curving_over_radius(results: xr.Dataset, limits: Mapping[str, float] | None = None) -> Figure:
+    """A panel per quantity of `rollerrig.curving`: its largest magnitude of all wheels or wheelsets; limits by variable."""
+    with house_style():
+        figure, grid = new_grid(3, 2, 7.2, 7.6, sharex=True)
+        for axes, (name, (label, factor)) in zip(grid.ravel(), PANELS.items(), strict=True):
+            values = factor * abs(results[name]).max(results[name].dims[2:])
+            for number, deficiency in enumerate(results["cant_deficiency"].to_numpy()):
+                line = values.sel(cant_deficiency=deficiency)
+                axes.plot(results["radius"], line, marker=MARKERS[number % len(MARKERS)], markersize=3.0,
+                          label=f"{1e3 * deficiency:g} mm", **look(number))  # fmt: skip
+            if limits and name in limits:
+                axes.axhline(factor * limits[name], color=GREY, linestyle=(0, (4, 2)), linewidth=1.0)
+            axes.set_ylabel(label)
+        for axes in grid[-1]:
+            axes.set_xlabel("radius of the curve [m]")
+        legend_below(figure, grid[0][0])
+        headline(figure, f"{results.attrs['title']}, by cant deficiency; cant {1e3 * results.attrs['cant_m']:g} mm")
+    return figure

@@ -1,11 +1,21 @@
-"""One look for all figures: readable in print and without colour, the same bytes every time."""
+"""One look for all figures: readable in print and without colour, the same bytes every time; also in axes of the caller's own.
+
+    a function that draws results into a new figure -> [into_axes] -> the same with `axes=`
+
+A figure of several panels takes as many axes as are given, from the top; the other panels are not drawn.
+
+    axes -> [logarithmic] -> scale, places of the numbers, how they are written
+"""
 
 from __future__ import annotations
 
+import functools
+import inspect
 import io
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from typing import Any, Literal
+from contextvars import ContextVar
+from typing import Any, Literal, Protocol, cast
 
 import matplotlib as mpl
 import numpy as np
@@ -13,9 +23,60 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
-from rollerrig.plot.into import given, given_grid
+from rollerrig.common.formatting import number
 from rollerrig.results.marks import PROGRAM
+
+_GIVEN: ContextVar[tuple[Axes, ...]] = ContextVar("axes of the caller's own", default=())
+
+
+class Draw(Protocol):
+    """A function that draws results into a new figure, or into axes."""
+
+    def __call__(self, *results: Any, axes: Axes | Sequence[Axes] | None = None, **options: Any) -> Any:
+        """The new figure, or the axes."""
+
+
+def into_axes(draw: Callable[..., Figure]) -> Draw:
+    """The function with a last argument `axes`: what it is given is drawn into, and returned in place of a figure."""
+
+    @functools.wraps(draw)
+    def drawn(*results: Any, axes: Axes | Sequence[Axes] | None = None, **options: Any) -> Any:
+        if axes is None:
+            return draw(*results, **options)
+        given = (axes,) if isinstance(axes, Axes) else tuple(np.ravel(np.asarray(axes, dtype=object)))
+        token = _GIVEN.set(given)
+        try:
+            draw(*results, **options)
+        finally:
+            _GIVEN.reset(token)
+        return axes
+
+    own = inspect.signature(draw)
+    extra = inspect.Parameter(
+        "axes", inspect.Parameter.KEYWORD_ONLY, default=None, annotation="Axes | Sequence[Axes] | None"
+    )
+    drawn.__signature__ = own.replace(parameters=[*own.parameters.values(), extra])  # type: ignore[attr-defined]
+    return cast(Draw, drawn)
+
+
+def given() -> tuple[Axes, ...]:
+    """Axes of the caller's own that are drawn into now; none: a new figure is made."""
+    return _GIVEN.get()
+
+
+def given_grid(rows: int, columns: int, own: Callable[[], Figure]) -> tuple[Figure, Any] | None:
+    """The given axes as a grid, filled up with axes that nobody will see; None where none were given."""
+    axes = given()
+    if not axes:
+        return None
+    missing = rows * columns - len(axes)
+    spare = own().subplots(1, missing, squeeze=False)[0] if missing > 0 else []
+    grid = np.empty(rows * columns, dtype=object)
+    grid[:] = [*axes, *spare][: rows * columns]
+    return cast(Figure, axes[0].get_figure(root=True)), grid.reshape(rows, columns)
+
 
 COLOURS = ("#0b5394", "#c0392b", "#2e7d32", "#8e5ea2", "#b9770e", "#455a64", "#00838f", "#6d4c41")
 """Dark enough for print; lines that share a figure also differ in style or marker."""
@@ -240,3 +301,57 @@ def fewer_colours(png: bytes, colours: int = 64) -> bytes:
     buffer = io.BytesIO()
     few.save(buffer, "png", optimize=True)
     return buffer.getvalue()
+
+
+_STEPS = ((1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0), (1.0, 2.0, 5.0), (1.0, 3.0), (1.0,))
+"""Numbers stand at these multiples of the powers of ten; at as many as have room."""
+
+_LETTER = 0.62
+"""Width of a digit over the size of the letters."""
+
+
+class _Places(LogLocator):
+    """Where numbers stand."""
+
+    def tick_values(self, vmin: float, vmax: float) -> Any:
+        low, high = sorted((vmin, vmax))
+        if not 0.0 < low < high:
+            return super().tick_values(vmin, vmax)
+        powers = 10.0 ** np.arange(np.floor(np.log10(low)), np.ceil(np.log10(high)) + 1.0)
+        places = np.zeros(0)
+        for steps in _STEPS:
+            places = np.outer(powers, steps).ravel()
+            places = places[(places >= low * (1.0 - 1e-9)) & (places <= high * (1.0 + 1e-9))]
+            if self._have_room(places, high / low):
+                return places
+        stride = next(n for n in range(2, len(places) + 2) if self._have_room(places[::n], high / low))
+        return places[::stride]
+
+    def _have_room(self, places: Any, span: float) -> bool:
+        """Whether the numbers at these places, written beside or above each other, do not touch."""
+        axis: Any = self.axis
+        if axis is None or len(places) < 2:
+            return True
+        across, size, box = axis.axis_name == "x", float(mpl.rcParams["font.size"]), axis.axes.bbox
+        length = (box.width if across else box.height) * 72.0 / axis.axes.figure.dpi
+        wide = np.array([_LETTER * size * len(_text(place)) if across else size for place in places])
+        gaps = np.diff(np.log(places)) / np.log(span) * length
+        return bool((gaps > 0.5 * (wide[1:] + wide[:-1]) + 0.5 * size).all())
+
+
+def _text(value: float) -> str:
+    return number(float(value), 3)
+
+
+def logarithmic(axes: Axes, which: Literal["x", "y"] = "x") -> None:
+    """Make an axis logarithmic.
+
+    Args:
+        axes: whose axis it is.
+        which: the abscissa or the ordinate.
+    """
+    (axes.set_xscale if which == "x" else axes.set_yscale)("log")
+    axis = axes.xaxis if which == "x" else axes.yaxis
+    axis.set_major_locator(_Places())
+    axis.set_major_formatter(FuncFormatter(lambda value, _place: _text(value)))
+    axis.set_minor_formatter(NullFormatter())

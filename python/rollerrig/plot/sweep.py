@@ -11,8 +11,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rollerrig.plot.log_axis import logarithmic
-from rollerrig.plot.style import COLOURS, MARKERS, house_style, new_figure, new_grid
+from rollerrig.plot.style import COLOURS, MARKERS, house_style, logarithmic, new_figure, new_grid
 
 MOST_PANELS = 6
 """Panels of a map: values of the third thing that is varied."""

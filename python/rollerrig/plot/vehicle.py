@@ -20,11 +20,24 @@ from matplotlib.patches import Circle, Polygon, Rectangle
 from rollerrig.cases import as_case, wheelsets
 from rollerrig.config import Body, Case, Element, Rig
 from rollerrig.config.schema.support import heads
-from rollerrig.plot import vehicle_symbols as symbols
-from rollerrig.plot.callouts import callouts, room
 from rollerrig.plot.style import GREY, colour, house_style
-from rollerrig.plot.vehicle_names import legend, named_bodies, named_elements
-from rollerrig.plot.vehicle_scene import BODY, INDEX, STEEL, VIEWS, WHEELSET, Scene, bodies, box, scene_of
+from rollerrig.plot.vehicle_names import callouts, legend, named_bodies, named_elements, room
+from rollerrig.plot.vehicle_scene import (
+    BODY,
+    INDEX,
+    INK,
+    STEEL,
+    VIEWS,
+    WHEELSET,
+    Scene,
+    bodies,
+    box,
+    damper,
+    scene_of,
+    spring,
+    triad,
+    turning,
+)
 from rollerrig.profiles import gauge_point, profile_from_spec
 
 _TITLES = {
@@ -68,7 +81,7 @@ def vehicle(case: Case | str) -> Figure:
         for view, axes in panels.items():
             into = {"side": "y into the page", "plan": "z towards you", "end": "x into the page"}[view]
             across, up = VIEWS[view]
-            symbols.triad(axes, (across, up), into, mirrored=view == "end")
+            triad(axes, (across, up), into, mirrored=view == "end")
         return figure
 
 
@@ -143,7 +156,7 @@ def _ground(axes: Axes, scene: Scene, view: str) -> None:
     """Rollers under the wheelsets, or rails."""
     support = scene.case.support.data
     radius = support.roller_radius if isinstance(support, Rig) else 0.16
-    steel: dict[str, Any] = {"facecolor": STEEL, "edgecolor": symbols.INK, "linewidth": 0.8, "zorder": 1.5}
+    steel: dict[str, Any] = {"facecolor": STEEL, "edgecolor": INK, "linewidth": 0.8, "zorder": 1.5}
     if view == "side":
         axes.axhline(0.0, color=GREY, linewidth=0.7, linestyle=(0, (5, 3)), zorder=1)
         if not isinstance(support, Rig):
@@ -151,7 +164,7 @@ def _ground(axes: Axes, scene: Scene, view: str) -> None:
             axes.add_patch(Rectangle((low, -0.16), high - low, 0.16, **steel))
         for body in wheelsets(scene.case) if isinstance(support, Rig) else ():
             axes.add_patch(Circle((body.position[0] - scene.origin, -radius), radius, **steel))
-            axes.plot(body.position[0] - scene.origin, -radius, "+", color=symbols.INK, markersize=6)
+            axes.plot(body.position[0] - scene.origin, -radius, "+", color=INK, markersize=6)
         return
     for sign, head in zip((1.0, -1.0), heads(support).values(), strict=True):
         rail = profile_from_spec(head.arguments(), "rail")
@@ -163,7 +176,7 @@ def _ground(axes: Axes, scene: Scene, view: str) -> None:
             outline = np.concatenate([np.stack([y, crown], axis=1), [[y[-1], -depth], [y[0], -depth]]])
             axes.add_patch(Polygon(outline, closed=True, **steel))
             if isinstance(support, Rig) and sign > 0:
-                axes.plot([-y[0], y[0]], [-radius, -radius], color=symbols.INK, linewidth=2.0, zorder=1.4)
+                axes.plot([-y[0], y[0]], [-radius, -radius], color=INK, linewidth=2.0, zorder=1.4)
         else:
             for low, high in _along(scene, axes):
                 axes.add_patch(Rectangle((low, min(y[0], y[-1])), high - low, abs(y[-1] - y[0]), **steel))
@@ -185,15 +198,15 @@ def _wheelset(axes: Axes, scene: Scene, body: Body, view: str) -> None:
     table = profile_from_spec(wheel.profile.arguments(), "wheel")
     abscissa = np.linspace(*table.domain, 160)
     middle = scene.place(body.position, view)
-    steel: dict[str, Any] = {"facecolor": WHEELSET, "edgecolor": symbols.INK, "linewidth": 0.9, "zorder": 4}
+    steel: dict[str, Any] = {"facecolor": WHEELSET, "edgecolor": INK, "linewidth": 0.9, "zorder": 4}
     if view == "side":
         axes.add_patch(Circle((middle[0], middle[1]), wheel.radius, **{**steel, "alpha": 0.85}))
-        axes.plot(*middle, "+", color=symbols.INK, markersize=6, zorder=8)
+        axes.plot(*middle, "+", color=INK, markersize=6, zorder=8)
         return
     radius = wheel.radius + table.evaluate(abscissa)
     ends = np.array([1.0, -1.0]) * (scene.half_base + 0.18)
     axle = (0.0 * ends + middle[0], ends) if view == "plan" else (ends, 0.0 * ends + middle[1])
-    axes.plot(*axle, color=symbols.INK, linewidth=2.2, zorder=3.5)
+    axes.plot(*axle, color=INK, linewidth=2.2, zorder=3.5)
     for sign in (1.0, -1.0):
         y = sign * (scene.half_base + abscissa)
         rim = np.stack([np.concatenate([y, y[::-1]]), np.concatenate([radius, -radius[::-1]])], axis=1)
@@ -217,7 +230,7 @@ def _body(axes: Axes, scene: Scene, body: Body, view: str) -> None:
     middle = scene.place(body.position, view)
     look: dict[str, Any] = {
         "facecolor": "white" if held else BODY,
-        "edgecolor": "#c4c4c4" if held else symbols.INK,
+        "edgecolor": "#c4c4c4" if held else INK,
         "linewidth": 0.9,
     }
     axes.add_patch(
@@ -239,12 +252,12 @@ def _element(axes: Axes, scene: Scene, element: Element, view: str, ink: str) ->
         both = law.stiffness is not None or law.table is not None, any((law.damping, law.damping_table, law.damper))
         shift = 0.16 * size * np.array([-along[1], along[0]]) if all(both) else np.zeros(2)
         if both[0]:
-            symbols.spring(axes, middle + shift, along, reach, ink)
+            spring(axes, middle + shift, along, reach, ink)
         if both[1]:
-            symbols.damper(axes, middle - shift, along, reach, ink)
+            damper(axes, middle - shift, along, reach, ink)
     for angle, axis in _ANGLES.items():
         if getattr(element, angle) is not None and axis not in VIEWS[view]:
-            symbols.turning(axes, middle, 0.45 * size, ink, arrow=False)
+            turning(axes, middle, 0.45 * size, ink, arrow=False)
     axes.plot(*middle, "o", color=ink, markersize=2.5, zorder=7)
 
 
@@ -257,7 +270,7 @@ def _turning(axes: Axes, scene: Scene) -> None:
     radius = case.vehicle.data.wheel.radius
     for body in wheelsets(case):
         middle = scene.place(body.position, "side")
-        symbols.turning(axes, middle, 0.55 * radius, symbols.INK)
+        turning(axes, middle, 0.55 * radius, INK)
         acting = [name for name in ("brake", "traction") if getattr(case, name)]
         acting += ["torque"] if any(torque.wheelset == body.name for torque in case.axle_torque) else []
         if acting and radius > 0.1 * scene.span:
@@ -271,7 +284,7 @@ def _turning(axes: Axes, scene: Scene) -> None:
             )
         if isinstance(support, Rig):
             below = np.array([middle[0], -support.roller_radius])
-            symbols.turning(axes, below, 0.4 * support.roller_radius, symbols.INK, clockwise=False)
+            turning(axes, below, 0.4 * support.roller_radius, INK, clockwise=False)
             controlled = "drive, rig control" if case.rig_control else f"drive: {case.motion.drive.replace('_', ' ')}"
             if radius > 0.1 * scene.span:
                 place = tuple(below - [0.0, 0.28 * support.roller_radius])
@@ -279,5 +292,5 @@ def _turning(axes: Axes, scene: Scene) -> None:
     if isinstance(support, Rig) and support.restraint:
         low = axes.get_xlim()[0]
         start = np.array([low + 0.02, support.restraint.height])
-        symbols.spring(axes, start + [0.5 * scene.size, 0.0], np.array([1.0, 0.0]), scene.size, symbols.INK)
+        spring(axes, start + [0.5 * scene.size, 0.0], np.array([1.0, 0.0]), scene.size, INK)
         axes.annotate("coupler rod", tuple(start + [0.0, 0.5 * scene.size]), fontsize=6.5)

@@ -1,22 +1,141 @@
-"""Names in the drawing of a vehicle: of bodies and elements in its views, and the legend of their laws.
+"""Names in the drawing of a vehicle: in a row above each view, each with a line to what it names, and the legend.
 
+view, names with places -> [callouts] -> texts and lines
 Scene -> [named_bodies, named_elements] -> Callouts;  Scene -> [legend] -> rows at the lower right of the sheet
 """
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import combinations
+from typing import Any, cast
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
 from rollerrig.cases import ACTUATORS, wheelsets
 from rollerrig.config import Element, Rig
-from rollerrig.plot import vehicle_symbols as symbols
-from rollerrig.plot.callouts import Callout
 from rollerrig.plot.style import colour
-from rollerrig.plot.vehicle_scene import BODY, HELD, STEEL, WHEELSET, Scene, bodies, box
+from rollerrig.plot.vehicle_scene import BODY, HELD, INK, STEEL, WHEELSET, Scene, bodies, box
+
+_LINE, _GAP = 11.0, 5.0
+"""Height of a row, and least room between two names [points]."""
+_SIZE = 6.8
+
+
+@dataclass(frozen=True)
+class Callout:
+    """What is named.
+
+    Attributes:
+        text: its name.
+        place: in the view [data].
+        colour: of the line.
+    """
+
+    text: str
+    place: tuple[float, float]
+    colour: str = "#333333"
+
+
+def callouts(axes: Axes, named: Sequence[Callout], *, wide: bool = False, above: float = 6.0) -> int:
+    """Write the names above the axes, in more rows where one is too short.
+
+    Args:
+        axes: whose position and limits are settled.
+        named: what is named.
+        wide: whether the row may go on to the right edge of the figure; else it ends with the axes.
+        above: room between the axes and the lowest row [points].
+
+    Returns:
+        Rows.
+    """
+    figure = cast(Figure, axes.get_figure(root=True))
+    points = 72.0 / figure.dpi
+    box = axes.get_window_extent()
+    right = figure.get_figwidth() * 72.0 - _GAP if wide else box.x1 * points
+    low, high, top = box.x0 * points, right, box.y1 * points + above
+    widths = _widths(figure, named)
+    anchors = [tuple(axes.transData.transform(one.place) * points) for one in named]
+    order = sorted(range(len(named)), key=lambda k: anchors[k])
+    rows = max(1, int(np.ceil((sum(widths) + _GAP * len(named)) / (high - low))))
+    placed: dict[int, tuple[float, float]] = {}
+    for row in range(rows):
+        placed |= _row(order[row::rows], anchors, widths, (low, high), top + row * _LINE)
+    width, height = figure.get_figwidth() * 72.0, figure.get_figheight() * 72.0
+    for k, (x, y) in placed.items():
+        line = {"arrowstyle": "-", "color": named[k].colour, "linewidth": 0.6, "shrinkA": 0.0, "shrinkB": 0.0}
+        axes.annotate(named[k].text, named[k].place, (x / width, y / height), textcoords="figure fraction", fontsize=_SIZE,
+                      ha="center", va="bottom", arrowprops={**line, "relpos": (0.5, 0.0)}, zorder=9, annotation_clip=False,
+                      gid="callout")  # fmt: skip
+        axes.plot(*named[k].place, "o", color=named[k].colour, markersize=2.0, zorder=9)
+    return rows
+
+
+def room(rows: int = 1) -> float:
+    """That rows of names take above a view [points]."""
+    return rows * _LINE + 8.0
+
+
+def _widths(figure: Figure, named: Sequence[Callout]) -> list[float]:
+    """Widths of the names [points]."""
+    renderer = cast(Any, figure.canvas).get_renderer()
+    found = []
+    for one in named:
+        text = figure.text(0.0, 0.0, one.text, fontsize=_SIZE)
+        found.append(text.get_window_extent(renderer).width * 72.0 / figure.dpi)
+        text.remove()
+    return found
+
+
+def _row(
+    order: list[int], anchors: list[tuple[float, ...]], widths: list[float], limits: tuple[float, float], height: float
+) -> dict[int, tuple[float, float]]:
+    """Places of the names of one row: each as near above its anchor as the others let it, in the order of fewest crossings."""
+    best = _spread(order, anchors, widths, limits)
+    improved = True
+    while improved:
+        improved = False
+        for i, j in combinations(range(len(order)), 2):
+            other = list(order)
+            other[i], other[j] = other[j], other[i]
+            tried = _spread(other, anchors, widths, limits)
+            if _crossings(tried, anchors, height) < _crossings(best, anchors, height):
+                order[:], best, improved = other, tried, True
+    return {k: (x, height) for k, x in best.items()}
+
+
+def _spread(
+    order: list[int], anchors: list[tuple[float, ...]], widths: list[float], limits: tuple[float, float]
+) -> dict[int, float]:
+    """Middles of names in this order: pushed to the right until none overlaps, then back from the right end."""
+    low, high = limits
+    found: dict[int, float] = {}
+    edge = low
+    for k in order:
+        found[k] = max(anchors[k][0], edge + 0.5 * widths[k])
+        edge = found[k] + 0.5 * widths[k] + _GAP
+    edge = high
+    for k in reversed(order):
+        found[k] = min(found[k], edge - 0.5 * widths[k])
+        edge = found[k] - 0.5 * widths[k] - _GAP
+    return found
+
+
+def _crossings(places: dict[int, float], anchors: list[tuple[float, ...]], height: float) -> int:
+    """Pairs of lines that cross on their way to different places."""
+
+    def turn(a: tuple[float, ...], b: tuple[float, ...], c: tuple[float, ...]) -> float:
+        return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+
+    count = 0
+    for i, j in combinations(places, 2):
+        a, b, c, d = (places[i], height), anchors[i], (places[j], height), anchors[j]
+        count += turn(a, b, c) * turn(a, b, d) < 0.0 and turn(c, d, a) * turn(c, d, b) < 0.0
+    return count
 
 
 def named_bodies(scene: Scene, axes: Axes) -> list[Callout]:
@@ -69,7 +188,7 @@ def legend(figure: Figure, scene: Scene, beside: bool) -> None:
         face = WHEELSET if body.kind == "wheelset" else HELD if body.name in part.fixed else BODY
         words = [body.name, *(["held"] if body.name in part.fixed else [])]
         words += [f"locked: {', '.join(body.locked)}"] if body.locked else []
-        row(", ".join(words), marker="s", markersize=7, markerfacecolor=face, markeredgecolor=symbols.INK)
+        row(", ".join(words), marker="s", markersize=7, markerfacecolor=face, markeredgecolor=INK)
     for number, (name, elements) in enumerate(scene.families.items()):
         row(f"{name}{f' ×{len(elements)}' if len(elements) > 1 else ''}: {_laws(elements[0])}", marker="o", markersize=4,
             linestyle="-", color=colour(number), linewidth=1.5)  # fmt: skip
@@ -77,7 +196,7 @@ def legend(figure: Figure, scene: Scene, beside: bool) -> None:
     under = (
         f"{support.name}, rollers of {1e3 * support.roller_radius:g} mm" if isinstance(support, Rig) else support.name
     )
-    row(under, marker="s", markersize=7, markerfacecolor=STEEL, markeredgecolor=symbols.INK)
+    row(under, marker="s", markersize=7, markerfacecolor=STEEL, markeredgecolor=INK)
     acting = [name.replace("_", " ") for name in ACTUATORS if getattr(case, name)]
     acting += ["axle torque"] if case.axle_torque else []
     if acting:
@@ -86,7 +205,7 @@ def legend(figure: Figure, scene: Scene, beside: bool) -> None:
         "arrows: senses of forward running, + for torques on wheelsets",
         marker=r"$\circlearrowright$",
         markersize=8,
-        color=symbols.INK,
+        color=INK,
     )
     figure.legend(handles=handles, loc="lower right", bbox_to_anchor=(0.995, 0.01), fontsize=6.8, frameon=False,
                   title=f"{case.name}: {case.vehicle.data.name}, {case.vehicle.cut}", title_fontsize=8, alignment="left",

@@ -13,9 +13,8 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rollerrig.analysis.track_sections import curved, irregular
-from rollerrig.plot.into import into_axes
-from rollerrig.plot.style import COLOURS, GREY, STYLES, calm, legend_above, line, panels, wheel_lines
+from rollerrig.analysis.wheel_rail_forces import curved, irregular
+from rollerrig.plot.style import COLOURS, GREY, STYLES, calm, into_axes, legend_above, line, panels, wheel_lines
 
 LIMIT_IN_SIGHT = 2.5
 """A limit up to this many times the largest value is drawn; a further one is only named, and the values fill the axes."""
@@ -37,7 +36,7 @@ def wheel_forces(forces: xr.Dataset, along: xr.DataArray | None = None) -> Figur
         for panel, name in zip(axes, ("wheel_load", "guiding_force"), strict=True):
             wheel_lines(panel, along, 1e-3 * forces[name])
             calm(panel, LEAST_RANGE["force"])
-        _note(axes[0], _filter_of(forces["wheel_load"]))
+            _note(panel, _filter_of(forces[name]))
         return figure
 
 

@@ -10,8 +10,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from rollerrig.plot.log_axis import logarithmic
-from rollerrig.plot.style import COLOURS, GREY, house_style, line, new_figure, new_grid, panels
+from rollerrig.plot.style import COLOURS, GREY, house_style, line, logarithmic, new_figure, new_grid, panels
 
 Array = NDArray[np.float64]
 Ends = tuple[float, float, float]

@@ -15,11 +15,27 @@ from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
 
-from .checks import LARGEST_KINK, averaged, check_fold, check_gaps, check_kinks, direction_jumps
-from .course import MOST_POINTS, Course, without_crowds
-from .errors import ProfileError
-from .point_file import FEWEST_POINTS, FileFormat, LengthUnit, read_point_file
-from .table import DEFAULT_STEP, STEEPEST_SLOPE, FloatArray, ProfileKind, ProfileTable, tabulate
+from rollerrig.profiles.course import (
+    LARGEST_KINK,
+    MOST_POINTS,
+    Course,
+    averaged,
+    check_fold,
+    check_gaps,
+    check_kinks,
+    direction_jumps,
+    without_crowds,
+)
+from rollerrig.profiles.point_file import FEWEST_POINTS, FileFormat, LengthUnit, read_point_file
+from rollerrig.profiles.table import (
+    DEFAULT_STEP,
+    STEEPEST_SLOPE,
+    FloatArray,
+    ProfileError,
+    ProfileKind,
+    ProfileTable,
+    tabulate,
+)
 
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline

@@ -16,11 +16,9 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from rollerrig.input_files import LARGEST_TABLE, read_input
-
-from .course import Course, check_order, check_stray
-from .errors import ProfileError
-from .table import FloatArray, ProfileKind
+from rollerrig.common.input_files import LARGEST_TABLE, read_input
+from rollerrig.profiles.course import Course, check_order, check_stray
+from rollerrig.profiles.table import FloatArray, ProfileError, ProfileKind
 
 FileFormat = Literal["auto", "two_column", "simpack"]
 LengthUnit = Literal["auto", "mm", "m"]

@@ -14,13 +14,9 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from .cone import cone
-from .errors import ProfileError
-from .measured import profile_from_file
-from .rail_head import uic60
-from .s1002 import s1002
-from .simple_heads import arc, cylinder
-from .table import ProfileKind, ProfileTable
+from rollerrig.profiles.analytic import arc, cone, cylinder, s1002, uic60
+from rollerrig.profiles.measured import profile_from_file
+from rollerrig.profiles.table import ProfileError, ProfileKind, ProfileTable
 
 #: kind in a configuration -> (function that builds it, what it may be used for)
 SHAPES: dict[str, tuple[Callable[..., ProfileTable], tuple[ProfileKind, ...]]] = {

@@ -1,5 +1,7 @@
 """The profile as the contact search sees it: a cubic spline on uniform knots.
 
+The one exception of this package: a profile that cannot be used, and why.
+
     definition or measured points -> [ProfileTable] -> contact geometry
 
 A profile is given for the LEFT wheel or rail, as a height over an abscissa that grows outward,
@@ -22,9 +24,15 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from rollerrig.splines import pieces, quasi_interpolant
+from rollerrig.common.splines import pieces, quasi_interpolant
 
-from .errors import ProfileError
+
+class ProfileError(ValueError):
+    """A profile was asked for or read that has no usable shape.
+
+    The message says where, what was found, what is allowed and, where one can guess, the likely fix.
+    """
+
 
 FloatArray = NDArray[np.float64]
 ProfileKind = Literal["wheel", "rail"]

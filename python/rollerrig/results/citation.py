@@ -17,7 +17,7 @@ import xarray as xr
 from rollerrig import __version__
 from rollerrig.cases import as_case
 from rollerrig.config import Case, case_from_toml
-from rollerrig.config.read.library import CATALOG_FOLDER
+from rollerrig.config.read import CATALOG_FOLDER
 
 ALWAYS = ("rollerrig", "malvezzi2010")
 """Cited whatever was computed."""

@@ -1,4 +1,4 @@
-"""Rows of plain numbers become a Dataset: names, dimensions, units, provenance.
+"""Rows of plain numbers become a Dataset: names, dimensions, units, provenance, energy audit, limits of the drives.
 
     recorder's rows, names of the model's parts, how the run ended -> [dataset] -> Draft, energy audit, ... -> xarray.Dataset
 
@@ -6,6 +6,12 @@ The order of a row is the recorder's (core/include/rollerrig/simulate/recorder.h
 Nothing is copied: the variables are views of the rows. A Dataset takes a millisecond to build and as long for every variable
 that is added to it; a draft holds plain dictionaries, and becomes a Dataset once everything is in it. Of short runs one after the
 other the empty Dataset is kept: filling a copy of it takes less than half of the time.
+
+    results with the core's accounts -> [energy] -> the same with `energy_residual` and two attributes
+
+Source: docs/theory/energy.md, (E1).
+
+    times that the core counted -> [drive_limits] -> a warning
 """
 
 from __future__ import annotations
@@ -22,7 +28,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from rollerrig import __version__, _core
-from rollerrig.assembly import AssembledModel
+from rollerrig.assembly.model import AssembledModel
 from rollerrig.results import run_info
 from rollerrig.results.citation import sources_of
 
@@ -175,20 +181,15 @@ def run_draft(model: AssembledModel, times: NDArray[np.float64], rows: NDArray[n
     """
     wheels = [wheel.name for wheel in model.wheels]
     sizes = {"body": len(model.bodies), "wheel": len(wheels), "element": len(model.elements)}
-    patches = _core.patches_recorded
-    blocks: list[tuple[tuple[str, ...], tuple[int, ...], list[Field], dict[str, str]]] = [
-        (("body",), (sizes["body"],), _core.body_fields, {f[0]: body_variable(f[0]) for f in _core.body_fields}),
-        (("wheel",), (sizes["wheel"],), _core.wheel_fields, {}),
-        (("wheel", "patch"), (sizes["wheel"], patches), _core.patch_fields, _prefixed("patch_", _core.patch_fields)),
-        (("element",), (sizes["element"],), _core.element_fields, _prefixed("element_", _core.element_fields)),
-        ((), (), _core.run_fields, _RUN_NAMES),
-    ]
-    if rows.shape[1] > sum(math.prod(shape) * len(fields) for _, shape, fields, _ in blocks):
-        blocks.append((("axle",), (len(model.axle_names),), _core.axle_fields, {}))
-        blocks.append(((), (), _core.train_fields, {}))
+    sizes |= {"patch": _core.patches_recorded, "axle": len(model.axle_names)}
+    blocks = _blocks()
+    without_axles = [block for block in blocks if block[1] not in (_core.axle_fields, _core.train_fields)]
+    if rows.shape[1] <= sum(math.prod(sizes[dim] for dim in dims) * len(fields) for dims, fields, _ in without_axles):
+        blocks = without_axles
     variables: dict[str, Variable] = {}
     start = 0
-    for dims, shape, fields, names in blocks:
+    for dims, fields, names in blocks:
+        shape = tuple(sizes[dim] for dim in dims)
         width = math.prod(shape) * len(fields)
         block = rows[:, start : start + width].reshape(len(times), *shape, len(fields))
         start += width
@@ -202,6 +203,30 @@ def run_draft(model: AssembledModel, times: NDArray[np.float64], rows: NDArray[n
         _attributes(model, outcome),
         (model.bodies, tuple(wheels), model.elements, axles),
     )
+
+
+def _blocks() -> list[tuple[tuple[str, ...], list[Field], dict[str, str]]]:
+    """What a row of the recorder holds: dimensions beside time, fields of the core, and their names here where they differ."""
+    return [
+        (("body",), _core.body_fields, {f[0]: body_variable(f[0]) for f in _core.body_fields}),
+        (("wheel",), _core.wheel_fields, {}),
+        (("wheel", "patch"), _core.patch_fields, _prefixed("patch_", _core.patch_fields)),
+        (("element",), _core.element_fields, _prefixed("element_", _core.element_fields)),
+        ((), _core.run_fields, _RUN_NAMES),
+        (("axle",), _core.axle_fields, {}),
+        ((), _core.train_fields, {}),
+    ]
+
+
+def wrong_dimensions(results: xr.Dataset) -> str:
+    """Which variable of a run has other dimensions than a run gives it, in words; '' where none has, or where it is no run."""
+    if "patch_normal" not in results or "config_toml" not in results.attrs:
+        return ""
+    for dims, fields, names in _blocks():
+        for name in (names.get(field[0], field[0]) for field in fields):
+            if name in results and results[name].dims != ("time", *dims):
+                return f"{name} over {', '.join(map(str, results[name].dims))}, not over {', '.join(('time', *dims))}"
+    return ""
 
 
 @lru_cache(maxsize=64)
@@ -253,3 +278,64 @@ def _attributes(model: AssembledModel, outcome: Outcome) -> dict[str, Any]:
 def _finite(numbers: Mapping[str, float]) -> dict[str, float | None]:
     """JSON knows no infinity: a run of no steps has no smallest one."""
     return {key: value if math.isfinite(value) else None for key, value in numbers.items()}
+
+
+WORK_IN = ("energy_work_of_drive", "energy_work_of_torque")
+"""Accounts of work put in since the start [J]."""
+
+STORED = ("energy_kinetic", "energy_gravity", "energy_elements", "energy_stored_contacts")
+"""Accounts of stored energy; only their change counts [J]."""
+
+DISSIPATED = (
+    "energy_dissipated_elements",
+    "energy_dissipated_normal",
+    "energy_dissipated_creep",
+    "energy_dissipated_brakes",
+)
+"""Accounts of heat since the start [J]."""
+
+_SIGNS = ((WORK_IN, 1.0), (STORED, -1.0), (DISSIPATED, -1.0))
+
+
+def add_energy_audit(draft: Draft) -> None:
+    """Add the energy balance of a run: the variable `energy_residual` and two attributes.
+
+    `energy_residual` = work in - change of what is stored - heat [J]. The energy turned over, `energy_turned_over_j`, is half
+    the sum of the total variations of all accounts between the output times: each joule that moves leaves one account and
+    enters another. `energy_relative_residual` is the largest residual over that.
+
+    Args:
+        draft: results with the accounts, which are changed.
+    """
+    accounts = np.stack([draft.values(name) for names, _ in _SIGNS for name in names])
+    signs = np.array([[sign] for names, sign in _SIGNS for _ in names])
+    residual = (signs * (accounts - accounts[:, :1])).sum(axis=0)
+    turned_over = 0.5 * float(np.abs(np.diff(accounts)).sum(axis=1).sum())
+    meaning = "work in minus change of kinetic, potential and stored energy minus heat; 0 but for integration errors"
+    largest = float(np.abs(residual).max(initial=0.0))
+    draft.variables["energy_residual"] = variable("time", residual, "J", meaning)
+    draft.attributes["energy_turned_over_j"] = turned_over
+    draft.attributes["energy_relative_residual"] = largest / turned_over if turned_over > 0 else 0.0
+
+
+LIMITS = {"torque": "drive_torque_limited", "power": "drive_power_limited", "speed": "drive_speed_limited"}
+"""Limit of a roller's drive -> how long it has acted."""
+
+_LEAST = 0.01
+"""A drive that is held back for less is not worth a line [s]."""
+
+
+def drive_warning(draft: Draft) -> str:
+    """Which limits of the roller drives acted, for how long, and the power that was asked for; "" if none did."""
+    if LIMITS["torque"] not in draft.variables or not len(draft.values("time")):
+        return ""
+    longest = {name: float(draft.values(key)[-1].max()) for name, key in LIMITS.items()}
+    acted = [f"of {name} for {time:.3g} s" for name, time in longest.items() if time >= _LEAST]
+    if not acted:
+        return ""
+    wanted = float(np.abs(draft.values("wanted_roller_power")).max())
+    delivered = float(np.abs(draft.values("roller_power")).max())
+    return (
+        f"the roller drives met their limit {', '.join(acted)} (one axle, the longest); asked for up to {wanted / 1e3:.4g} kW, "
+        f"they gave up to {delivered / 1e3:.4g} kW"
+    )

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import errno
 import io
+import math
 import os
 import tempfile
 from collections.abc import Mapping, Sequence
@@ -19,9 +20,20 @@ from typing import IO, Any
 import numpy as np
 import xarray as xr
 
-from rollerrig.input_files import check_input
-from rollerrig.memory import available_memory
+from rollerrig.common.input_files import check_input
+from rollerrig.results.dataset import wrong_dimensions
 from rollerrig.results.marks import PROGRAM, exists, is_ours
+
+
+def available_memory() -> float:
+    """Memory that a process can still get [bytes]; infinite where the system does not say."""
+    try:
+        with open("/proc/meminfo", encoding="ascii") as file:  # noqa: PTH123
+            fields = dict(line.split(":", 1) for line in file)
+        return 1024.0 * float(fields["MemAvailable"].split()[0])
+    except (OSError, KeyError, ValueError, IndexError):
+        return math.inf
+
 
 FORMAT = 2
 """Version of the files' layout; raised when variables, attributes or their meaning change."""
@@ -275,15 +287,21 @@ def load_run(path: str | Path) -> xr.Dataset:
     """
     if Path(path).is_dir():
         raise ResultsError(f"{path}: a folder; {_of_folder(Path(path))}")
+    damaged = "no NetCDF file of results such as run.nc, or a damaged one"
     try:
         _check_results(check_input(path, None))
         run = xr.load_dataset(path, engine="h5netcdf")
+        misplaced = wrong_dimensions(run)
     except FileNotFoundError:
         raise FileNotFoundError(f"{path}: no such file") from None
+    except ResultsError:
+        raise
     except OSError as error:  # those of the HDF5 library have no strerror
-        raise ResultsError(
-            f"{path}: {error.strerror or 'no NetCDF file of results such as run.nc, or a damaged one'}"
-        ) from None
+        raise ResultsError(f"{path}: {error.strerror or damaged}") from None
+    except Exception:  # whatever h5py and xarray meet in a damaged file
+        raise ResultsError(f"{path}: {damaged}") from None
+    if misplaced:
+        raise ResultsError(f"{path}: a damaged file: {misplaced}")
     for name in ("format", "program"):
         run.attrs.pop(name, None)
     return run

@@ -15,14 +15,15 @@ import json
 import os
 import shutil
 import tempfile
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path, PurePosixPath, PureWindowsPath
 from types import TracebackType
 
 from rollerrig import __version__
+from rollerrig.common.input_files import MEGABYTE, open_input, read_input
 from rollerrig.config import Case
-from rollerrig.input_files import MEGABYTE, open_input, read_input
 from rollerrig.results.files import OutputError, output_folder, write_new
 from rollerrig.results.marks import PROGRAM, exists
 
@@ -147,6 +148,46 @@ def _refuse_foreign(folder: Path, manifest: Manifest | None, names: Sequence[str
         raise OutputError(folder, f"{shown}: not written by this program, or changed since; {_CURE}")
 
 
+_LOCKED: set[Path] = set()
+"""Folders that this process has locked."""
+
+
+@contextmanager
+def locked(path: str | Path) -> Iterator[bool]:
+    """Within it no other process writes results into a folder; True: that is certain, False: there are no locks here.
+
+    The system's lock of the folder itself: it ends with the process, however that ends, and leaves no file as filelock does.
+
+    Raises:
+        OutputError: another process has it, or the folder cannot be made.
+    """
+    folder = output_folder(path).resolve()
+    if folder in _LOCKED:
+        yield True
+        return
+    try:
+        import fcntl
+    except ImportError:  # Windows
+        yield False
+        return
+    handle = os.open(folder, os.O_RDONLY)
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        _LOCKED.add(folder)
+    except BlockingIOError:
+        os.close(handle)
+        raise OutputError(
+            folder, "another command is writing there; wait for its end, or choose another --out"
+        ) from None
+    except OSError:  # a file system without locks
+        pass
+    try:
+        yield folder in _LOCKED
+    finally:
+        _LOCKED.discard(folder)
+        os.close(handle)
+
+
 class ResultFolder:
     """The results of one command on their way into a folder; a context that leaves nothing behind unless `commit` was called."""
 
@@ -177,15 +218,21 @@ class ResultFolder:
         self._command, self._interrupted = command, interrupted
         self._files: dict[str, str | None] = {}
         self._stage: Path | None = None
+        self._lock = locked(self.path)
 
     def __enter__(self) -> ResultFolder:
-        """Ready for files."""
+        """Ready for files, once what a killed program left of its own is removed.
+
+        Raises:
+            OutputError: another process is writing there, or the folder takes no files.
+        """
+        certain = self._lock.__enter__()
         try:
-            for left in self.path.glob(f"{_STAGE}*"):
-                if left.is_dir() and not _is_at_work(left):
-                    shutil.rmtree(left, ignore_errors=True)
-            self._stage = Path(tempfile.mkdtemp(prefix=f"{_STAGE}{os.getpid()}-", dir=self.path))
+            for left in self.path.glob(f"{_STAGE}*") if certain else ():
+                shutil.rmtree(left, ignore_errors=True)
+            self._stage = Path(tempfile.mkdtemp(prefix=_STAGE, dir=self.path))
         except OSError as cause:
+            self._lock.__exit__(None, None, None)
             raise OutputError(self.path, cause) from None
         return self
 
@@ -193,6 +240,7 @@ class ResultFolder:
         """Remove what was not committed."""
         if self._stage is not None:
             shutil.rmtree(self._stage, ignore_errors=True)
+        self._lock.__exit__(kind, error, at)
 
     def add(self, name: str, content: bytes | memoryview, *, varies: bool = False) -> Path:
         """Write a file beside the old ones.
@@ -255,17 +303,3 @@ class ResultFolder:
         staged = self._stage / NAME
         write_new(staged, manifest.text().encode())
         staged.replace(self.path / NAME)
-
-
-def _is_at_work(stage: Path) -> bool:
-    """Whether the program that made a stage may still be at work."""
-    number = stage.name.removeprefix(_STAGE).partition("-")[0]
-    if os.name != "posix" or not number.isdigit():
-        return True  # elsewhere the question itself would end it
-    try:
-        os.kill(int(number), 0)
-    except ProcessLookupError:
-        return False
-    except OSError:
-        pass  # somebody else's
-    return True

@@ -14,9 +14,9 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 
+from rollerrig.common.formatting import number, quantity
 from rollerrig.results.files import load_run
 from rollerrig.results.run_info import ATTRIBUTE, RunInfo
-from rollerrig.wording import number, quantity
 
 _NOT_SHOWN = {"title", "case", "config_toml", "warnings", "rollerrig_version", ATTRIBUTE}
 _LONGEST = 60

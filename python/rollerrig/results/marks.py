@@ -13,7 +13,7 @@ import os
 from collections.abc import Sequence
 from pathlib import Path
 
-from rollerrig.input_files import open_input
+from rollerrig.common.input_files import open_input
 
 PROGRAM = "rollerrig"
 """Mark in the metadata of every figure and file of results."""

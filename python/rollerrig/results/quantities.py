@@ -19,7 +19,7 @@ from typing import Any
 
 import numpy as np
 
-from rollerrig.wording import number
+from rollerrig.common.formatting import number
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ from typing import Any, Literal
 import xarray as xr
 from pydantic import TypeAdapter, ValidationError
 
-from rollerrig.assembly import AssembledModel
+from rollerrig.assembly.model import AssembledModel
 from rollerrig.cases import ACTUATORS
 from rollerrig.config import Case, Rig, ScaledFrom
 from rollerrig.profiles import flange_angle

@@ -1,18 +1,128 @@
-"""The numbers of a run, as they go into summary.json; meanings and units are registered in study/run.py."""
+"""Numbers of a run as a summary and tables: loss of contact, resolution of the output.
+
+What of a signal is round-off: symmetric vehicles do not move sideways, but for 1e-17 m.
+
+    signal, unit -> [resolution] -> the signal with zeros where it means nothing
+    spells without contact of the core -> [contact_loss] -> attribute `contact_losses`, warnings
+
+The numbers of a run, as they go into summary.json; meanings and units are registered in study/run.py.
+"""
 
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
-from rollerrig.results.contact_loss import ContactLoss, contact_losses
+from rollerrig.results.dataset import Draft
 from rollerrig.results.readings import readings_of
-from rollerrig.results.resolution import resolved
 from rollerrig.results.run_info import RunInfo
+
+RESOLUTION = {"m": 1e-10, "rad": 1e-10, "m/s": 1e-9, "m/s^2": 1e-7, "N": 1e-3, "1": 1e-8}
+"""Magnitude below which a value counts as zero, by unit; of displacements a tenth of the default absolute tolerance."""
+
+
+def resolved(values: ArrayLike, unit: str) -> NDArray[np.float64]:
+    """The values with zeros where their magnitude is below that of RESOLUTION.
+
+    Args:
+        values: any shape; NaN stays.
+        unit: a key of RESOLUTION.
+    """
+    given = np.asarray(values, dtype=np.float64)
+    return np.where(np.abs(given) < RESOLUTION[unit], 0.0, given)
+
+
+ATTRIBUTE = "contact_losses"
+
+LONGEST_SPELL = 10e-3
+"""Without contact for longer than this a wheel has left its rail; shorter ones are vibrations on the contact's spring [s]."""
+
+LARGEST_PART = 1e-2
+"""Part of a run that a wheel may vibrate without contact before a warning [-]."""
+
+Spells = tuple[int, float, float, float]
+"""Number, sum, longest [s], and when that one began [s]."""
+
+
+@dataclass(frozen=True)
+class ContactLoss:
+    """What one wheel ran without contact.
+
+    Attributes:
+        wheel: its name.
+        spells: number of times.
+        total_s: sum of their durations [s].
+        longest_s: duration of the longest [s].
+        longest_from_s: time at which that one began [s].
+        longest_from_m: distance there [m].
+    """
+
+    wheel: str
+    spells: int
+    total_s: float
+    longest_s: float
+    longest_from_s: float
+    longest_from_m: float
+
+    def in_words(self, on_rollers: bool) -> str:
+        """Text for a warning: the wheel, how long, when and where."""
+        times = "once" if self.spells == 1 else f"{self.spells} times, {1e3 * self.total_s:.3g} ms in all"
+        place = "" if on_rollers else f", {self.longest_from_m:.5g} m"
+        longest = f"{1e3 * self.longest_s:.3g} ms at t = {self.longest_from_s:.4g} s{place}"
+        return f"{self.wheel} without contact {times}; the longest {longest}"
+
+
+def add_contact_losses(draft: Draft, wheels: Sequence[str], spells: Sequence[Spells]) -> list[ContactLoss]:
+    """Add the losses of all wheels that had any, as JSON among the attributes.
+
+    Args:
+        draft: results with `distance`; it is changed.
+        wheels: names, in the order of `spells`.
+        spells: of each wheel.
+
+    Returns:
+        The losses.
+    """
+    times, distances = draft.values("time"), draft.values("distance")
+    losses = [
+        ContactLoss(wheel, count, total, longest, at, float(np.interp(at, times, distances)) if len(times) else 0.0)
+        for wheel, (count, total, longest, at) in zip(wheels, spells, strict=True)
+        if count
+    ]
+    draft.attributes[ATTRIBUTE] = json.dumps([asdict(loss) for loss in losses])
+    return losses
+
+
+def contact_losses(run: xr.Dataset) -> list[ContactLoss]:
+    """Losses of every wheel that lost contact, in the order of the wheels."""
+    return [ContactLoss(**loss) for loss in json.loads(run.attrs.get(ATTRIBUTE, "[]"))]
+
+
+def contact_loss_warning(losses: Sequence[ContactLoss], duration: float, *, on_rollers: bool, advice: str = "") -> str:
+    """One line that names the wheels whose contact was lost for longer than vibrations explain; empty if there are none.
+
+    Args:
+        losses: of a run.
+        duration: of the run [s].
+        on_rollers: whether it was on a rig.
+        advice: what to try, a sentence.
+    """
+    gross = [
+        loss
+        for loss in losses
+        if loss.longest_s > LONGEST_SPELL or (loss.longest_s > 0.0 and loss.total_s > LARGEST_PART * duration)
+    ]
+    if not gross:
+        return ""
+    told = "wheels lost contact: " + "; ".join(loss.in_words(on_rollers) for loss in gross)
+    return f"{told}. {advice}" if advice else told
+
 
 Numbers = NDArray[np.float64]
 
@@ -100,3 +210,48 @@ def _least(values: Numbers) -> float | None:
 def _number(value: Numbers) -> float | None:
     """The only element; an interrupted run may have none, an unloaded wheel has NaN."""
     return float(value[0]) if value.size and np.isfinite(value[0]) else None
+
+
+MOTION = ("longitudinal", "lateral", "vertical", "roll", "pitch", "yaw")
+WHEEL = (
+    "normal_force",
+    "longitudinal_force",
+    "longitudinal_creep_force",
+    "lateral_force",
+    "vertical_force",
+    "longitudinal_sliding",
+    "lateral_sliding",
+    "contact_abscissa",
+    "patch_count",
+)
+_UNIT_SUFFIX = {"m": "_m", "rad": "_rad", "m/s": "_mps", "N": "_n", "1": "", "s": "_s"}
+
+Table = tuple[list[str], NDArray[np.float64]]
+"""Column names and rows."""
+
+
+def motion_table(run: xr.Dataset) -> Table:
+    """Displacements and angles of the vehicle's bodies over time, and the running speed."""
+    bodies = RunInfo.of(run).moving
+    columns = {"time_s": run["time"], "speed_mps": run["speed"]}
+    for body in bodies:
+        for name in MOTION:
+            columns[f"{body}.{name}{_suffix(run[name])}"] = run[name].sel(body=body)
+    return _table(columns)
+
+
+def wheel_table(run: xr.Dataset) -> Table:
+    """Contact forces, sliding and position on the profile of each wheel over time."""
+    columns = {"time_s": run["time"]}
+    for wheel in run["wheel"].to_numpy():
+        for name in WHEEL:
+            columns[f"{wheel}.{name}{_suffix(run[name])}"] = run[name].sel(wheel=wheel)
+    return _table(columns)
+
+
+def _suffix(variable: xr.DataArray) -> str:
+    return _UNIT_SUFFIX[str(variable.attrs["units"])]
+
+
+def _table(columns: dict[str, xr.DataArray]) -> Table:
+    return list(columns), np.column_stack([column.to_numpy() for column in columns.values()])

@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from rollerrig.assembly import AssembledModel
+from rollerrig.assembly.model import AssembledModel
 from rollerrig.config import Track
 from rollerrig.profiles.table import STEEPEST_SLOPE, ProfileTable
 from rollerrig.results.dataset import Draft
@@ -22,6 +22,9 @@ LAST_SECONDS = 0.5
 
 NO_FURTHER = 0.2e-3
 """A profile whose points reach no further than this beyond its table ends there [m]."""
+
+BESIDE = 1e-3
+"""A contact further from the end of its profiles did not come to it [m]: core/src/system/contact_monitor.cpp has 0.5 mm."""
 
 FLEXIBLE = "The rails are rigid: support.foundation, as flexible_track has it, lets them give way."
 """What to try where a wheel chatters or leaves its rail."""
@@ -82,7 +85,7 @@ def contact_in_words(model: AssembledModel, wheel: str, status: str, last: xr.Da
             f"|Y|/Q {abs(side) / max(up, 1.0):.2f}."
         )
         if status == "off_profile":
-            parts.append(_reach(profile, place[k]))
+            parts.append(_reach(profile, place[k], left[k]))
     rigid = isinstance(model.case.support.data, Track) and not model.rails
     if rigid and "reaches further" not in "".join(parts):
         parts.append(FLEXIBLE)
@@ -97,8 +100,19 @@ def _end(profile: ProfileTable, places: Vector) -> tuple[Vector, ProfileTable, V
     return np.hypot(near - inside, profile.evaluate(near) - profile.evaluate(inside)), profile, places
 
 
-def _reach(profile: ProfileTable, place: float) -> str:
-    """Whether a profile ends where its points end, or where it becomes too steep: then longer ones are of no use."""
+def _reach(profile: ProfileTable, place: float, left: float) -> str:
+    """Whether a profile ends beside a contact, where its points end or where it becomes too steep: else longer ones are no use.
+
+    Args:
+        profile: the one whose end is nearer.
+        place: of the contact on it [m].
+        left: distance along it from there to its end [m].
+    """
+    if not left < BESIDE:
+        return (
+            f"Both profiles reach {1e3 * left:.1f} mm or more beyond the contact: a longer one is of no use; the wheel jumps "
+            "(smaller step, less force on the flange)."
+        )
     low, high = profile.domain
     inner = place - low < high - place
     end, last = (low, profile.outline[:, 0].min()) if inner else (high, profile.outline[:, 0].max())

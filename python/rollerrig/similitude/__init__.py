@@ -3,22 +3,15 @@
 Case, strategy -> [similitude] -> Case of the model -> run -> map_back -> results at full scale
 """
 
-from rollerrig.similitude.factors import FACTORS, STRATEGIES, Similitude, similitude
-from rollerrig.similitude.map_back import map_back
-from rollerrig.similitude.scale_case import factors_of, scale_case
-from rollerrig.similitude.violations import ContactAtRest, Requirement, contact_at_rest, distortion, requirements
-
-__all__ = [
-    "FACTORS",
-    "STRATEGIES",
-    "ContactAtRest",
-    "Requirement",
-    "Similitude",
-    "contact_at_rest",
-    "distortion",
-    "factors_of",
-    "map_back",
-    "requirements",
-    "scale_case",
-    "similitude",
-]
+from rollerrig.similitude.factors import FACTORS as FACTORS
+from rollerrig.similitude.factors import STRATEGIES as STRATEGIES
+from rollerrig.similitude.factors import Similitude as Similitude
+from rollerrig.similitude.factors import map_back as map_back
+from rollerrig.similitude.factors import similitude as similitude
+from rollerrig.similitude.scale_case import factors_of as factors_of
+from rollerrig.similitude.scale_case import scale_case as scale_case
+from rollerrig.similitude.violations import ContactAtRest as ContactAtRest
+from rollerrig.similitude.violations import Requirement as Requirement
+from rollerrig.similitude.violations import contact_at_rest as contact_at_rest
+from rollerrig.similitude.violations import distortion as distortion
+from rollerrig.similitude.violations import requirements as requirements

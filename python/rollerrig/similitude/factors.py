@@ -1,17 +1,81 @@
 """Factors between a full-scale rig and its scaled model; exact algebra, docs/theory/similitude.md.
 
-strategy, length -> [factors] -> Similitude, which gives the factor full/model of any unit
+How a unit is made of kilogram, metre and second.
+
+    "N m s/rad" -> [exponents] -> (kg 1, m 2, s -1)
+
+Only the units that the configuration and the results use; angles, counts and percents have no dimension.
+
+    strategy, length -> [factors] -> Similitude, which gives the factor full/model of any unit
+    Dataset of a scaled case -> [map_back] -> Dataset at full scale
 """
 
 from __future__ import annotations
 
+import json
 import math
+import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import xarray as xr
 
 from rollerrig.config import ConfigError, ConfigProblem
 from rollerrig.config.errors import nearest, one_of, show_value
-from rollerrig.similitude.units import exponents
+from rollerrig.results.run_info import ATTRIBUTE, RunInfo
+
+Exponents = tuple[int, int, int]
+"""Powers of kg, m and s."""
+
+_BASE: dict[str, Exponents] = {
+    "1": (0, 0, 0),
+    "%": (0, 0, 0),
+    "rad": (0, 0, 0),
+    "deg": (0, 0, 0),
+    "kg": (1, 0, 0),
+    "t": (1, 0, 0),
+    "m": (0, 1, 0),
+    "mm": (0, 1, 0),
+    "km": (0, 1, 0),
+    "l": (0, 3, 0),
+    "s": (0, 0, 1),
+    "ms": (0, 0, 1),
+    "h": (0, 0, 1),
+    "Hz": (0, 0, -1),
+    "N": (1, 1, -2),
+    "kN": (1, 1, -2),
+    "J": (1, 2, -2),
+    "W": (1, 2, -3),
+    "Pa": (1, -1, -2),
+    "MPa": (1, -1, -2),
+}
+
+_TOKEN = re.compile(r"(%|[A-Za-z]+|1)(?:\^(-?\d+))?")
+
+
+class UnknownUnitError(ValueError):
+    """A unit that is not made of kg, m and s."""
+
+
+@lru_cache(maxsize=256)
+def exponents(unit: str) -> Exponents:
+    """Powers of kg, m and s in a unit like "N s^2/m^2"; all that follows the stroke divides.
+
+    Raises:
+        UnknownUnitError: it is not known.
+    """
+    above, stroke, below = unit.partition("/")
+    total = [0, 0, 0]
+    for text, sign in ((above, 1), *([(below.strip("()"), -1)] if stroke else [])):
+        for word in text.split():
+            token = _TOKEN.fullmatch(word)
+            if token is None or token[1] not in _BASE:
+                raise UnknownUnitError(f"unit {unit!r}: {word!r} is not one of {', '.join(_BASE)}")
+            for i, power in enumerate(_BASE[token[1]]):
+                total[i] += sign * power * int(token[2] or 1)
+    return total[0], total[1], total[2]
 
 
 @dataclass(frozen=True)
@@ -147,3 +211,65 @@ def similitude(
         raise ConfigError(problems)
     own = chosen.length if length is None else length
     return Similitude(own, chosen.time(own) if time is None else time, chosen.density if density is None else density)
+
+
+_SUFFIXES = {"_s": "s", "_m": "m", "_j": "J", "_kmh": "m/s", "_mps": "m/s", "_hz": "Hz", "_n": "N", "_per_s": "1/s"}
+"""Endings of attributes and JSON keys that carry their unit in the name; the longest that fits counts."""
+
+
+def map_back(run: xr.Dataset) -> xr.Dataset:
+    """A run, or modes over speed, of a scaled case at full scale.
+
+    Args:
+        run: results of a scaled case; variables with `units`.
+
+    Returns:
+        The same names and units, also in the metadata (`RunInfo`): those of what the model stands for, where gravity that was
+        kept is another one at full scale. The attribute `config_toml` still holds the model's own case.
+
+    Raises:
+        ConfigError: the case is no model of another one.
+        ValueError: no metadata.
+        UnknownUnitError: a variable has a unit that is not made of kg, m and s.
+    """
+    info = RunInfo.of(run)
+    record = info.scaled_from
+    if record is None:
+        needed = "needed: a case made by `rollerrig scale`"
+        raise ConfigError([ConfigProblem(info.case, "similitude", "missing", needed)])
+    factors = Similitude(record.length, record.time, record.density)
+    scaled = {name: _mapped(variable, factors) for name, variable in run.variables.items()}
+    coordinates = {name: scaled.pop(name) for name in run.coords}
+    mapped = xr.Dataset(scaled, coordinates)
+    attributes = {str(key): _attribute(str(key), value, factors) for key, value in run.attrs.items()}
+    of = f"{record.case} by a 1:{record.length:g} model, {record.strategy}"
+    return mapped.assign_attrs({**attributes, ATTRIBUTE: info.mapped(factors.factor).to_json(), "mapped_back": of})
+
+
+def _mapped(variable: xr.Variable, factors: Similitude) -> xr.Variable:
+    unit = variable.attrs.get("units")
+    if unit is None:
+        return variable
+    return xr.Variable(variable.dims, factors.factor(str(unit)) * variable.to_numpy(), variable.attrs)
+
+
+def _attribute(key: str, value: Any, factors: Similitude) -> Any:
+    """An attribute, JSON included, mapped by the unit in its name."""
+    if isinstance(value, str) and value[:1] in "[{" and key in ("crossings", "diverging", "contact_losses"):
+        return json.dumps(_inside(json.loads(value), factors))
+    return _number(key, value, factors)
+
+
+def _inside(value: Any, factors: Similitude) -> Any:
+    if isinstance(value, list):
+        return [_inside(item, factors) for item in value]
+    if isinstance(value, dict):
+        return {key: _number(key, item, factors) for key, item in value.items()}
+    return value
+
+
+def _number(key: str, value: Any, factors: Similitude) -> Any:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return value
+    suffix = max((end for end in _SUFFIXES if key.endswith(end)), key=len, default=None)
+    return value if suffix is None else value * factors.factor(_SUFFIXES[suffix])

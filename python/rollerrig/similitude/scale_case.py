@@ -19,17 +19,13 @@ from rollerrig.config.errors import nearest, one_of, show_value
 from rollerrig.config.schema.actuators import Controller, Motor
 from rollerrig.config.schema.adhesion import Adhesion
 from rollerrig.config.schema.base import quantity_of
-from rollerrig.config.schema.case import Contact, SupportChoice, TimeSettings, VehicleChoice
-from rollerrig.config.schema.electrodynamic_brake import ElectrodynamicBrake
-from rollerrig.config.schema.irregularity import Deviation
-from rollerrig.config.schema.material import Material
-from rollerrig.config.schema.pneumatics import ReservoirAir
+from rollerrig.config.schema.brakes import ElectrodynamicBrake, ReservoirAir, Sanding
+from rollerrig.config.schema.case import KEPT, Contact, ScaledFrom, SupportChoice, TimeSettings, VehicleChoice
+from rollerrig.config.schema.contact import Material
 from rollerrig.config.schema.profile import ProfileSpec
-from rollerrig.config.schema.sanding import Sanding
-from rollerrig.config.schema.similitude import KEPT, ScaledFrom
-from rollerrig.config.validate.simulated_axles import simulated_axles
-from rollerrig.similitude.factors import Similitude
-from rollerrig.similitude.units import exponents
+from rollerrig.config.schema.track import Deviation
+from rollerrig.config.validate.check_actuators import simulated_axles
+from rollerrig.similitude.factors import Similitude, exponents
 
 M = TypeVar("M", bound=BaseModel)
 

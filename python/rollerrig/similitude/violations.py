@@ -13,12 +13,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from rollerrig.assembly import assemble
+from rollerrig.assembly.model import assemble
 from rollerrig.config import Case, Rig
-from rollerrig.config.schema.contact_law import FallingFriction
+from rollerrig.config.schema.contact import FallingFriction
 from rollerrig.similitude.factors import Similitude
 from rollerrig.similitude.scale_case import factors_of
-from rollerrig.starting_state import equilibrium_dataset
+from rollerrig.simulation.starting_state import equilibrium_dataset
 
 _MET = 1e-9
 """A deviation below this is round-off [-]."""

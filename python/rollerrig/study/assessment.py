@@ -14,8 +14,8 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from rollerrig.analysis import CriticalSpeedByDisturbance
+from rollerrig.common.formatting import number
 from rollerrig.study.report import Table
-from rollerrig.wording import number
 
 Outcome = Literal["met", "not met", "not decided"]
 NOT_DECIDED: Outcome = "not decided"

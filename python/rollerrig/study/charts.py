@@ -16,12 +16,8 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from numpy.typing import NDArray
 
-from rollerrig.viewer.columns import Columns, Numbers
-
-MOST_POINTS = 4000
-"""Largest number of points of one panel's curves; of longer ones the extremes of even parts are kept, where they lie."""
+from rollerrig.viewer.columns import Columns, Numbers, extremes
 
 _LEAST_POINTS = 40
 """Fewer are no history."""
@@ -140,22 +136,3 @@ def _words(axes: Axes) -> str:
 def _label(line: Line2D) -> str:
     label = str(line.get_label())
     return "" if label.startswith("_") else label
-
-
-def extremes(values: Numbers, most: int = MOST_POINTS) -> NDArray[np.intp]:
-    """Samples to keep of curves: all, or of even parts those where a curve is least and greatest, and both ends.
-
-    Args:
-        values: of all curves (n, curves).
-        most: samples.
-    """
-    count, curves = values.shape
-    if count <= most:
-        return np.arange(count)
-    parts = np.array_split(np.arange(count), max(1, (most - 2) // (2 * curves)))
-    kept = {0, count - 1}
-    for part in parts:
-        inside = values[part]
-        kept.update(part[np.where(np.isnan(inside), np.inf, inside).argmin(axis=0)].tolist())
-        kept.update(part[np.where(np.isnan(inside), -np.inf, inside).argmax(axis=0)].tolist())
-    return np.array(sorted(kept), dtype=np.intp)

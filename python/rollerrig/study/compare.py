@@ -14,15 +14,14 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from rollerrig.analysis import CriticalSpeedByDisturbance, HuntingSettings, LinearCriticalSpeed, hunting_table
-from rollerrig.analysis.contact_state import RollingState, rolling_state
-from rollerrig.analysis.critical_speed import scan_linear
-from rollerrig.analysis.roller_effects import RADII, RANGE_KMH, CriticalSpeedOverRadius, EffectSplit
+from rollerrig.analysis.control_loop import RollingState, rolling_state
+from rollerrig.analysis.critical_speed import RADII, RANGE_KMH, CriticalSpeedOverRadius, EffectSplit, scan_linear
 from rollerrig.cases import on_rig
 from rollerrig.config import Case, Rig
 from rollerrig.contact_analysis import conicity_table, shift_table
 from rollerrig.plot import amplitude_over_speed
-from rollerrig.plot.characteristics import characteristics_figure
 from rollerrig.plot.compare import disturbed_over_time, modes_side_by_side
+from rollerrig.plot.contact import characteristics_figure
 from rollerrig.plot.modes import hunting_frequencies
 from rollerrig.study import critical_speeds as speeds
 from rollerrig.study.assessment import Interval, change_in_words

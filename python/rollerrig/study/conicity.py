@@ -15,7 +15,7 @@ import xarray as xr
 
 from rollerrig.config import Case
 from rollerrig.contact_analysis import conicity_table, pair_case, shift_table
-from rollerrig.plot.characteristics import characteristics_figure
+from rollerrig.plot.contact import characteristics_figure
 from rollerrig.study.frame import Study, dataset_rows
 from rollerrig.study.jobs import Done, Round, job
 from rollerrig.study.quantities import Numbers, Quantities
@@ -63,26 +63,17 @@ class Characteristics:
 
     def dataset(self) -> xr.Dataset:
         """All of it over `support`, lateral shift, side and amplitude."""
-        tables = [
-            xr.merge([self.shifts[label], self.conicity[label]], combine_attrs="override") for label in self.shifts
-        ]
+        pairs = ([self.shifts[label], self.conicity[label]] for label in self.shifts)
+        tables = [xr.merge(pair, combine_attrs="override") for pair in pairs]
         labels = xr.DataArray(list(self.shifts), dims="support", name="support")
         return xr.concat(tables, labels, join="outer", combine_attrs="override")
 
 
 @dataclass(frozen=True)
 class ConicityStudy(Study[Characteristics]):
-    """Characteristics of a pair on rails, and on rollers of the same head.
+    """Characteristics of a pair on rails, and on rollers of the same head; attributes as the arguments of `rollerrig.conicity`.
 
-    Attributes:
-        wheel: wheel profile: a name of the catalogue or a file.
-        rail: rail profile, likewise.
-        amplitudes: of the conicity [m]; those beyond the end of the table of shifts are left out.
-        roller_radius: radius at the crown of the rollers [m]; None: rails only.
-        largest: lateral shift to both sides [m].
-        step: distance of the rows [m].
-        free_to_roll, yaw: see `shift_table` [-, rad].
-        lengths: gauge, gauge_depth, back_to_back, radius of `pair_case` [m].
+    Amplitudes beyond the end of the table of shifts are left out.
     """
 
     wheel: str
@@ -129,11 +120,11 @@ class ConicityStudy(Study[Characteristics]):
     def collect(self, done: Done) -> Characteristics | None:
         if len(done) < len(self.cases()):
             return None
-        conicity = {}
-        for label, table in done.items():
-            end = float(table["lateral"][-1]) * (1 + 1e-12)
-            conicity[label] = conicity_table(table, [a for a in self.amplitudes if a <= end])
-        return Characteristics(dict(done), conicity)
+        ends = {label: float(table["lateral"][-1]) * (1 + 1e-12) for label, table in done.items()}
+        known = {label: [a for a in self.amplitudes if a <= end] for label, end in ends.items()}
+        return Characteristics(
+            dict(done), {label: conicity_table(table, known[label]) for label, table in done.items()}
+        )
 
     def statuses(self, results: Characteristics) -> Sequence[str]:
         return ["ended early" if table.attrs["ended"] else "ok" for table in results.shifts.values()]
@@ -163,10 +154,8 @@ class ConicityStudy(Study[Characteristics]):
         caption = "Contact characteristics over lateral shift and amplitude; all supports in one picture."
         yaw = f"yaw {numbers['yaw_mrad']:g} mrad" if numbers["yaw_mrad"] else "no yaw"
         conicities = {label: table["conicity"] for label, table in results.conicity.items()}
-        parts: list[Block] = [
-            _amplitude_table(
-                {words: table[name] for name, words in PARTS.items()}, f"Parts of the conicity: {label}", "part"
-            )
+        parts = [
+            _amplitude_table({w: table[name] for name, w in PARTS.items()}, f"Parts of the conicity: {label}", "part")
             for label, table in results.conicity.items()
             if results.shifts[label].attrs["support"] != "track"
         ]
@@ -238,10 +227,11 @@ def shift_rows(shifts: Mapping[str, xr.Dataset]) -> list[list[object]]:
     rows: list[list[object]] = [list(header)]
     for label, table in shifts.items():
         common = ("lateral", "roll", "rolling_radius_difference", "effective_difference")
-        columns = [1e3 * table[name].to_numpy() for name in common]
-        for side in ("left", "right"):
-            columns += [factor * table[name].sel(side=side).to_numpy() for name, (_, factor) in SIDE_COLUMNS.items()]
-        rows += [[label, *(float(v) + 0.0 for v in values)] for values in zip(*columns, strict=True)]
+        columns = [1e3 * table[name] for name in common]
+        columns += [
+            table[name].sel(side=s) * factor for s in ("left", "right") for name, (_, factor) in SIDE_COLUMNS.items()
+        ]
+        rows += [[label, *values] for values in (np.stack(columns, axis=1) + 0.0).tolist()]
     return rows
 
 

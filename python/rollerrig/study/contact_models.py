@@ -17,7 +17,7 @@ from typing import Any
 
 from rollerrig.analysis import CriticalSpeedByDisturbance, LimitCycleSettings, linear_critical_speed
 from rollerrig.config import Case
-from rollerrig.config.schema.contact_law import NORMAL_LAWS
+from rollerrig.config.schema.contact import NORMAL_LAWS
 from rollerrig.study.assessment import Interval
 from rollerrig.study.jobs import Job, job
 from rollerrig.study.limit_cycles import limit_cycles
@@ -63,14 +63,13 @@ def contact_effect_jobs(
         normals: names for `contact.normal`.
         creeps: names for `contact.creep`.
     """
-    own = case.support.data.kind
+    own, speeds = case.support.data.kind, tuple(speeds_kmh)
     other, support = COUNTERPART[own]
     cases: Mapping[str, Case] = {own: case, other: case.with_changes({"support.use": support})}
+    every = itertools.product(cases, normals, creeps)
     return {
-        f"contact model {label}, {normal}, {creep}": job(
-            contact_effect, cases[label], (label, normal, creep), tuple(speeds_kmh), run_speed_kmh
-        )
-        for label, normal, creep in itertools.product(cases, normals, creeps)
+        f"contact model {', '.join(one)}": job(contact_effect, cases[one[0]], one, speeds, run_speed_kmh)
+        for one in every
     }
 
 
@@ -108,12 +107,7 @@ def contact_models(criteria: Sequence[float]) -> dict[str, dict[str, object]]:
 
 
 def sensitivity_cases(supports: Mapping[str, Case], criteria: Sequence[float]) -> dict[str, Case]:
-    """Label of a run -> case: each support with each model.
-
-    Args:
-        supports: label of the support -> case.
-        criteria: merging criteria.
-    """
+    """Label of a run -> case: each support with each model, `hertz` with each of the merging criteria."""
     return {
         _label(on, model): case.with_changes(changes)
         for on, case in supports.items()
@@ -157,12 +151,8 @@ def sensitivity_table(found: Found) -> Table:
     for model in dict.fromkeys(_place(label)[1] for label in found):
         normal, _, other = model.partition(", ")
         hertz = normal == "hertz"
-        cells = [
-            Interval.of_bracket(found[label]).text("km/h", 1)
-            if (label := _label(on, model)) in found
-            else "not computed"
-            for on in supports
-        ]
+        own = (found.get(_label(on, model)) for on in supports)
+        cells = ["not computed" if one is None else Interval.of_bracket(one).text("km/h", 1) for one in own]
         law = other if other and not hertz else "kalker_saturated"
         rows.append([normal, other if hertz else "–", law.replace("_", " "), *cells])
     return Table(("normal", "merging criterion", "creep", *(f"on {on}" for on in supports)), rows, caption)

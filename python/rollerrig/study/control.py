@@ -17,10 +17,11 @@ from typing import Any
 
 import xarray as xr
 
+from rollerrig.common.formatting import number, percent
 from rollerrig.config import Case, ConfigError, ConfigProblem, Rig
 from rollerrig.config.errors import nearest
-from rollerrig.mechatronics import users_controllers
 from rollerrig.plot import control as figures
+from rollerrig.simulation.controllers import users_controllers
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Round, job
 from rollerrig.study.lag_compensation import (
@@ -29,14 +30,7 @@ from rollerrig.study.lag_compensation import (
     compensation_numbers,
     compensation_text,
 )
-from rollerrig.study.loop_stability import (
-    held_blocks,
-    held_jobs,
-    held_numbers,
-    loop_blocks,
-    loop_jobs,
-    loop_numbers,
-)
+from rollerrig.study.loop_stability import held_blocks, held_jobs, held_numbers, loop_blocks, loop_jobs, loop_numbers
 from rollerrig.study.quantities import Numbers, Quantities
 from rollerrig.study.report import Picture, Section, Table
 from rollerrig.study.runs.control import (
@@ -55,7 +49,6 @@ from rollerrig.study.runs.control import (
     references,
     run_variant,
 )
-from rollerrig.wording import number, percent
 
 QUANTITIES = Quantities("control")
 
@@ -146,15 +139,20 @@ def _border(family: Family, bad: Result, other: Result) -> float:
     return math.exp(value) if family.scale == "log" else value
 
 
+def curves_of(family: Family, results: Sequence[Result]) -> dict[str, list[Result]]:
+    """Curves of a family -> their results along the axis."""
+    mine = sorted((r for r in results if r.family == family.name), key=lambda r: r.value)
+    labels = dict.fromkeys(r.curve for r in results if r.family == family.name)
+    return {label: [r for r in mine if r.curve == label] for label in labels}
+
+
 def ranking(families: Sequence[Family], results: Sequence[Result]) -> list[Rank]:
     """All curves, the most severe result within the range tried first."""
-    ranks = []
-    for family in families:
-        mine = [r for r in results if r.family == family.name]
-        for curve in dict.fromkeys(r.curve for r in mine):
-            points = sorted((r for r in mine if r.curve == curve), key=lambda r: r.value)
-            worst = max(points, key=lambda r: r.severity)
-            ranks.append(Rank(family, points, worst, failures(family, points)))
+    ranks = [
+        Rank(family, points, max(points, key=lambda r: r.severity), failures(family, points))
+        for family in families
+        for points in curves_of(family, results).values()
+    ]
     return sorted(ranks, key=lambda rank: rank.worst.severity, reverse=True)
 
 
@@ -188,14 +186,11 @@ def range_chart(ranked: Sequence[Rank], shipped: Result) -> Picture:
         ripple = [max(n["ripple_nm"], 0.1) for n in points if math.isfinite(n["ripple_nm"])] or [math.nan]
         label = f"{rank.family.name.replace('_', ' ')}, {rank.curve}"
         bars.append(figures.Bar(label, (min(error), max(error)), (min(ripple), max(ripple)), not rank.worst.completed))
-    base = shipped.numbers
-    picture = figures.ranges(
-        bars, (100.0 * base["tracking_rms"], base["ripple_nm"]), (100.0 * TRACKING_LIMIT, RIPPLE_LIMIT)
-    )
+    base = (100.0 * shipped.numbers["tracking_rms"], shipped.numbers["ripple_nm"])
     caption = (
         f"Range of the errors along each axis, the worst on top. Dashed: {LIMITS}; red: above it; dotted: shipped."
     )
-    return Picture("ranges", picture, caption)
+    return Picture("ranges", figures.ranges(bars, base, (100.0 * TRACKING_LIMIT, RIPPLE_LIMIT)), caption)
 
 
 def ranking_table(case: Case, ranked: Sequence[Rank]) -> Table:
@@ -215,12 +210,10 @@ def ranking_table(case: Case, ranked: Sequence[Rank]) -> Table:
 def family_picture(case: Case, family: Family, results: Sequence[Result]) -> Picture:
     """Errors over the axis of a family, a line per curve."""
     curves = []
-    for label in dict.fromkeys(r.curve for r in results if r.family == family.name):
-        points = sorted((r for r in results if (r.family, r.curve) == (family.name, label)), key=lambda r: r.value)
-        values = {key: [p.numbers[key] for p in points] for key in ("tracking_rms", "ripple_nm")}
-        tracking_percent = [100.0 * value for value in values["tracking_rms"]]
+    for label, points in curves_of(family, results).items():
+        errors, ripples = ([p.numbers[key] for p in points] for key in ("tracking_rms", "ripple_nm"))
         ended = [not p.completed for p in points]
-        curves.append(figures.Curve(label, [p.value for p in points], tracking_percent, values["ripple_nm"], ended))
+        curves.append(figures.Curve(label, [p.value for p in points], [100.0 * e for e in errors], ripples, ended))
     base = family.base(case) if family.base is not None else None
     limits = (100.0 * TRACKING_LIMIT, RIPPLE_LIMIT)
     picture = figures.over_parameter(curves, family.axis, family.scale, base, limits)
@@ -362,10 +355,7 @@ class ControlStudy(Study[Found]):
             "duration_s": self.case.time.duration,
             "limits": {"tracking_rms": TRACKING_LIMIT, "ripple_nm": RIPPLE_LIMIT},
             "references": {r.curve: r.numbers for r in results.references},
-            "results": [
-                {"family": r.family, "curve": r.curve, "value": r.value, "cause": r.cause, **r.numbers}
-                for r in results.results
-            ],
+            "results": [_entry(r) for r in results.results],
             "ranking": [
                 {
                     "family": rank.family.name,
@@ -407,8 +397,7 @@ class ControlStudy(Study[Found]):
 
     def files(self, results: Found, numbers: Numbers) -> Mapping[str, Any]:
         names = ("family", "curve", "value", "cause", *(q.key for q in QUANTITIES.below("*.*")))
-        rows = [{"family": r.family, "curve": r.curve, "value": r.value, "cause": r.cause, **r.numbers}
-                for r in (*results.references, *results.results)]  # fmt: skip
+        rows = [_entry(r) for r in (*results.references, *results.results)]
         loop = {"loop.csv": [list(results.loop[0]), *(list(p.values()) for p in results.loop)]} if results.loop else {}
         return {"variants.csv": QUANTITIES.csv(rows, names), **loop}
 
@@ -424,9 +413,8 @@ class ControlStudy(Study[Found]):
                 Picture("courses", courses, caption)]),
         ]  # fmt: skip
         if numbers["compensation"] is not None:
-            sections.append(
-                Section("Lags and their compensation", compensation_blocks(numbers["compensation"], QUANTITIES))
-            )
+            blocks = compensation_blocks(numbers["compensation"], QUANTITIES)
+            sections.append(Section("Lags and their compensation", blocks))
         if numbers["loop"] is not None:
             sections.append(Section("Stability of the loop", loop_blocks(numbers["loop"], results.loop)))
         if numbers["held_wheel"] is not None:
@@ -461,6 +449,12 @@ def study_case(case: Case, duration: float | None) -> Case:
         raise missing("brake", "missing", "[brake] or [traction], the test that the controllers are compared in")
     length = case.time.duration if duration is None else min(duration, case.time.duration)
     return case.with_changes({"time.duration": length, "time.output_step": max(OUTPUT_STEP, case.time.sampling_step)})
+
+
+def _entry(result: Result) -> dict[str, Any]:
+    """A result as summary.json and variants.csv have it."""
+    names = ("family", "curve", "value", "cause")
+    return {**{name: getattr(result, name) for name in names}, **result.numbers}
 
 
 def _name(key: tuple[str, str, float]) -> str:

@@ -11,10 +11,10 @@ from typing import Any
 
 import xarray as xr
 
+from rollerrig.assembly.laws import creep_law
 from rollerrig.contact_analysis.creep_laws import COMPONENTS, DEMANDS, REFERENCE, compare_laws, error_table
-from rollerrig.contact_laws import creep_law
-from rollerrig.plot.creep import creep_figure
-from rollerrig.study.frame import Study
+from rollerrig.plot.contact import creep_figure
+from rollerrig.study.frame import Study, dataset_rows
 from rollerrig.study.jobs import Done, Round, job
 from rollerrig.study.quantities import Numbers, Quantities
 from rollerrig.study.report import Picture, Section, Text
@@ -24,15 +24,7 @@ QUANTITIES = Quantities("creep")
 
 @dataclass(frozen=True)
 class CreepStudy(Study[xr.Dataset]):
-    """Laws by name beside the exact theory.
-
-    Attributes:
-        a_over_b: ratio of the semi-axes, 0.1 to 10.
-        laws: names that `contact.creep` knows, each once.
-        poisson_ratio: [-].
-        demands: sizes of the creepage; 1 demands about mu N.
-        parameters: law -> its parameters, as in a case's `contact.creep`; `polach` needs k_A and k_S.
-    """
+    """Laws by name, each once, beside the exact theory; attributes as the arguments of `rollerrig.creep`."""
 
     a_over_b: float
     laws: tuple[str, ...]
@@ -124,14 +116,10 @@ def compare(study: CreepStudy) -> xr.Dataset:
 
 def force_rows(comparison: xr.Dataset) -> list[list[object]]:
     """Every force and moment, header first."""
-    header = ("law", "direction", "demand", "xi", "eta", "chi", "force_x_over_mu_n", "force_y_over_mu_n")
-    table: list[list[object]] = [[*header, "spin_moment_over_mu_n_c", "adhesion"]]
-    for law in comparison["law"].to_numpy():
-        for direction in comparison["direction"].to_numpy():
-            one = comparison.sel(law=law, direction=direction)
-            for k, demand in enumerate(one["demand"].to_numpy()):
-                values = [float(one[name][k]) + 0.0 for name in COMPONENTS]
-                adhesion = float(one["adhesion"][k]) if law == REFERENCE else float("nan")
-                creepage = [float(x) + 0.0 for x in one["creepage"][k]]
-                table.append([str(law), str(direction), float(demand), *creepage, *values, adhesion])
-    return table
+    of_reference = comparison["adhesion"].where(comparison["law"] == REFERENCE)
+    columns = {"law": "law", "direction": "direction", "demand": "demand", "xi": "xi", "eta": "eta", "chi": "chi"}
+    columns |= dict(zip(("force_x_over_mu_n", "force_y_over_mu_n", "spin_moment_over_mu_n_c"), COMPONENTS, strict=True))
+    creepage = {name: comparison["creepage"][..., k] + 0.0 for k, name in enumerate(("xi", "eta", "chi"))}
+    forces = {name: comparison[name] + 0.0 for name in COMPONENTS}
+    data = comparison.assign({**creepage, **forces, "adhesion": of_reference})
+    return dataset_rows(data, columns | {"adhesion": "adhesion"}, "law", "direction", "demand")

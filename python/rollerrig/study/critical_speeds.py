@@ -10,18 +10,20 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, Literal
 
 from rollerrig.analysis import CriticalSpeedByDisturbance, HuntingSettings, LinearCriticalSpeed
-from rollerrig.analysis.critical_speed import bracket, rounds_by_disturbance, scan_linear
-from rollerrig.analysis.hunting import HuntingRun, hunting_run
-from rollerrig.analysis.roller_effects import (
+from rollerrig.analysis.critical_speed import (
     EFFECTS,
     RANGE_KMH,
     TRACK,
     CriticalSpeedOverRadius,
     EffectSplit,
+    bracket,
     critical_speed_over_radius,
     effect_cases,
     radius_cases,
+    rounds_by_disturbance,
+    scan_linear,
 )
+from rollerrig.analysis.hunting import HuntingRun, hunting_run
 from rollerrig.config import Case
 from rollerrig.plot.compare import critical_over_radius, effect_bars
 from rollerrig.study.jobs import Done, Job, Round, job
@@ -96,10 +98,10 @@ def between(found: CriticalSpeedByDisturbance) -> str:
     if math.isfinite(persists) and math.isfinite(decays):
         return f"between {decays:.1f} and {persists:.1f} km/h"
     if math.isfinite(persists) and found.ended_early and found.ended_early[0].speed < found.persists:
-        return f"at or below {persists:.1f} km/h, or not at all: runs below ended early"
+        return f"at or below {persists:.1f} km/h, or not at all: runs below were not decided"
     if math.isfinite(persists):
         return f"at or below {persists:.1f} km/h"
-    return f"above {decays:.1f} km/h" if math.isfinite(decays) else "not found: no run came to its end"
+    return f"above {decays:.1f} km/h" if math.isfinite(decays) else "not found: no run was decided"
 
 
 def ended_early(runs: Sequence[tuple[float, str]], count: int) -> str:
@@ -115,7 +117,8 @@ def ended_early(runs: Sequence[tuple[float, str]], count: int) -> str:
     where = f"at {speeds[0]:g} km/h" if len(speeds) == 1 else f"from {speeds[0]:g} to {speeds[-1]:g} km/h"
     _, message = min(runs)
     return (
-        f"{len(runs)} of {count} runs, {where}, did not come to their end and count neither as limit cycle nor as decay. "
+        f"{len(runs)} of {count} runs, {where}, did not come to their end or to a decision and count neither as limit cycle nor "
+        "as decay. "
         f"{'It' if len(runs) == 1 else 'The slowest'} ended so: {message}"
     )
 
@@ -187,14 +190,10 @@ def effect_numbers(split: EffectSplit | None) -> dict[str, Any] | None:
     """The split of the loss from track to rig [km/h]."""
     if split is None:
         return None
-    return {
-        "track_kmh": split.track,
-        "rig_kmh": split.rig,
-        "gain_switched_off_kmh": split.switched_off,
-        "loss_alone_kmh": split.alone,
-        "interaction_switched_off_kmh": split.interaction(split.switched_off),
-        "interaction_alone_kmh": split.interaction(split.alone),
-    }
+    off, alone = split.switched_off, split.alone
+    both = {"gain_switched_off_kmh": off, "loss_alone_kmh": alone}
+    left = {"interaction_switched_off_kmh": split.interaction(off), "interaction_alone_kmh": split.interaction(alone)}
+    return {"track_kmh": split.track, "rig_kmh": split.rig, **both, **left}
 
 
 def radius_rows(table: CriticalSpeedOverRadius | None) -> list[list[object]]:
@@ -203,10 +202,8 @@ def radius_rows(table: CriticalSpeedOverRadius | None) -> list[list[object]]:
         ["part", "roller_radius_m", "linear_critical_speed_kmh", "frequency_hz", "mode", "note"]
     ]
     for (part, radius), scan in (table.found if table else {}).items():
-        onset, note = (
-            scan.onset,
-            scan.problem or ", ".join(f"{name} grows at the lowest speed" for name in scan.grows_at_start),
-        )
+        onset, grows = scan.onset, (f"{name} grows at the lowest speed" for name in scan.grows_at_start)
+        note = scan.problem or ", ".join(grows)
         found = (scan.speed_kmh, onset.frequency, onset.name) if onset else (math.nan, math.nan, "")
         rows.append([part, "track" if math.isinf(radius) else radius, *found, note])
     return rows
@@ -254,11 +251,9 @@ def radius_sentences(table: CriticalSpeedOverRadius) -> list[str]:
             texts.append(f"{words(part).capitalize()}: no critical speeds in the range to be compared.")
             continue
         ends = " and ".join(f"{known[r]:.1f} km/h on {support_words(r)}" for r in (min(known), max(known)))
-        order = (
-            "the critical speed falls with the radius, and all are below that of the track"
-            if table.rises_with_radius(part)
-            else "the critical speed is not monotonic in the radius"
-        )
+        order = "the critical speed is not monotonic in the radius"
+        if table.rises_with_radius(part):
+            order = "the critical speed falls with the radius, and all are below that of the track"
         texts.append(f"{words(part).capitalize()}: {ends}; {order}.")
     return texts
 
@@ -315,12 +310,7 @@ def effects_picture(name: str, split: EffectSplit, caption: str) -> Picture:
 
 
 def effects_blocks(split: EffectSplit | None, caption: str) -> list[Block]:
-    """All about the effects of the rollers; nothing where they were not computed.
-
-    Args:
-        split: of the loss of critical speed.
-        caption: of the picture.
-    """
+    """All about the effects of the rollers, under a picture with this caption; nothing where they were not computed."""
     if split is None:
         return []
     table = "Linear critical speed, track less rig, split by switching the four effects of a roller (contact.roller_effects)."

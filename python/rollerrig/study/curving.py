@@ -15,10 +15,10 @@ import xarray as xr
 from rollerrig.analysis.curving import DEFICIENCIES, RADII, curving, curving_case
 from rollerrig.analysis.wheel_rail_forces import QUOTIENT_LIMIT
 from rollerrig.config import Case
-from rollerrig.plot.curving import curving_over_radius
+from rollerrig.plot.run import curving_over_radius
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Round, job
-from rollerrig.study.quantities import Numbers, Quantities, Quantity
+from rollerrig.study.quantities import Numbers, Quantities
 from rollerrig.study.report import Picture, Section, Text
 
 MEASURED = {
@@ -38,26 +38,7 @@ METHOD = (
 LIMITED = {"derailment_quotient": "Y/Q", "guiding_force_sum_n": "ΣY"}
 """Key of what has a limit -> how texts call it."""
 
-KILO = ("kN", 1e-3)
-QUANTITIES = Quantities(
-    Quantity("cant_mm", "of all curves", "mm"),
-    Quantity("derailment_quotient_limit", "lower one of Nadal's limit of Y/Q and 0.8", "1"),
-    Quantity("guiding_force_sum_limit_n", "lowest one of Prud'homme's limits of ΣY, 10 kN + 2 Q0 / 3", "N", shown=KILO),
-    Quantity("curves.*.radius_m", "radius", "m"),
-    Quantity("curves.*.cant_deficiency_mm", "negative: cant excess", "mm"),
-    Quantity("curves.*.speed_kmh", "that has this cant deficiency", "km/h"),
-    Quantity("curves.*.guiding_force_n", "largest Y of a wheel; null: no steady state", "N", "Y", shown=KILO),
-    Quantity("curves.*.wheel_load_n", "largest Q", "N", "Q", shown=KILO),
-    Quantity("curves.*.least_wheel_load_n", "least Q", "N", "least Q", shown=KILO),
-    Quantity("curves.*.derailment_quotient", "largest Y/Q", "1", "Y/Q", 3),
-    Quantity("curves.*.guiding_force_sum_n", "largest |ΣY| of a wheelset", "N", "ΣY", shown=KILO),
-    Quantity("curves.*.wear_number_n", "largest Tγ of a wheel", "N", "Tγ"),
-    Quantity("curves.*.angle_of_attack_mrad", "largest angle of attack", "mrad", "angle of attack", 3),
-    Quantity("curves.*.unbalanced_force_n", "largest that is left on a body", "N", "unbalanced", 2),
-    Quantity("curves.*.growth_rate_per_s", "of the fastest growing small motion; positive: the vehicle hunts", "1/s", digits=2),
-    Quantity("curves.*.exceeded", "which limits are exceeded"),
-    Quantity("curves.*.failure", "why no steady state was found; empty: it was"),
-)  # fmt: skip
+QUANTITIES = Quantities("curving")
 
 
 @dataclass(frozen=True)

@@ -1,46 +1,106 @@
-"""Ensembles: the same test from slightly different starts, and what a limit cycle's phase leaves certain of its numbers.
+"""Ensembles: the same test again with what nobody knows drawn anew, and what is then certain of its numbers.
 
-Case -> [starts] -> cases that begin a little faster or slower -> TestRecords -> [Estimate] -> mean, standard error, interval
+Case, its [ensemble] -> [starts] -> cases with other adhesion, pads, load, speed, demand -> TestRecords -> [Estimate] -> interval
 
-Slide protection and wheel-slip control switch on small differences: a difference that is not larger than its interval means
-nothing. Whoever starts a little faster switches one sample earlier or later somewhere, and after some cycles nothing of the
-phase is left: the numbers of two such tests are independent, their means are those of the test as it is.
+Rig and track draw the same numbers: they are compared test by test, by `difference` and `relative`, and what both depend on
+alike cancels. An interval has two parts: the scatter of the draws, and what the results change by when step and samples are a
+quarter of those of the case (`finer`).
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.special import stdtrit
+from scipy.special import ndtr, ndtri, stdtrit
 
 from rollerrig.analysis.equivalent_dead_time import DeadTime, at_track_of
 from rollerrig.analysis.slide_statistics import TestRecord, test_record
-from rollerrig.config import Case
+from rollerrig.common.formatting import number
+from rollerrig.config import Case, ConfigError, ConfigProblem
+from rollerrig.config.schema.ensemble import Ensemble
 from rollerrig.study.assessment import Interval
 from rollerrig.study.jobs import Progress, whole_run
-from rollerrig.wording import number
 
-SPEED = 3e-3
-"""The start is faster or slower by up to this [m/s]: 0.01 % of 120 km/h."""
-
+DRAWN = tuple(name for name in Ensemble.model_fields if name != "distribution")
 SEED = 20260713
 CONFIDENCE = 0.95
+FINER, FINER_STARTS = 0.25, 3
+"""Part of step and samples that the finer tests have, and how many of them are made."""
 
 
 def starts(case: Case, count: int) -> list[Case]:
-    """The test as it is and count - 1 others from speeds that differ by up to SPEED, the same ones for every case.
+    """The test as it is and count - 1 others drawn by its [ensemble], with the same numbers for every case.
 
-    Speeds are those of a fixed seed, the first of a longer ensemble those of a shorter one.
+    Draws are those of a fixed seed, the first of a longer ensemble those of a shorter one.
     """
-    shifts = np.random.default_rng(SEED).uniform(-SPEED, SPEED, max(0, count - 1))
-    return [case, *(_at_speed(case, case.motion.speed + shift) for shift in shifts.tolist())]
+    shares = np.random.default_rng(SEED).uniform(size=(max(0, count - 1), len(DRAWN)))
+    if case.ensemble.distribution == "normal":
+        shares = 0.5 + 0.25 * ndtri(ndtr(-2.0) + shares * (ndtr(2.0) - ndtr(-2.0)))
+    return [case, *(drawn(case, dict(zip(DRAWN, row, strict=True))) for row in shares.tolist())]
 
 
-def _at_speed(case: Case, speed: float) -> Case:
-    return case.model_copy(update={"motion": case.motion.model_copy(update={"speed": abs(speed)})})
+def drawn(case: Case, shares: Mapping[str, float]) -> Case:
+    """One test of an ensemble.
+
+    Args:
+        case: with the widths of the distributions.
+        shares: name in [ensemble] -> where in its distribution, 0 to 1; those that are missing keep their value.
+
+    Raises:
+        ConfigError: a value is none that the case may have.
+    """
+    spread, changes = case.ensemble, dict[str, object]()
+    factors = {name: 1.0 + (2.0 * share - 1.0) * getattr(spread, name) for name, share in shares.items()}
+    if case.adhesion is not None and "adhesion" in factors:
+        rails = {"rail": case.adhesion.rail, "recovered": case.adhesion.recovered}
+        rails |= {f"piece.{k}.rail": piece.rail for k, piece in enumerate(case.adhesion.piece)}
+        changes |= {f"adhesion.{k}.friction.mu_0": factors["adhesion"] * r.friction.mu_0 for k, r in rails.items()}
+    if case.brake is not None and "pad_friction" in factors:
+        changes["brake.friction"] = [[v, factors["pad_friction"] * mu] for v, mu in case.brake.friction]
+    heaviest = max((body for body in case.vehicle.data.body if body.kind != "wheelset"), key=lambda body: body.mass)
+    if "load" in factors:
+        changes[f"vehicle.body.{heaviest.name}.mass"] = f"{factors['load'] * heaviest.mass!r} kg"
+    if "speed" in factors:
+        changes["motion.speed"] = f"{factors['speed'] * case.motion.speed!r} m/s"
+    if "demand_time" in shares:
+        late = shares["demand_time"] * spread.demand_time
+        for name in ("brake", "traction"):
+            if (table := getattr(case, name)) is not None:
+                changes[f"{name}.demand"] = [[t + late if t > 0.0 else t, value] for t, value in table.demand]
+    return case.with_changes(changes)
+
+
+def check_ensemble(case: Case) -> None:
+    """Refuse distributions whose ends are no values of the case.
+
+    Raises:
+        ConfigError: a line for each such end.
+    """
+    problems = []
+    for name in DRAWN:
+        for share in (0.0, 1.0):
+            try:
+                drawn(case, {name: share})
+            except ConfigError as error:
+                end = (
+                    f"{getattr(case.ensemble, name):g}, which draws {error.problems[0].key} = {error.problems[0].value}"
+                )
+                problems.append(ConfigProblem(case.name, f"ensemble.{name}", end, error.problems[0].allowed))
+    if problems:
+        raise ConfigError(problems)
+
+
+def finer(case: Case) -> Case:
+    """The same test with FINER of its steps and samples: the integration's, and those of the rig's controller."""
+    changes: dict[str, object] = {"time.sampling_step": FINER * case.time.sampling_step}
+    if case.time.step is not None:
+        changes["time.step"] = FINER * case.time.step
+    if case.rig_control is not None:
+        changes["rig_control.sample_time"] = FINER * case.rig_control.sample_time
+    return case.with_changes(changes)
 
 
 def recorded(case: Case, progress: Progress | None = None) -> TestRecord:
@@ -58,21 +118,29 @@ class Estimate:
 
     Attributes:
         mean: over the tests; NaN where one of them has no such number.
-        standard_error: of that mean; NaN for a single test.
-        freedom: degrees of freedom of the standard error.
+        standard_error: of the mean; NaN for a single test.
+        freedom: degrees of freedom of the error; 0: unknown.
+        systematic: by how much the mean may be off beside that, however many tests are made: step and samples.
     """
 
     mean: float
     standard_error: float
     freedom: float
+    systematic: float = 0.0
 
     @property
     def interval(self) -> Interval:
-        """In which the mean of very many tests lies with CONFIDENCE, by Student's distribution."""
+        """In which the true mean lies with CONFIDENCE, by Student's distribution, and by `systematic` on either side."""
         if not (self.freedom > 0.0 and math.isfinite(self.standard_error)):
             return Interval(-math.inf, math.inf)
-        reach = float(stdtrit(self.freedom, 0.5 + 0.5 * CONFIDENCE)) * self.standard_error
+        reach = float(stdtrit(self.freedom, 0.5 + 0.5 * CONFIDENCE)) * self.standard_error + self.systematic
         return Interval(self.mean - reach, self.mean + reach)
+
+    def times(self, factor: float) -> Estimate:
+        """The same in another unit."""
+        scaled = (factor * one for one in (self.mean, self.standard_error, self.systematic))
+        mean, error, systematic = scaled
+        return Estimate(mean, error, self.freedom, systematic)
 
     def as_dict(self) -> dict[str, float]:
         """Dictionary for summary.json."""
@@ -86,6 +154,12 @@ def estimate(values: Sequence[float]) -> Estimate:
     return Estimate(float(np.mean(values)), spread / math.sqrt(count) if count else math.nan, count - 1.0)
 
 
+def stepped(found: Estimate, coarse: Estimate, fine: Estimate) -> Estimate:
+    """An estimate whose interval also has what it changes by from coarse to fine steps of the same draws."""
+    change = abs(fine.mean - coarse.mean)
+    return replace(found, systematic=change) if math.isfinite(change) else found
+
+
 def with_error(one: Mapping[str, float | None], factor: float = 1.0, digits: int = 4, error_digits: int = 2) -> str:
     """A mean of `as_dict` and its standard error as tables show them, times a factor; a dash where there is none."""
     mean, error = one["mean"], one["standard_error"]
@@ -95,26 +169,26 @@ def with_error(one: Mapping[str, float | None], factor: float = 1.0, digits: int
     return number(factor * mean, digits) + (f" ± {number(factor * (error or 0.0), error_digits)}" if known else "")
 
 
-def difference(a: Estimate, b: Estimate) -> Estimate:
-    """A - b of two ensembles, degrees of freedom by Welch and Satterthwaite."""
-    return _combined(a.mean - b.mean, (a.standard_error, a.freedom), (b.standard_error, b.freedom))
+def difference(a: Sequence[float], b: Sequence[float]) -> Estimate:
+    """A - b of two ensembles that share their draws, test by test as far as both go."""
+    return estimate([x - y for x, y in zip(a, b, strict=False)])
 
 
-def relative(a: Estimate, b: Estimate) -> Estimate:
-    """A / b - 1 of two ensembles, to first order in their errors; infinite where b alone is zero, NaN where both are."""
-    if not b.mean:
-        if not a.mean:
+def relative(a: Sequence[float], b: Sequence[float]) -> Estimate:
+    """Mean of a over that of b, less 1, of two ensembles that share their draws, test by test as far as both go.
+
+    To first order in the scatter. Infinite where b alone is zero; NaN where both are, and where a test has no number.
+    """
+    pairs = np.array(list(zip(a, b, strict=False)), dtype=float).reshape(-1, 2)
+    mean, base = pairs.mean(axis=0) if len(pairs) else (math.nan, math.nan)
+    if not base:
+        interval = estimate(pairs[:, 0].tolist()).interval
+        if not mean:
             return Estimate(math.nan, math.nan, 0.0)
-        above = a.interval.low > 0.0 or a.interval.high < 0.0
-        return Estimate(math.copysign(math.inf, a.mean), 0.0 if above else math.nan, math.inf)
-    errors = (a.standard_error / abs(b.mean), a.freedom), (abs(a.mean) * b.standard_error / b.mean**2, b.freedom)
-    return _combined(a.mean / b.mean - 1.0, *errors)
-
-
-def _combined(mean: float, *errors: tuple[float, float]) -> Estimate:
-    variance = sum(error**2 for error, _ in errors)
-    parts = sum(error**4 / freedom for error, freedom in errors if freedom > 0.0)
-    return Estimate(mean, math.sqrt(variance), variance**2 / parts if parts > 0.0 else sum(f for _, f in errors))
+        apart = interval.low > 0.0 or interval.high < 0.0
+        return Estimate(math.copysign(math.inf, mean), 0.0 if apart else math.nan, math.inf)
+    ratio = mean / base
+    return replace(estimate(((pairs[:, 0] - ratio * pairs[:, 1]) / base).tolist()), mean=float(ratio - 1.0))
 
 
 def distances(groups: Sequence[Sequence[TestRecord]]) -> list[list[float]]:
@@ -126,9 +200,14 @@ def distances(groups: Sequence[Sequence[TestRecord]]) -> list[list[float]]:
     return [[float(np.interp(end, record.time, record.distance)) for record in group] for group in groups]
 
 
+def values_of(records: Sequence[TestRecord], name: str) -> list[float]:
+    """One measure of each test; NaN where it has none."""
+    return [record.measures.get(name, math.nan) for record in records]
+
+
 def measure(records: Sequence[TestRecord], name: str) -> Estimate:
     """Estimate of one measure; tests without it leave no mean."""
-    return estimate([record.measures.get(name, math.nan) for record in records])
+    return estimate(values_of(records, name))
 
 
 SHARES = (0.5, 1.0, 1.5)

@@ -11,21 +11,20 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from rollerrig.analysis.envelope_borders import Border, borders, slides
-from rollerrig.analysis.rig_limits import FULL_SLIDING, LINES, SLIDES
-from rollerrig.analysis.run_limits import LEAST_DURATION, NUMBERS, REGIONS, REPRODUCED, TRACKING_LIMIT
-from rollerrig.cases import as_case
+from rollerrig.analysis.rig_limits import LEAST_DURATION, LINES, NUMBERS, REGIONS, REPRODUCED, TRACKING_LIMIT
+from rollerrig.analysis.virtual_rail import FULL_SLIDING, SLIDES
+from rollerrig.common.formatting import number
 from rollerrig.config import Case, ConfigError, ConfigProblem, Rig
-from rollerrig.config.validate.simulated_axles import simulated_axles
+from rollerrig.config.validate.check_actuators import simulated_axles
 from rollerrig.plot import envelope as figures
 from rollerrig.study.frame import Study, dataset_rows
-from rollerrig.study.jobs import Done, Progress, Round, job, whole_run
+from rollerrig.study.jobs import Done, Round, job, whole_run
 from rollerrig.study.quantities import Numbers, Quantities, Quantity
 from rollerrig.study.report import Block, Picture, Section, Table, Text
 from rollerrig.study.runs.envelope import (
@@ -46,7 +45,6 @@ from rollerrig.study.runs.envelope import (
     run_point,
     torque_text,
 )
-from rollerrig.wording import number
 
 
 def run_rows(found: xr.Dataset) -> list[list[object]]:
@@ -68,16 +66,14 @@ def reach_table(found: xr.Dataset) -> Table:
     ]
     names = dict(zip(found["load"].to_numpy().tolist(), 1e-3 * found["axle_load"].to_numpy(), strict=True))
     header = ("adhesion", *(f"{side}, axle load {names[load]:.4g} kN" for side, load in columns))
-    return Table(
-        header, table, "largest torque on an axle up to which every run reproduces the rail, and the limit of the next"
-    )
+    caption = "largest torque on an axle up to which every run reproduces the rail, and the limit of the next"
+    return Table(header, table, caption)
 
 
 def deviations_table(found: xr.Dataset) -> Table:
     """Closed form against the two runs on either side of each border."""
-    kinds = [(REGIONS.get(row.limit, ""), row) for row in borders(found)] + [
-        ("slide, (V2)", row) for row in slides(found)
-    ]
+    kinds = [(REGIONS.get(row.limit, ""), row) for row in borders(found)]
+    kinds += [("slide, (V2)", row) for row in slides(found)]
     rows = [
         [row.side, row.load, row.adhesion, name, f"{torque_text(row.reached)} … {torque_text(row.beyond)}", _compared(row),
          torque_text(row.predicted), "✔" if row.agrees else "✘"]
@@ -142,15 +138,9 @@ class Envelope:
 
 @dataclass(frozen=True)
 class EnvelopeStudy(Study[Envelope]):
-    """The map of one rig.
+    """The map of one rig; attributes as the arguments of `rollerrig.envelope`, all ranges ascending.
 
-    Attributes:
-        case: of a rig with [rig_control]; its speed, controllers, drives and rollers are those of every run.
-        torques: on each axle, ascending; negative brakes [N m]. Empty: to beyond what dry rollers carry.
-        adhesions: of the virtual rail at no slip, ascending [-].
-        loads: axle loads over the case's own, ascending [-].
-        duration: of each run [s].
-        refine: how many times cells between different regions are halved.
+    Speed, controllers, drives and rollers are those of the case in every run.
     """
 
     case: Case
@@ -258,10 +248,8 @@ class EnvelopeStudy(Study[Envelope]):
 
     def summary(self, results: Envelope, numbers: Numbers) -> list[str]:
         counts = numbers["regions"]
-        share = f"{100 * numbers['reproduced']:z.0f} %"
-        lines = [
-            f"{numbers['runs']} runs at {numbers['speed_kmh']:.4g} km/h: the rig reproduces the rail in {share} of them."
-        ]
+        share, at = f"{100 * numbers['reproduced']:z.0f} %", f"{numbers['speed_kmh']:.4g} km/h"
+        lines = [f"{numbers['runs']} runs at {at}: the rig reproduces the rail in {share} of them."]
         limits = sorted((n for n in REGIONS if counts[n] and n not in REPRODUCED), key=lambda n: -counts[n])
         if limits:
             listed = (f"{REGIONS[n]} ({counts[n]} run{'s' if counts[n] > 1 else ''})" for n in limits)
@@ -291,9 +279,8 @@ class EnvelopeStudy(Study[Envelope]):
         ]  # fmt: skip
         method = METHOD.format(duration=self.duration, speed=found.attrs["speed_kmh"])
         counts = [[meaning, numbers["regions"][name]] for name, meaning in REGIONS.items()]
-        lines = Table(
-            ("line", "meaning"), [(key.removeprefix("line_").replace("_", " "), what) for key, what in LINES.items()]
-        )
+        forms = [(key.removeprefix("line_").replace("_", " "), what) for key, what in LINES.items()]
+        lines = Table(("line", "meaning"), forms)
         return [
             Section("Map", [Text(method), *maps]),
             Section("Torque that is reproduced", [reach_table(found)]),
@@ -308,60 +295,10 @@ class EnvelopeStudy(Study[Envelope]):
         blocks: list[Block] = []
         for group in (names[begin : begin + 3] for begin in range(0, len(names), 3)):
             runs = [(f"{REGIONS[name]}: {examples[name][0].label}", examples[name][1]) for name in group]
-            caption = (
-                f"The axle that uses most friction, in a run of each region: {'; '.join(REGIONS[n] for n in group)}."
-            )
+            regions = "; ".join(REGIONS[name] for name in group)
+            caption = f"The axle that uses most friction, in a run of each region: {regions}."
             blocks.append(Picture(f"runs_{'_'.join(group)}", figures.runs_over_time(runs, radius, friction), caption))
         return blocks
-
-
-def envelope(
-    case: Case | str,
-    *,
-    torques: Sequence[float] | None = None,
-    adhesions: Sequence[float] | None = None,
-    loads: Sequence[float] | None = None,
-    duration: float = 3.0,
-    refine: int = 1,
-    folder: str | Path | None = None,
-    processes: int = 1,
-    progress: Progress | None = None,
-) -> xr.Dataset:
-    """Up to where a rig reproduces a degraded rail: regions over axle torque, adhesion and axle load.
-
-    Args:
-        case: of a rig with [rig_control]; its speed, controllers, drives and rollers are those of every run.
-        torques: on each axle, ascending, negative brakes [N m]; by default to beyond what dry rollers carry.
-        adhesions: of the virtual rail at no slip, ascending [-].
-        loads: axle loads over the case's own, ascending [-].
-        duration: of each run [s].
-        refine: how many times cells between different regions are halved.
-        folder: where finished runs are kept and looked for; None: nowhere.
-        processes: runs at a time.
-        progress: called with the fraction done and a short text.
-
-    Returns:
-        Dataset over `load`, `adhesion`, `torque`: `region` ("" where refining needed no run), the numbers of NUMBERS, the limits
-        reached as text, and the closed forms of LINES. Attribute `interrupted` says whether Ctrl-C left some undone,
-        `jobs_taken_over` how many were finished before.
-
-    Raises:
-        ConfigError: the case reproduces nothing, a range is unusable, or `folder` has the runs of another case.
-
-    Example:
-        >>> from rollerrig import envelope, load_case
-        >>> case = load_case("adhesion_brake")
-        >>> map = envelope(case, torques=[-4e3, -2e3], adhesions=[0.05, 0.3], loads=[1.0], duration=1.0, refine=0)
-        >>> map["region"].sel(load=1.0, torque=-4e3).to_numpy().tolist()
-        ['slide', 'grip']
-    """
-    ranges = {"torques": torques, "adhesions": adhesions, "loads": loads}
-    chosen = {name: tuple(map(float, values)) for name, values in ranges.items() if values is not None}
-    study = EnvelopeStudy(as_case(case), duration=duration, refine=refine, **chosen)
-    outcome = study.run(folder=folder, processes=processes, progress=progress)
-    if outcome is None:
-        raise KeyboardInterrupt
-    return outcome.results.map.assign_attrs(interrupted=int(outcome.interrupted), jobs_taken_over=outcome.taken_over)
 
 
 # -------------------------------------------------------------------------------------------------------------- jobs

@@ -1,6 +1,6 @@
 """What every study is: jobs, what is collected from them, reported numbers, figures, limitations.
 
-Study -> [run: jobs on a few processes, journal, progress, Ctrl-C] -> Outcome
+Study -> [run: jobs on a few processes, checkpoint, progress, Ctrl-C] -> Outcome
     -> [write] -> summary.json, data, figures, report: the same bytes for the same study; timing.json: what is not
 
 A study names its cases and its jobs, collects their results and says what the report shows; all else is here: the folder,
@@ -36,8 +36,8 @@ from rollerrig.plot import figure_bytes
 from rollerrig.plot.style import fewer_colours, watermark
 from rollerrig.results import ResultFolder, check_folder, netcdf_bytes, sources_of
 from rollerrig.study.charts import chart_of
+from rollerrig.study.checkpoint import Checkpoint, check_jobs
 from rollerrig.study.jobs import Chains, Done, Progress, Round, run_rounds
-from rollerrig.study.journal import Journal, check_jobs
 from rollerrig.study.limitations import limitations
 from rollerrig.study.quantities import Numbers, Quantities, finite
 from rollerrig.study.report import VIEW, Block, Mark, Page, Picture, Preformatted, Section, Table, Text, render
@@ -141,8 +141,8 @@ class Study(ABC, Generic[R]):
                 found[what if found.get(what, source) == source else f"{what}, {label}"] = source
         return {what: source for what, source in found.items() if source}
 
-    def told(self, done: Done, seconds: float) -> str:
-        """What the progress says beside the name of the last job: of the finished jobs, after so long [s]; '' as a rule."""
+    def progress_text(self, done: Done, seconds: float) -> str:
+        """Text of the progress in place of the name of the last job: finished jobs, seconds so far; '' as a rule."""
         return ""
 
     def statuses(self, results: R) -> Sequence[str]:
@@ -181,24 +181,30 @@ class Study(ABC, Generic[R]):
             StartError: a case finds no equilibrium to start from.
             OutputError: `folder` takes no files, or holds what must not be replaced.
         """
-        begun, journal = time.perf_counter(), None
+        begun, checkpoint = time.perf_counter(), None
         if folder is not None:
             own = (*self.writes, *(f"figures/*.{kind}" for kind in self.formats), SUMMARY, TIMING, REPORT)
             checked = check_folder(folder, self.command, own, force=force)
             if self.resumable:
-                journal = Journal(checked, self.command, self.plan(), self.irrelevant)
+                checkpoint = Checkpoint(checked, self.command, self.plan(), self.irrelevant)
             else:
                 check_jobs(checked, self.command)
-        taken_over = 0 if journal is None else len(journal.done)
-        with journal or nullcontext():
+        taken_over = 0 if checkpoint is None else len(checkpoint.done)
+        with checkpoint or nullcontext():
             done, interrupted = run_rounds(
-                self.rounds, journal, self.round_ends, processes, progress, told=self.told, executor=executor
+                self.rounds,
+                checkpoint,
+                self.round_ends,
+                processes,
+                progress,
+                progress_text=self.progress_text,
+                executor=executor,
             )
-        if journal is not None and self.keeps_jobs:
-            journal.settle(done)
+        if checkpoint is not None and self.keeps_jobs:
+            checkpoint.write_in_order(done)
         results = self.collect(done)
         seconds = time.perf_counter() - begun
-        return None if results is None else Outcome(self, results, interrupted, taken_over, journal, seconds)
+        return None if results is None else Outcome(self, results, interrupted, taken_over, checkpoint, seconds)
 
 
 def _plain(name: str, value: Any) -> Iterator[tuple[str, Any]]:
@@ -220,7 +226,7 @@ class Outcome(Generic[R]):
         results: what its jobs were collected into.
         interrupted: whether Ctrl-C ended it early.
         taken_over: jobs that were finished before.
-        journal: of the finished jobs.
+        checkpoint: of the finished jobs.
         seconds: that it took.
     """
 
@@ -228,7 +234,7 @@ class Outcome(Generic[R]):
     results: R
     interrupted: bool = False
     taken_over: int = 0
-    journal: Journal | None = None
+    checkpoint: Checkpoint | None = None
     seconds: float = math.nan
 
     def __repr__(self) -> str:
@@ -301,8 +307,8 @@ class Outcome(Generic[R]):
             page = Page(study.title, "\n".join(self._findings), sections, f"rollerrig {__version__}", study.mark, view)
             written.append(folder.add(REPORT, render(page).encode()))
             folder.commit()
-        if self.journal is not None and not (self.interrupted or study.keeps_jobs):
-            self.journal.discard()
+        if self.checkpoint is not None and not (self.interrupted or study.keeps_jobs):
+            self.checkpoint.discard()
         return written
 
     def _add_data(self, folder: ResultFolder) -> list[Path]:

@@ -10,19 +10,19 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from rollerrig.actuators import assemble_with_actuators
-from rollerrig.analysis.tracking import under_test
+from rollerrig.analysis.equivalent_dead_time import lags
+from rollerrig.analysis.slide_statistics import under_test
+from rollerrig.assembly.actuators import assemble_with_actuators
+from rollerrig.common.formatting import number
 from rollerrig.config import Case
 from rollerrig.config.schema.rig_control import BandwidthEstimator
-from rollerrig.mechatronics.lags import lags
-from rollerrig.study.ensemble import Estimate, measured_dead_time
+from rollerrig.study.ensemble import difference, measured_dead_time
 from rollerrig.study.jobs import Done, Progress, Round, job, whole_run
 from rollerrig.study.quantities import Numbers, Quantities
 from rollerrig.study.report import Block, Table, Text
 from rollerrig.study.runs.adhesion import track_case
 from rollerrig.study.runs.control import Changes
 from rollerrig.study.variants import means, start_jobs, started
-from rollerrig.wording import number
 
 TRACK = "track"
 NONE: Changes = {"rig_control.axle_torque.kind": "estimated", "rig_control.drive_command.kind": "direct"}
@@ -87,8 +87,8 @@ def compensation_numbers(case: Case, done: Done) -> dict[str, dict[str, float]] 
     if not cases or any(len(one) < STARTS for one in runs.values()):
         return None
     found = means(runs, RESULTS)
-    cycles = zip(found["dump_cycles"].to_numpy(), found["dump_cycles_standard_error"].to_numpy(), strict=True)
-    estimates = dict(zip(cases, (Estimate(*one, STARTS - 1.0) for one in cycles), strict=True))
+    cycles = {label: [one["dump_cycles"] for one in tests] for label, tests in runs.items()}
+    estimates = {label: difference(one, cycles[TRACK]) for label, one in cycles.items()}
     added = {TRACK: 0.0, **{_later(seconds): seconds for seconds in DEAD_TIMES}}
     curve = {seconds: estimates[label] for label, seconds in added.items()}
     numbers: dict[str, dict[str, float]] = {}
@@ -108,9 +108,9 @@ def _later(seconds: float) -> str:
 def compensation_blocks(numbers: Numbers, quantities: Quantities) -> list[Block]:
     """Text and table of the report."""
     text = (
-        f"Means of {STARTS} starts and their standard errors. A rig that is late by some time acts like a track whose slide "
-        "protection has that much more dead time: predicted is the sum of the lags (D17), measured what a track needs for as "
-        "many dump cycles, linear between the dead times that were run."
+        f"Means of {STARTS} starts, which draw by [ensemble] alike, and their standard errors. A rig that is late by some time "
+        "acts like a track whose slide protection has that much more dead time: predicted is the sum of the lags (D17), measured "
+        "what a track needs for as many dump cycles, linear between the dead times that were run."
     )
     names = [q.name for q in quantities.below("compensation.*")]
     table: Table = quantities.table(dict(numbers), names, "what each compensation leaves of the lag", "variant")

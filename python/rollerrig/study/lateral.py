@@ -27,10 +27,11 @@ from rollerrig.analysis.lateral_guidance import (
     slide_begins,
     train_slip,
 )
-from rollerrig.analysis.tracking import following, largest, real_sliding, wheel_radius
+from rollerrig.analysis.slide_statistics import following, largest, real_sliding, wheel_radius
+from rollerrig.common.formatting import number, percent
 from rollerrig.config import Case, Condition, ConfigError, ConfigProblem, Rig
-from rollerrig.config.validate.simulated_axles import simulated_axles
-from rollerrig.plot import lateral as figures
+from rollerrig.config.validate.check_actuators import simulated_axles
+from rollerrig.plot import adhesion as figures
 from rollerrig.results import COMPLETED
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Progress, Round, job, whole_run
@@ -38,7 +39,6 @@ from rollerrig.study.quantities import Numbers, Quantities
 from rollerrig.study.report import VIEW, Block, Picture, Section, Text
 from rollerrig.study.runs.adhesion import track_case
 from rollerrig.study.variants import means, start_jobs, started
-from rollerrig.wording import number, percent
 
 MEMBERS = 8
 """Runs of an ensemble, the case itself included."""
@@ -71,14 +71,15 @@ def whole_creep_slope(case: Case) -> Case:
 
 def nearly_the_same(case: Case, count: int) -> list[Case]:
     """An ensemble: the case, and others of which each is displaced by 1e-9 more than the one before."""
-    members = []
-    for larger in (1.0 + NEARLY * k for k in range(count)):
-        disturbance = tuple(
+
+    def displaced(larger: float) -> Case:
+        moved = [
             one.model_copy(update={"lateral": larger * one.lateral, "yaw": larger * one.yaw})
             for one in case.disturbance
-        )
-        members.append(case.model_copy(update={"disturbance": disturbance}))
-    return members
+        ]
+        return case.model_copy(update={"disturbance": tuple(moved)})
+
+    return [displaced(1.0 + NEARLY * k) for k in range(count)]
 
 
 LABELS = {
@@ -126,13 +127,10 @@ def run_numbers(run: xr.Dataset, slide: float) -> dict[str, Any]:
     begin = slide if math.isfinite(slide) else float(time[-1])
     later = [amplitude(time, lateral, t, t + 1.0) for t in np.arange(begin + 1.0, time[-1] - 0.999)]
     rollers = [body for body in map(str, run["body"].to_numpy()) if "roller" in body]
+    untracked = {"tracking_rms": math.nan, "tracking_largest": math.nan}
     return {
         "status": run.attrs["status"],
-        **(
-            following(run)
-            if on_rig(run)
-            else {"tracking_rms": math.nan, "tracking_largest": math.nan, **real_sliding(run)}
-        ),
+        **(following(run) if on_rig(run) else {**untracked, **real_sliding(run)}),
         "largest_slip": largest(train_slip(run)),
         "amplitude_before_mm": amplitude(time, lateral, begin - 1.0, begin),
         "amplitude_in_slide_mm": max(later, default=math.nan),
@@ -178,27 +176,22 @@ def hunting_text(numbers: Numbers) -> Iterator[str]:
             f"{sizes('track')}, on the rig {sizes('rig')}: its real wheels keep rolling on dry rollers."
         )
     if known("track_unbraked"):
-        dies = runs["track_unbraked"]["amplitude_in_slide_mm"] < LEFT * runs["track_unbraked"]["amplitude_before_mm"]
-        yield (
-            f"On the same rail without braking it is {sizes('track_unbraked')} at these times: "
-            + (
+        end = "it goes on, and the slide is what ends it."
+        if runs["track_unbraked"]["amplitude_in_slide_mm"] < LEFT * runs["track_unbraked"]["amplitude_before_mm"]:
+            end = (
                 "hunting dies there too, of the flatter creep curve of the contaminated rail (k_A, k_S) alone, and the run with "
                 "braking does not show what sliding does."
-                if dies
-                else "it goes on, and the slide is what ends it."
             )
-        )
+        yield f"On the same rail without braking it is {sizes('track_unbraked')} at these times: {end}"
     if known("track_stiff", "track_stiff_unbraked"):
-        yield (
+        text = (
             f"With k_A = k_S = 1, where only friction is low, it is {sizes('track_stiff_unbraked')} unbraked and "
             f"{sizes('track_stiff')} braked: this pair separates the slide from the rail."
-            + (
-                f" With Polach's creep law it is {sizes('track_polach_stiff_unbraked')} unbraked: near the limit of friction it "
-                "is softer."
-                if known("track_polach_stiff_unbraked")
-                else ""
-            )
         )
+        if known("track_polach_stiff_unbraked"):
+            unbraked = sizes("track_polach_stiff_unbraked")
+            text += f" With Polach's creep law it is {unbraked} unbraked: near the limit of friction it is softer."
+        yield text
 
 
 def guidance_text(numbers: Numbers) -> Iterator[str]:
@@ -252,21 +245,16 @@ class LateralStudy(Study[Found]):
         """
         track_case(self.case)
         rig = self.case.support.data
-        needed = {
-            "support.mounting": "the elastic support of the roller axles, which this study also makes rigid",
-            "disturbance": "an offset in lateral or yaw, e.g. body = 'wheelset_1', lateral = '4 mm'",
-            "adhesion": "the degraded rail on which the wheels slide",
-        }
-        there = {
-            "support.mounting": isinstance(rig, Rig) and rig.mounting is not None,
-            "disturbance": any(d.lateral or d.yaw for d in self.case.disturbance),
-            "adhesion": self.case.adhesion is not None,
-        }
-        problems = [
-            ConfigProblem(self.case.name, k, "missing", f"needed: {needed[k]}") for k, on in there.items() if not on
-        ]
-        problems += simulated_axles(self.case, self.command)
-        if problems:
+        needed = (
+            ("support.mounting", isinstance(rig, Rig) and rig.mounting is not None,
+             "the elastic support of the roller axles, which this study also makes rigid"),
+            ("disturbance", any(d.lateral or d.yaw for d in self.case.disturbance),
+             "an offset in lateral or yaw, e.g. body = 'wheelset_1', lateral = '4 mm'"),
+            ("adhesion", self.case.adhesion is not None, "the degraded rail on which the wheels slide"),
+        )  # fmt: skip
+        name = self.case.name
+        problems = [ConfigProblem(name, key, "missing", f"needed: {what}") for key, there, what in needed if not there]
+        if problems := problems + simulated_axles(self.case, self.command):
             raise ConfigError(problems)
 
     def cases(self) -> Mapping[str, Case]:

@@ -21,7 +21,7 @@ from rollerrig.analysis.critical_speed import onset_from
 from rollerrig.analysis.hunting import HuntingSettings
 from rollerrig.analysis.limit_cycle import KIND_SENTENCES, Branch, CyclePoint, NotMadeError, diagram, trace
 from rollerrig.analysis.limit_cycle_runs import LastState, settling_run
-from rollerrig.analysis.speed_map import SPEEDS_KMH
+from rollerrig.analysis.mode_table import SPEEDS_KMH
 from rollerrig.cases import as_case
 from rollerrig.config import Case
 from rollerrig.plot import limit_cycle_diagram
@@ -66,23 +66,14 @@ def limit_cycles(
     """
     chosen = settings or LimitCycleSettings()
     chains = cycle_chains(case, speeds_kmh, chosen)
-    plan = {
-        "speeds_kmh": [float(v) for v in speeds_kmh],
-        "settings": asdict(chosen),
-        "case": tomllib.loads(case.to_toml()),
-    }
+    speeds = [float(v) for v in speeds_kmh]
+    plan = {"speeds_kmh": speeds, "settings": asdict(chosen), "case": tomllib.loads(case.to_toml())}
     done, _ = kept_rounds(lambda _done: iter([chains]), folder, "limit_cycle", plan, processes, progress)
     return cycle_diagram(speeds_kmh, linear_critical_kmh, chosen, done)
 
 
 def cycle_chains(case: Case, speeds_kmh: Sequence[float], settings: LimitCycleSettings) -> Chains:
-    """The runs of both sweeps, each sweep a chain.
-
-    Args:
-        case: the case.
-        speeds_kmh: at which runs are made [km/h].
-        settings: how they are done.
-    """
+    """The runs of both sweeps at these speeds [km/h], each sweep a chain."""
 
     def chain(sweep: Sweep) -> Chain:
         def following(done: Done) -> tuple[str, Job] | None:
@@ -105,14 +96,7 @@ def cycle_chains(case: Case, speeds_kmh: Sequence[float], settings: LimitCycleSe
 def cycle_diagram(
     speeds_kmh: Sequence[float], linear_critical_kmh: float, settings: LimitCycleSettings, done: Done
 ) -> Diagram:
-    """The diagram of the runs that were made.
-
-    Args:
-        speeds_kmh: those of `cycle_chains` [km/h].
-        linear_critical_kmh: linear critical speed [km/h]; NaN: none.
-        settings: those of `cycle_chains`.
-        done: results by name.
-    """
+    """The diagram of the runs of `cycle_chains` that were made; the linear critical speed [km/h] is NaN where there is none."""
     down, up = (_branch(sweep, speeds_kmh, settings, done, lambda *_: None) for sweep in ("down", "up"))
     return diagram(up, down, linear_critical_kmh / 3.6, settings.tolerance_kmh / 3.6)
 
@@ -159,7 +143,6 @@ def cycle_numbers(found: Diagram, settings: LimitCycleSettings) -> dict[str, Any
                 "frequency_hz": point.frequency,
                 "guiding_force_n": point.guiding_force,
                 "growth_rate_at_end_per_s": point.rate,
-                "settled": point.settled,
                 "duration_s": point.duration,
                 "status": point.status,
             }
@@ -171,30 +154,23 @@ def cycle_numbers(found: Diagram, settings: LimitCycleSettings) -> dict[str, Any
 
 def continuation_sentences(found: Diagram) -> list[str]:
     """The critical speed by continuation, the kind of bifurcation, and which runs did not come to their end."""
-    runs = [*found.up, *found.down]
-    if not runs:
+    if not (count := len(found.up) + len(found.down)):
         return ["Limit cycles: no run was finished."]
-    early = ended_early([(p.speed, p.message) for p in found.ended_early], len(runs))
-    return [_continuation(found), early] if early else [_continuation(found)]
+    early = ended_early([(p.speed, p.message) for p in found.ended_early], count)
+    return [_continuation(found), *([early] if early else [])]
 
 
 def _continuation(found: Diagram) -> str:
     if not math.isfinite(found.lowest_cycle):
         decaying = [p.speed for p in (*found.up, *found.down) if p.decays]
         if not decaying:
-            return "Critical speed by continuation: not found, no run came to its end."
+            return "Critical speed by continuation: not found, no run was decided."
         if found.ended_early:
-            return (
-                f"No limit cycle was found; the disturbance decays in the {len(decaying)} runs that came to their end."
-            )
+            return f"No limit cycle was found; the disturbance decays in the {len(decaying)} runs that were decided."
         return f"No limit cycle up to {3.6 * max(decaying):.1f} km/h: every disturbance decays."
     text = f"Critical speed by continuation: {3.6 * found.lowest_cycle:.1f} km/h, the lowest with a limit cycle"
-    rest = (
-        f"; at {3.6 * found.decays:.1f} km/h every motion comes to rest"
-        if math.isfinite(found.decays)
-        else " and the lowest run that came to its end"
-    )
-    text += f"{rest}. {KIND_SENTENCES[found.kind]}"
+    rest = f"; at {3.6 * found.decays:.1f} km/h every motion comes to rest"
+    text += f"{rest if math.isfinite(found.decays) else ' and the lowest run that was decided'}. {KIND_SENTENCES[found.kind]}"
     if found.hysteresis is not None:
         low, high = (f"{3.6 * v:.1f}" for v in found.hysteresis)
         where = f"At {low} km/h" if low == high else f"From {low} to {high} km/h"
@@ -205,32 +181,24 @@ def _continuation(found: Diagram) -> str:
 def cycle_blocks(
     found: Diagram, modes: xr.Dataset, settings: LimitCycleSettings, points: Sequence[Mapping[str, Any]]
 ) -> list[Block]:
-    """The section of a report.
-
-    Args:
-        found: the diagram.
-        modes: Dataset of `stability`.
-        settings: of the runs.
-        points: of `cycle_numbers`.
-    """
+    """The section of a report: of a diagram, the modes of `stability`, settings and the points of `cycle_numbers`."""
     blocks: list[Block] = [Text(sentence) for sentence in continuation_sentences(found)]
     if points:
         caption = (
             "What each run ends in, with the speed stepped up and stepped down. Amplitude: half the range of the lateral "
             "displacement of the wheelset that moves most. |Y|: unfiltered; where flanges strike rigid rails it is short and "
-            "very high. A run that did not come to its end has no point; how it ended is written in its place."
+            "very high. A run that did not come to its end or to a decision has no point; how it ended is written in its place."
         )
         blocks.append(Picture("limit_cycles", limit_cycle_diagram(limit_cycle_table(found), modes), caption))
     method = (
         f"Way up: from a lateral offset of the leading wheelset of {1e3 * settings.perturbation:g} mm until a limit "
         f"cycle is reached. Way down: from {1e3 * settings.disturbance:g} mm at the highest speed, then from the "
-        "limit cycle of the speed above; where that has decayed, from the same offset again. Each run lasts until its "
-        f"amplitude has settled, or {settings.longest:g} s. The perturbation need not grow or decay as the linear "
+        "limit cycle of the speed above; where that has decayed, from the same offset again. Each run lasts until it is "
+        f"decided whether its motion persists, or {settings.longest:g} s. The perturbation need not grow or decay as the linear "
         "model predicts: that is exact only as long as the contact stays on the smooth piece of the profiles around its "
         "position, often less than a tenth of a millimetre."
     )
-    registry = Quantities("stability")
-    table = registry.table(points, [q.key for q in registry.below("limit_cycles.points.*")], "All runs.")
+    table = Quantities("stability").table(points, "limit_cycles.points.*", "All runs.")
     return [*blocks, Text(method), table]
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from rollerrig.config import Case, Rig
-from rollerrig.config.schema.contact_law import KalkerLinear, KalkerSaturated
+from rollerrig.config.schema.contact import KalkerLinear, KalkerSaturated
 
 
 def limitations(case: Case) -> list[str]:

@@ -13,7 +13,6 @@ from typing import Any
 
 import numpy as np
 
-from rollerrig.actuators import friction_brake
 from rollerrig.analysis.control_loop import Loop, creep_slope, loop_of, margins
 from rollerrig.analysis.loop_stability import (
     ABOVE,
@@ -24,15 +23,15 @@ from rollerrig.analysis.loop_stability import (
     rolling_plant,
     vehicle_plant,
 )
-from rollerrig.analysis.torque_ripple import torque_ripple
-from rollerrig.analysis.tracking import wheel_radius
+from rollerrig.analysis.slide_statistics import torque_ripple, wheel_radius
+from rollerrig.assembly.actuators import friction_brake
+from rollerrig.common.formatting import number
 from rollerrig.config import Case
 from rollerrig.plot.control import loop_growth
 from rollerrig.study.jobs import Done, Progress, Round, job, whole_run
 from rollerrig.study.quantities import Numbers, Quantities
 from rollerrig.study.report import Block, Picture, Table, Text
 from rollerrig.study.runs.control import ESTIMATORS, RIPPLE_CRITERION
-from rollerrig.wording import number
 
 FACTORS = tuple(float(f) for f in np.geomspace(1.0, 256.0, 25))
 """On the gains of the PI controller, in the runs that measure its stability."""
@@ -80,11 +79,8 @@ def loop_point(
 ) -> dict[str, float]:
     """One excited run beside the eigenvalues of its loop, by the names of `loop.points`."""
     measured, amplitude = measured_growth(whole_run(case, progress), EXCITED_AT + 0.1)
-    found = {
-        "rolling": growth(loop, rolling_plant(loop.real, creep), above=ABOVE),
-        "vehicle": growth(loop, vehicle_plant(case), above=ABOVE),
-        "measured": measured,
-    }
+    plants = {"rolling": rolling_plant(loop.real, creep), "vehicle": vehicle_plant(case)}
+    found = {of: growth(loop, plant, above=ABOVE) for of, plant in plants.items()} | {"measured": measured}
     point = {
         f"{of}_{end}": value for of, pair in found.items() for end, value in zip(("rate", "hz"), pair, strict=True)
     }
@@ -129,11 +125,8 @@ def loop_blocks(loop: Numbers, points: list[dict[str, float]]) -> list[Block]:
         "measured: lightly excited runs on a dry rail."
     )
     picture = loop_growth({key: [point[key] for point in points] for key in points[0]})
-    return [
-        Text(text),
-        Text(means),
-        Picture("loop_growth", picture, "Growth rate and frequency of the loop over its gains."),
-    ]
+    shape = Picture("loop_growth", picture, "Growth rate and frequency of the loop over its gains.")
+    return [Text(text), Text(means), shape]
 
 
 DURATION = 15.0

@@ -2,7 +2,8 @@
 
 case, table of the plan -> [Measure.measure] -> name -> number
 
-To add one: a table in `config/schema/plan.py`, a function here that says what the numbers are read off, and a Measure of it.
+To add one: a table in `config/schema/plan.py`, a table of quantities, a function here that says what the numbers are read off,
+and a Measure of it.
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from rollerrig.analysis import filtered
 from rollerrig.analysis.critical_speed import onset_from
 from rollerrig.analysis.slide_statistics import TestRecord
 from rollerrig.analysis.wheel_rail_forces import wheel_forces
+from rollerrig.assembly.laws import core_law
 from rollerrig.config import Case, case_from_toml
 from rollerrig.config.schema.plan import (
     AdhesionMeasure,
@@ -31,8 +33,8 @@ from rollerrig.config.schema.plan import (
     StabilityMeasure,
 )
 from rollerrig.contact_analysis.static_contact import contact_table
-from rollerrig.contact_laws import core_law
 from rollerrig.results import COMPLETED, RunInfo
+from rollerrig.results.quantities import registered
 from rollerrig.study.ensemble import recorded
 from rollerrig.study.jobs import Progress, whole_modes, whole_run
 from rollerrig.study.runs.adhesion import track_case
@@ -43,17 +45,19 @@ class Measure:
     """A kind of measure.
 
     Attributes:
+        kind: its name; the numbers are those of its table in results/quantities.toml.
         source: case, its table of the plan, progress -> what the numbers are read off.
-        numbers: name -> unit, meaning, function of the source's parts.
+        numbers: name -> function of the source's parts.
     """
 
+    kind: str
     source: Callable[[Case, Any, Progress | None], tuple[Any, ...]]
-    numbers: Mapping[str, tuple[str, str, Callable[..., Any]]]
+    numbers: Mapping[str, Callable[..., Any]]
 
     @property
     def quantities(self) -> dict[str, tuple[str, str]]:
         """Name -> unit and meaning."""
-        return {name: (unit, meaning) for name, (unit, meaning, _) in self.numbers.items()}
+        return {one.key: (one.unit, one.meaning) for one in registered(f"measure.{self.kind}")}
 
     def measure(self, case: Case, options: Any, progress: Progress | None = None) -> dict[str, float]:
         """The numbers of a case.
@@ -66,7 +70,7 @@ class Measure:
             ValueError: nothing is left to be assessed, or a wheel does not touch.
         """
         parts = self.source(case, options, progress)
-        return {name: float(read(*parts)) for name, (_, _, read) in self.numbers.items()}
+        return {name: float(read(*parts)) for name, read in self.numbers.items()}
 
 
 def _run(case: Case, options: RunMeasure, progress: Progress | None) -> tuple[xr.Dataset, xr.DataArray, xr.Dataset]:
@@ -136,68 +140,50 @@ def _largest(name: str) -> Callable[..., Any]:
 
 
 MEASURES: Mapping[str, Measure] = {
-    "run": Measure(_run, {
-        "guiding_force_largest": ("N", "largest |Y| of a wheel, 20 Hz: the force of flange and tread across the rail",
-                                  _largest("guiding_force")),
-        "guiding_force_mean": ("N", "largest mean |Y| of a wheel over the assessed time",
-                               lambda forces, *_: abs(forces["guiding_force"]).mean("time").max()),
-        "guiding_force_sum_largest": ("N", "largest |sum of Y| of a wheelset, 20 Hz, mean over 2 m",
-                                      _largest("guiding_force_sum")),
-        "derailment_quotient_largest": ("1", "largest |Y/Q| of a wheel, 20 Hz, mean over 2 m", _largest("derailment_quotient")),
-        "wheel_load_least": ("N", "least wheel load Q, 20 Hz", lambda forces, *_: forces["wheel_load"].min()),
-        "wheel_load_largest": ("N", "largest wheel load Q, 20 Hz", lambda forces, *_: forces["wheel_load"].max()),
-        "wear_number_largest": ("N", "largest mean wear number of a wheel",
-                                lambda forces, *_: forces["wear_number"].mean("time").max()),
-        "lateral_largest": ("m", "largest |lateral displacement| of a wheelset", lambda _, lateral, __: abs(lateral).max()),
-        "lateral_rms": ("m", "largest RMS of the lateral displacement of a wheelset about its mean",
-                        lambda _, lateral, __: lateral.std("time").max()),
-        "energy_relative_residual": ("1", "residual of the energy audit",
-                                     lambda _, __, run: run.attrs["energy_relative_residual"]),
+    "run": Measure("run", _run, {
+        "guiding_force_largest": _largest("guiding_force"),
+        "guiding_force_mean": lambda forces, *_: abs(forces["guiding_force"]).mean("time").max(),
+        "guiding_force_sum_largest": _largest("guiding_force_sum"),
+        "derailment_quotient_largest": _largest("derailment_quotient"),
+        "wheel_load_least": lambda forces, *_: forces["wheel_load"].min(),
+        "wheel_load_largest": lambda forces, *_: forces["wheel_load"].max(),
+        "wear_number_largest": lambda forces, *_: forces["wear_number"].mean("time").max(),
+        "lateral_largest": lambda _, lateral, __: abs(lateral).max(),
+        "lateral_rms": lambda _, lateral, __: lateral.std("time").max(),
+        "energy_relative_residual": lambda _, __, run: run.attrs["energy_relative_residual"],
     }),
-    "stability": Measure(_modes, {
-        "growth_rate": ("1/s", "largest growth rate of an oscillatory mode; negative: all decay",
-                        lambda mode, _: mode["growth_rate"]),
-        "damping": ("1", "damping of that mode over critical damping", lambda mode, _: mode["damping"]),
-        "frequency": ("Hz", "its frequency", lambda mode, _: mode["frequency"]),
-        "hunting_frequency": ("Hz", "of the least damped hunting mode", lambda _, modes: modes["hunting_frequency"]),
-        "hunting_damping": ("1", "its damping over critical damping", lambda _, modes: modes["hunting_damping"]),
+    "stability": Measure("stability", _modes, {
+        "growth_rate": lambda mode, _: mode["growth_rate"],
+        "damping": lambda mode, _: mode["damping"],
+        "frequency": lambda mode, _: mode["frequency"],
+        "hunting_frequency": lambda _, modes: modes["hunting_frequency"],
+        "hunting_damping": lambda _, modes: modes["hunting_damping"],
     }),
-    "critical_speed": Measure(_onset, {
-        "linear_critical_speed": (
-            "km/h", "lowest speed at which an oscillatory mode begins to grow; NaN: none up to 600 km/h", lambda speed: speed
-        ),
+    "critical_speed": Measure("critical_speed", _onset, {"linear_critical_speed": lambda speed: speed}),
+    "contact": Measure("contact", _contact, {
+        "patches": lambda table, _: table.sizes["row"],
+        "peak_pressure": lambda table, _: table["peak_pressure"].max(),
+        "contact_area": lambda table, _: table["area"].sum(),
+        "normal_largest": lambda table, _: table["normal"].max(),
+        "contact_angle_largest": lambda table, _: abs(table["angle"]).max(),
+        "rolling_radius_difference": lambda _, radii: radii["left"] - radii["right"],
     }),
-    "contact": Measure(_contact, {
-        "patches": ("1", "number of contact patches of both wheels", lambda table, _: table.sizes["row"]),
-        "peak_pressure": ("Pa", "largest pressure", lambda table, _: table["peak_pressure"].max()),
-        "contact_area": ("m^2", "loaded area of both wheels", lambda table, _: table["area"].sum()),
-        "normal_largest": ("N", "largest normal force of a patch", lambda table, _: table["normal"].max()),
-        "contact_angle_largest": ("rad", "largest |slope of the wheel profile| at a contact",
-                                  lambda table, _: abs(table["angle"]).max()),
-        "rolling_radius_difference": ("m", "left less right: of the patch with the largest normal force of each wheel",
-                                      lambda _, radii: radii["left"] - radii["right"]),
+    "adhesion": Measure("adhesion", _test, {
+        "distance_track": lambda track, _: track["distance_m"],
+        "distance_rig": lambda _, rig: rig["distance_m"],
+        "distance_error": lambda track, rig: rig["distance_m"] / track["distance_m"] - 1.0,
+        "tracking_rms": lambda _, rig: rig["tracking_rms"],
+        "mean_slip_track": lambda track, _: track["mean_slip"],
+        "mean_slip_rig": lambda _, rig: rig["mean_slip"],
+        "air_track": lambda track, _: 1e-3 * track["air_litres"],
+        "air_rig": lambda _, rig: 1e-3 * rig["air_litres"],
     }),
-    "adhesion": Measure(_test, {
-        "distance_track": ("m", "run by the train on track", lambda track, _: track["distance_m"]),
-        "distance_rig": ("m", "run by the virtual train of the rig", lambda _, rig: rig["distance_m"]),
-        "distance_error": ("1", "distance on the rig over that on track, less 1",
-                           lambda track, rig: rig["distance_m"] / track["distance_m"] - 1.0),
-        "tracking_rms": ("1", "speed of the wheels less that of the virtual ones, over the train's, RMS",
-                         lambda _, rig: rig["tracking_rms"]),
-        "mean_slip_track": ("1", "mean |wheel speed - train speed| over train speed, on track",
-                            lambda track, _: track["mean_slip"]),
-        "mean_slip_rig": ("1", "the same on the rig", lambda _, rig: rig["mean_slip"]),
-        "air_track": ("m^3", "air taken by the cylinders, at ambient pressure, on track",
-                      lambda track, _: 1e-3 * track["air_litres"]),
-        "air_rig": ("m^3", "the same on the rig", lambda _, rig: 1e-3 * rig["air_litres"]),
-    }),
-    "creep": Measure(_creep, {
-        "longitudinal_force": ("1", "creep force on the wheel along the track over the normal force",
-                               lambda _, force: force[0]),
-        "lateral_force": ("1", "creep force on the wheel across the track over the normal force", lambda _, force: force[1]),
-        "semi_axis_along": ("m", "semi-axis of the patch along the rolling direction", lambda patch, _: patch["a"]),
-        "semi_axis_across": ("m", "semi-axis across it", lambda patch, _: patch["b"]),
-        "normal_force": ("N", "of the patch", lambda patch, _: patch["normal"]),
+    "creep": Measure("creep", _creep, {
+        "longitudinal_force": lambda _, force: force[0],
+        "lateral_force": lambda _, force: force[1],
+        "semi_axis_along": lambda patch, _: patch["a"],
+        "semi_axis_across": lambda patch, _: patch["b"],
+        "normal_force": lambda patch, _: patch["normal"],
     }),
 }  # fmt: skip
 """Kind of a measure in a plan -> what it computes."""

@@ -17,8 +17,9 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from rollerrig.analysis import end_of_hunting, hunting_table
-from rollerrig.analysis.fits import fit
+from rollerrig.analysis.signals import fit
 from rollerrig.analysis.traction import asymmetry, sliding_course
+from rollerrig.common.formatting import number, percent
 from rollerrig.config import Case, Rig
 from rollerrig.plot import amplitude_over_speed, hunting_over_time, ramp_over_speed, traction_forces, traction_sliding
 from rollerrig.plot.modes import hunting_frequencies
@@ -54,7 +55,6 @@ from rollerrig.study.runs.paper import (
     traction_case,
     traction_columns,
 )
-from rollerrig.wording import number, percent
 
 TEXT = tomllib.loads(files("rollerrig.study").joinpath("paper.toml").read_text(encoding="utf-8"))
 CAPTIONS: Mapping[str, str] = TEXT["captions"]

@@ -15,9 +15,9 @@ from importlib.resources import files
 from jinja2 import Environment, StrictUndefined
 from matplotlib.figure import Figure
 
+from rollerrig.common.formatting import number
 from rollerrig.study.charts import Chart
 from rollerrig.viewer.page import ALLOWED, bundle
-from rollerrig.wording import number
 
 LONG_CELL = 40
 """Letters of a cell that is no longer one of a table of figures."""

@@ -17,7 +17,7 @@ from rollerrig.analysis.linear_bench import LinearBench
 from rollerrig.analysis.linear_system import LinearSystem, margins_of
 from rollerrig.analysis.measured_response import MeasuredResponse, measured_response
 from rollerrig.config import Case, ConfigError, ConfigProblem
-from rollerrig.plot.response import bode_figure, nyquist_figure, poles_and_zeros_figure
+from rollerrig.plot.control import bode_figure, nyquist_figure, poles_and_zeros_figure
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Progress, Round, job
 from rollerrig.study.quantities import Numbers, Quantities
@@ -70,12 +70,10 @@ def response_rows(results: Mapping[str, AtSpeed], frequencies: NDArray[np.float6
                 curves = [(frequencies, response[:, i, k], 0)]
                 if source in found.measured:
                     curves.append((found.measured[source].frequencies, found.measured[source].values[:, i], 1))
+                head = [3.6 * system.speed, source, output]
                 for at, values, kind in curves:
-                    head = [3.6 * system.speed, source, output]
-                    rows += [
-                        [*head, float(f), float(value.real), float(value.imag), kind]
-                        for f, value in zip(at, values, strict=True)
-                    ]
+                    parts = zip(at.tolist(), values.real.tolist(), values.imag.tolist(), strict=True)
+                    rows += [[*head, *part, kind] for part in parts]
     return rows
 
 
@@ -93,22 +91,12 @@ def pole_rows(results: Mapping[str, AtSpeed]) -> Rows:
 
 
 QUANTITIES = Quantities("response")
+POLES = "poles (crosses) and zeros (circles) by growth rate and frequency."
 
 
 @dataclass(frozen=True)
 class ResponseStudy(Study[dict[str, AtSpeed]]):
-    """Responses from some commands to some outputs at some speeds.
-
-    Attributes:
-        case: the case.
-        inputs, outputs: names of the plant.
-        speeds_kmh: [km/h].
-        frequencies: lowest and highest [Hz].
-        points: frequencies between them, evenly in their logarithm.
-        measured: frequencies at which the nonlinear bench is driven; 0: none.
-        amplitude: of that sine, in the command's unit.
-        brake_pressure: in all cylinders, against which the rollers' drives hold the speed [Pa].
-    """
+    """Responses from some commands to some outputs at some speeds; attributes as the arguments of `rollerrig.response`."""
 
     case: Case
     inputs: tuple[str, ...]
@@ -205,10 +193,9 @@ class ResponseStudy(Study[dict[str, AtSpeed]]):
             widths = [one["bandwidth_hz"] for one in by_speed.values() if one["bandwidth_hz"] is not None]
             width = f"bandwidth {min(widths):.3g} to {max(widths):.3g} Hz" if widths else "no bandwidth in this range"
             sentences.append(f"{name}: {width}.{measured}")
-        ended = [
-            f"{label}: {one.ended}" for label, found in results.items() for one in found.measured.values() if one.ended
-        ]
-        return [*sentences, *(f"A measurement ended early at {line}" for line in ended)]
+        all_measured = ((label, one) for label, found in results.items() for one in found.measured.values())
+        ended = [f"A measurement ended early at {label}: {one.ended}" for label, one in all_measured if one.ended]
+        return [*sentences, *ended]
 
     # --------------------------------------------------------------------------------------------------- files
 
@@ -216,10 +203,7 @@ class ResponseStudy(Study[dict[str, AtSpeed]]):
         return {
             "response.csv": response_rows(results, self._grid),
             "poles.csv": pole_rows(results),
-            **{
-                f"linear_{label.removesuffix(' km/h')}_kmh.mat": found.system.mat_bytes()
-                for label, found in results.items()
-            },
+            **{f"linear_{at.removesuffix(' km/h')}_kmh.mat": one.system.mat_bytes() for at, one in results.items()},
         }
 
     def sections(self, results: dict[str, AtSpeed], numbers: Numbers) -> list[Section]:
@@ -241,17 +225,12 @@ class ResponseStudy(Study[dict[str, AtSpeed]]):
                 Picture(f"bode_{number}", bode_figure(lines, points, unit), f"{name}: magnitude and phase."),
                 QUANTITIES.table(numbers["channels"][name], "channels.*.*", "Bandwidth and margins.", "at"),
                 Picture(f"nyquist_{number}", nyquist_figure(lines, unit), f"{name} in the complex plane."),
-                Picture(
-                    f"poles_{number}",
-                    poles_and_zeros_figure(poles, zeros),
-                    f"{name}: poles (crosses) and zeros (circles) by growth rate and frequency.",
-                ),
+                Picture(f"poles_{number}", poles_and_zeros_figure(poles, zeros), f"{name}: {POLES}"),
             ]
             sections.append(Section(name, blocks))
         note = "Of a case with samples, poles are ln(z) over the sampling step. Those of all motions are in poles.csv."
-        slow = Table(
-            ("at", "growing poles"), list(numbers["growing_poles"].items()), "Motions that grow by themselves."
-        )
+        growing = list(numbers["growing_poles"].items())
+        slow = Table(("at", "growing poles"), growing, "Motions that grow by themselves.")
         return [*sections, Section("Poles", [slow, Text(note)])]
 
 

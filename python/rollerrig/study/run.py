@@ -14,35 +14,33 @@ from typing import Any
 import xarray as xr
 
 from rollerrig.analysis.assessment import Assessment, Row, assess, table
-from rollerrig.analysis.lateral_rest import LateralRest, lateral_rest
-from rollerrig.analysis.track_sections import curved, irregular
-from rollerrig.analysis.wheel_rail_forces import STATISTICS
+from rollerrig.analysis.hunting import LateralRest, lateral_rest
+from rollerrig.analysis.wheel_rail_forces import STATISTICS, curved, irregular
+from rollerrig.common.formatting import number
 from rollerrig.config import Case
 from rollerrig.plot.run import energy_over_time, motion_over_time, sliding_over_time
 from rollerrig.plot.wheel_rail_forces import line_and_response
 from rollerrig.results import motion_table, summarise, wheel_table
-from rollerrig.simulation import simulate
+from rollerrig.simulation.run import simulate
 from rollerrig.study import running_safety
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Round, job
 from rollerrig.study.quantities import Numbers, Quantities, Quantity
 from rollerrig.study.report import VIEW, Block, Picture, Section, Table
-from rollerrig.wording import number
 
-_LIMITED = {"derailment_quotient": "Y/Q", "guiding_force_sum": "ΣY"}
+_LIMITED = {
+    "derailment_quotient": "Y/Q",
+    "guiding_force_sum": "ΣY",
+    "guiding_force_sum_rms": "the instability criterion (r.m.s. of ΣY over 100 m)",
+}
 """Quantities with a limit."""
 
 
 def rest_numbers(rest: LateralRest) -> dict[str, Any]:
     """Names and values as in summary.json."""
     final = rest.final
-    return {
-        "body": rest.body,
-        "amplitude_mm": 1e3 * final.amplitude,
-        "frequency_hz": final.frequency,
-        "growth_rate_per_s": final.rate,
-        "persists": rest.persists,
-    }
+    motion = {"amplitude_mm": 1e3 * final.amplitude, "frequency_hz": final.frequency, "growth_rate_per_s": final.rate}
+    return {"body": rest.body, **motion, "decision": rest.decision}
 
 
 def answer(numbers: Numbers, rest: LateralRest | None, rows: Sequence[Row]) -> list[str]:
@@ -54,9 +52,10 @@ def answer(numbers: Numbers, rest: LateralRest | None, rows: Sequence[Row]) -> l
     speeds = ""
     if numbers["samples"]:
         speeds = f"Speed {numbers['speed_start_kmh']:.4g} km/h at the start, {numbers['speed_end_kmh']:.4g} km/h at the end. "
+    energy = numbers["energy_turned_over_j"]
     lines.append(
         f"{speeds}Energy balance closed to {number(numbers['energy_relative_residual'], 2)} of the "
-        f"{number(numbers['energy_turned_over_j'] / 1e3)} kJ turned over."
+        f"{number(energy and energy / 1e3)} kJ turned over."
     )
     return [*lines, *(f"Warning: {line}." for line in numbers["warnings"].splitlines())]
 
@@ -64,8 +63,14 @@ def answer(numbers: Numbers, rest: LateralRest | None, rows: Sequence[Row]) -> l
 def _rest(rest: LateralRest) -> str:
     body, final = rest.body.replace("_", " "), rest.final
     motion = f"by ±{number(1e3 * final.amplitude, 2)} mm at {number(final.frequency, 2)} Hz"
-    if rest.persists:
+    if rest.decision == "persists":
         return f"It hunts: in the last third of the run {body} still moves sideways {motion}."
+    if rest.decision == "open":
+        change = f", which changes by {100.0 * final.rate:+.2g} %/s" if math.isfinite(final.rate) else ""
+        return (
+            f"Not decided whether it hunts: in the last third of the run {body} still moves sideways {motion}{change}; a "
+            "longer run (time.duration) tells."
+        )
     was = f"by up to {number(1e3 * rest.largest, 2)} mm"
     if final.amplitude == 0.0:
         return f"The motion decays: {body} moved sideways {was}, and no longer does so in the last third of the run."
@@ -74,12 +79,9 @@ def _rest(rest: LateralRest) -> str:
 
 def _safety(rows: Sequence[Row]) -> str:
     """The quantities with a limit, each where it comes nearest to it."""
-    nearest: dict[str, Row] = {}
-    for row in rows:
-        if row.quantity in _LIMITED and math.isfinite(row.part_of_limit):
-            other = nearest.get(row.quantity)
-            if other is None or row.part_of_limit > other.part_of_limit:
-                nearest[row.quantity] = row
+    known = [row for row in rows if row.quantity in _LIMITED and math.isfinite(row.part_of_limit)]
+    nearest = {row.quantity: max((one for one in known if one.quantity == row.quantity), key=lambda one: one.part_of_limit)
+               for row in known}  # fmt: skip
     if not nearest:
         return ""
     beyond = any(row.part_of_limit > 1.0 for row in nearest.values())
@@ -87,7 +89,9 @@ def _safety(rows: Sequence[Row]) -> str:
         f"{_LIMITED[name]} reaches {number(100.0 * row.part_of_limit, 2)} % ({row.place.replace('_', ' ')})"
         for name, row in nearest.items()
     )
-    return f"Running safety: {' and '.join(parts)} of the limit{', which it exceeds' if beyond else ''}."
+    *others, last = parts
+    listed = f"{', '.join(others)} and {last}" if others else last
+    return f"Running safety: {listed} of the limit{', which it exceeds' if beyond else ''}."
 
 
 QUANTITIES = Quantities(
@@ -113,6 +117,14 @@ SOLVER = {
 """Counts of the integrator as the report names them, where the key says too little."""
 
 
+DRAWINGS = {
+    "Motion": (motion_over_time, "Lateral displacement and yaw of the vehicle's bodies, and the running speed."),
+    "Sliding": (sliding_over_time, "Longitudinal creep force and sliding, wheel less roller; contact on the wheel S."),
+    "Energy": (energy_over_time, "Work put in = change of stored energy + heat + residual."),
+}
+"""Section of the report -> its figure over time, and caption."""
+
+
 @dataclass(frozen=True)
 class Results:
     """A run, its wheel-rail forces and accelerations assessed, and what is left of its sideways motion."""
@@ -125,11 +137,7 @@ class Results:
 
 @dataclass(frozen=True)
 class RunStudy(Study[Results]):
-    """One simulation.
-
-    Attributes:
-        case: what is run.
-    """
+    """One simulation."""
 
     case: Case
 
@@ -176,47 +184,24 @@ class RunStudy(Study[Results]):
     def sections(self, results: Results, numbers: Numbers) -> list[Section]:
         run, along = results.run, distance_or_time(results.run)
         sections = [
-            Section(
-                "Numbers",
-                [
-                    _entries("bodies", [q.name for q in QUANTITIES.below("bodies.*")], numbers),
-                    _entries("wheels", FIRST, numbers),
-                ],
-            ),
+            Section("Numbers", [_entries("bodies", "bodies.*", numbers), _entries("wheels", FIRST, numbers)]),
             *running_safety.sections(results.assessment, results.rows, along),
         ]
         if run.sizes["time"] > 1:
             if curved(run) or irregular(run):
                 caption = "Alignment and irregularities of the track, and how the wheelsets follow them."
                 sections.insert(1, Section("Track", [Picture("track", line_and_response(run, along), caption)]))
-            drawings = (
-                (
-                    "Motion",
-                    motion_over_time,
-                    "Lateral displacement and yaw of the vehicle's bodies, and the running speed.",
-                ),
-                (
-                    "Sliding",
-                    sliding_over_time,
-                    "Longitudinal creep force and sliding, wheel less roller; contact on the wheel S.",
-                ),
-                ("Energy", energy_over_time, "Work put in = change of stored energy + heat + residual."),
-            )
-            sections += [Section(title, [Picture(title.lower(), draw(run), text)]) for title, draw, text in drawings]
-        solver = [
-            (SOLVER.get(name, name.replace("_", " ")), "–" if v is None else v) for name, v in numbers["solver"].items()
-        ]
-        contact = [
-            (q.name.replace("_", " "), numbers["contact"][q.name], q.meaning)
-            for q in CONTACT
-            if q.name in numbers["contact"]
-        ]
-        tables = [
+            for title, (draw, text) in DRAWINGS.items():
+                sections.append(Section(title, [Picture(title.lower(), draw(run), text)]))
+        counts, events = numbers["solver"].items(), numbers["contact"]
+        solver = [(SOLVER.get(name, name.replace("_", " ")), "–" if v is None else v) for name, v in counts]
+        contact = [(q.name.replace("_", " "), events[q.name], q.meaning) for q in CONTACT if q.name in events]
+        tables: list[Block] = [
             _entries("wheels", MORE, numbers),
             Table(("count", "value"), solver, "integration"),
             Table(("count", "value", "meaning"), contact, "contacts, counted over accepted steps and wheels"),
         ]
-        return [*sections, Section("All numbers of the wheels, and how they were computed", list(tables), folded=True)]
+        return [*sections, Section("All numbers of the wheels, and how they were computed", tables, folded=True)]
 
 
 def distance_or_time(run: xr.Dataset) -> xr.DataArray:
@@ -226,7 +211,7 @@ def distance_or_time(run: xr.Dataset) -> xr.DataArray:
     return run["time"].assign_attrs(long_name="time")
 
 
-def _entries(group: str, names: Sequence[str], numbers: Numbers) -> Table:
+def _entries(group: str, names: Sequence[str] | str, numbers: Numbers) -> Table:
     return QUANTITIES.table(numbers[group], names, head={"bodies": "body", "wheels": "wheel"}[group])
 
 

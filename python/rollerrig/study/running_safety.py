@@ -14,11 +14,11 @@ import xarray as xr
 
 from rollerrig.analysis.assessment import Assessment, Row
 from rollerrig.analysis.wheel_rail_forces import QUOTIENT_LIMIT, STATISTICS, unfiltered
+from rollerrig.common.formatting import number
 from rollerrig.plot.wheel_rail_forces import accelerations_along, quotient, track_shifting, wear, wheel_forces
-from rollerrig.results.resolution import resolved
+from rollerrig.results.summary import resolved
 from rollerrig.study.quantities import Quantities, Quantity
 from rollerrig.study.report import Picture, Section, Table, Text
-from rollerrig.wording import number
 
 SHOWN = Quantities("running_safety")
 
@@ -36,11 +36,9 @@ QUASI_STATIC = (
 
 def csv_rows(rows: Sequence[Row]) -> list[list[object]]:
     """running_safety.csv, header first."""
-    header: list[object] = ["quantity", "place", "section", "unit", "filter", *STATISTICS, "limit", "part_of_limit"]
-    heads = ((row.quantity, row.place, row.section, row.unit, row.filter) for row in rows)
-    return [header] + [
-        [*head, *row.statistics.values(), row.limit, row.part_of_limit] for head, row in zip(heads, rows, strict=True)
-    ]
+    head, end = ("quantity", "place", "section", "unit", "filter"), ("limit", "part_of_limit")
+    lines = ([*(getattr(row, n) for n in head), *row.statistics.values(), row.limit, row.part_of_limit] for row in rows)
+    return [[*head, *STATISTICS, *end], *lines]
 
 
 def numbers(assessment: Assessment, rows: Sequence[Row]) -> dict[str, Any]:
@@ -89,11 +87,10 @@ def _weighted(assessment: Assessment) -> dict[str, dict[str, float]] | None:
     if assessment.weighted is None:
         return None
     passengers = assessment.weighted[~assessment.points["on_wheelsets"].to_numpy()]
-    directions = [str(d) for d in passengers["direction"].to_numpy()]
-    return {
-        str(point): dict(zip(directions, map(float, values), strict=True))
-        for point, values in zip(passengers["point"].to_numpy(), passengers.to_numpy(), strict=True)
-    }
+    directions, points = (passengers[name].to_numpy().tolist() for name in ("direction", "point"))
+    return dict(
+        zip(points, (dict(zip(directions, v, strict=True)) for v in passengers.to_numpy().tolist()), strict=True)
+    )
 
 
 def sections(assessment: Assessment, rows: Sequence[Row], along: xr.DataArray) -> list[Section]:
@@ -126,11 +123,9 @@ def sections(assessment: Assessment, rows: Sequence[Row], along: xr.DataArray) -
         if kept.any():
             figure = accelerations_along(assessment.points.isel(point=kept), along)
             drawings.append((title, figure, "At the centre of mass, and above the suspension."))
-    names = (title.lower().replace("/", "_over_").replace(" ", "_") for title, _, _ in drawings)
-    return found + [
-        Section(title, [Picture(name, figure, text)])
-        for name, (title, figure, text) in zip(names, drawings, strict=True)
-    ]
+    for title, figure, text in drawings:
+        found.append(Section(title, [Picture(title.lower().replace("/", "_over_").replace(" ", "_"), figure, text)]))
+    return found
 
 
 VIBRATING = 0.1
@@ -152,26 +147,19 @@ def vibrations(assessment: Assessment) -> list[str]:
     if not bool((part > VIBRATING).any()):
         return []
     wheel = str(part["wheel"].to_numpy()[int(part.to_numpy().argmax())])
-    least = float(raw.min()) <= 0.0
+    unloaded = ", until wheels are unloaded for moments" if float(raw.min()) <= 0.0 else ""
     return [
         f"Above the filter the wheel loads vibrate by up to {number(100 * float(part.max()), 2)} % of the static load (r.m.s., "
-        f"{wheel.replace('_', ' ')})"
-        + (", until wheels are unloaded for moments" if least else "")
-        + ": wheelsets on the springs of "
-        "their contacts, which nothing damps on rigid rails or rollers, struck by irregularities and by jumps between contact "
-        "patches. The filtered forces are free of it."
+        f"{wheel.replace('_', ' ')}){unloaded}: wheelsets on the springs of their contacts, which nothing damps on rigid rails "
+        "or rollers, struck by irregularities and by jumps between contact patches. The filtered forces are free of it."
     ]
 
 
 def _most_critical(rows: Sequence[Row], caption: str = "") -> Table:
     """The place with the largest outer percentile, of each quantity and filter."""
-    worst: dict[tuple[str, str], Row] = {}
-    for row in rows:
-        key = (row.quantity, row.filter)
-        if key not in worst or _outer(row) > _outer(worst[key]):
-            worst[key] = row
     lines = []
-    for row in worst.values():
+    for key in dict.fromkeys((row.quantity, row.filter) for row in rows):
+        row = max((one for one in rows if (one.quantity, one.filter) == key), key=_outer)
         quantity = SHOWN[row.quantity]
         statistics = ("quasi_static", "percentile_0_15", "percentile_99_85", "rms")
         cells = [quantity.cell(value) for value in (*(row.statistics[name] for name in statistics), row.limit)]

@@ -26,7 +26,8 @@ from rollerrig.analysis.scaled_model import (
     relative,
     run_numbers,
 )
-from rollerrig.analysis.tracking import wheel_radius
+from rollerrig.analysis.slide_statistics import wheel_radius
+from rollerrig.common.formatting import number, percent
 from rollerrig.config import Case
 from rollerrig.config.write.toml import to_short_toml
 from rollerrig.plot import scaled as figures
@@ -43,12 +44,11 @@ from rollerrig.similitude import (
     requirements,
     scale_case,
 )
-from rollerrig.simulation import simulate
+from rollerrig.simulation.run import simulate
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Round, job
 from rollerrig.study.quantities import Numbers, Quantities
 from rollerrig.study.report import Picture, Section, Table
-from rollerrig.wording import number, percent
 
 
 def deviation(value: float) -> str:
@@ -72,13 +72,7 @@ def model_summary(model: Case, found: Sequence[Requirement]) -> list[str]:
 
 
 def contact_at_rest_table(model: Case, at_full_scale: ContactAtRest, own: ContactAtRest) -> Table:
-    """The contact of the first wheel of both, and what the model's stands for at full scale.
-
-    Args:
-        model: case of the model.
-        at_full_scale: of the full-scale case.
-        own: of the model, at its own scale.
-    """
+    """The contact of the first wheel at full scale and of the model at its own, and what the latter stands for at full scale."""
     factors = factors_of(model)
     lines = (
         ("wheel load [N]", 1.0, "wheel_load", factors.force),
@@ -216,6 +210,7 @@ class ScaleStudy(Study[Scaled]):
             for name, run in results.mapped.items()
         }
         speeds = {name: 3.6 * results.critical.get(name, math.nan) for name in ("full", "model")}
+        violated = QUANTITIES.below("violations.*")
         return {
             "case": self.full.name,
             "model": self.model.name,
@@ -225,10 +220,7 @@ class ScaleStudy(Study[Scaled]):
             "fidelity": compared.pop("model"),
             "error_budget": compared,
             "violations": [
-                {
-                    key: "" if key == "effect" and one.met else getattr(one, key)
-                    for key in (q.name for q in QUANTITIES.below("violations.*"))
-                }
+                {q.name: "" if q.name == "effect" and one.met else getattr(one, q.name) for q in violated}
                 for one in results.violations
             ],
             "contact": dict(zip(("full", "model"), map(vars, results.contact), strict=True)),
@@ -236,54 +228,22 @@ class ScaleStudy(Study[Scaled]):
         }
 
     def summary(self, results: Scaled, numbers: Numbers) -> list[str]:
-        near = numbers["fidelity"]
-        lines = model_summary(self.model, results.violations)
-        if near.get("wheel_speed_rms") is not None:
-            lines.append(
-                f"Mapped back, wheel speeds differ from full scale by {percent(near['wheel_speed_rms'], 3)} RMS of the highest "
-                f"train speed, {percent(near['wheel_speed_largest'], 3)} at most; distance by "
-                f"{percent(near['distance_relative'], 3, signed=True)}."
-            )
-            ideal = numbers["error_budget"].get("ideal", {}).get("wheel_speed_rms")
-            if ideal is not None and ideal > 1e-6:
-                lines.append(
-                    f"Repeatability: the ideal model differs by {percent(ideal, 3)} RMS, since round-off decides single "
-                    "switchings of the valves; so much of the difference is not due to the model."
-                )
-        elif near["lateral_rms_m"] is not None:
-            lines.append(
-                f"Mapped back, the wheelsets' lateral displacement differs by {number(1e3 * near['lateral_rms_m'], 3)} mm RMS."
-            )
-        if near["linear_critical_speed_relative"] is not None:
-            lines.append(
-                f"Linear critical speed: {numbers['full']['linear_critical_speed_kmh']:z.1f} km/h at full scale, "
-                f"{numbers['model_mapped_back']['linear_critical_speed_kmh']:z.1f} km/h by the model "
-                f"({percent(near['linear_critical_speed_relative'], 3, signed=True)})."
-            )
-        if numbers["motor_limited_share"]:
-            share = percent(numbers["motor_limited_share"], 3)
-            lines.append(f"The motors cannot exert the demanded torque in {share} of the time.")
         ended = {"full scale": results.full, "model": results.mapped["model"]}
-        return lines + [
-            f"{label}: {r.attrs['status_message']}" for label, r in ended.items() if r.attrs["status"] not in COMPLETED
-        ]
+        early = {label: run for label, run in ended.items() if run.attrs["status"] not in COMPLETED}
+        found = [*model_summary(self.model, results.violations), *_differences(numbers)]
+        return found + [f"{label}: {run.attrs['status_message']}" for label, run in early.items()]
 
     def files(self, results: Scaled, numbers: Numbers) -> Mapping[str, Any]:
-        axles = (
-            {"axles.csv": axle_columns(results.full, results.mapped["model"])} if "train_speed" in results.full else {}
-        )
-        runs = {"full.nc": results.full, "model.nc": results.mapped["model"]}
-        return {CASE_FILE: to_short_toml(self.model), **runs, **axles}
+        full, model = results.full, results.mapped["model"]
+        axles = {"axles.csv": axle_columns(full, model)} if "train_speed" in full else {}
+        return {CASE_FILE: to_short_toml(self.model), "full.nc": full, "model.nc": model, **axles}
 
     def sections(self, results: Scaled, numbers: Numbers) -> list[Section]:
         runs = {"full scale": numbers["full"], "model, mapped back": numbers["model_mapped_back"]}
-        hidden = () if _moves_sideways(numbers) else ("lateral_largest_m", "lateral_rms_m")
+        hidden = {"status", "status_message"}
+        hidden |= set() if _moves_sideways(numbers) else {"lateral_largest_m", "lateral_rms_m"}
         shown, compared = (
-            [
-                q.name
-                for q in QUANTITIES.below(group)
-                if q.name in known and q.name not in (*hidden, "status", "status_message")
-            ]
+            [q.name for q in QUANTITIES.below(group) if q.name in known.keys() - hidden]
             for group, known in (("*", numbers["full"]), ("fidelity", numbers["fidelity"]))
         )
         violations = [
@@ -340,15 +300,7 @@ def scale_study(
     changes: Mapping[str, object] | None = None,
     error_budget: bool = True,
 ) -> ScaleStudy:
-    """The study of a full-scale case.
-
-    Args:
-        full: full-scale case.
-        factors: full/model.
-        strategy: name of the strategy.
-        keep: what is not scaled, as in `scale_case`.
-        changes: what the model has of its own, as in `scale_case`.
-        error_budget: also the ideal model, and models with one of the violations each.
+    """The study of a full-scale case; arguments as of `scale_case`, and whether each violation is run alone, too.
 
     Raises:
         ConfigError: as `scale_case`.
@@ -365,6 +317,33 @@ def scale_study(
         if changes:
             variants["own"] = model((), changes)
     return ScaleStudy(variants)
+
+
+def _differences(numbers: Numbers) -> Iterator[str]:
+    """Differences between the model, mapped back, and full scale."""
+    near = numbers["fidelity"]
+    if near.get("wheel_speed_rms") is not None:
+        yield (
+            f"Mapped back, wheel speeds differ from full scale by {percent(near['wheel_speed_rms'], 3)} RMS of the highest "
+            f"train speed, {percent(near['wheel_speed_largest'], 3)} at most; distance by "
+            f"{percent(near['distance_relative'], 3, signed=True)}."
+        )
+        ideal = numbers["error_budget"].get("ideal", {}).get("wheel_speed_rms")
+        if ideal is not None and ideal > 1e-6:
+            yield (
+                f"Repeatability: the ideal model differs by {percent(ideal, 3)} RMS, since round-off decides single "
+                "switchings of the valves; so much of the difference is not due to the model."
+            )
+    elif near["lateral_rms_m"] is not None:
+        yield f"Mapped back, the wheelsets' lateral displacement differs by {number(1e3 * near['lateral_rms_m'], 3)} mm RMS."
+    if near["linear_critical_speed_relative"] is not None:
+        yield (
+            f"Linear critical speed: {numbers['full']['linear_critical_speed_kmh']:z.1f} km/h at full scale, "
+            f"{numbers['model_mapped_back']['linear_critical_speed_kmh']:z.1f} km/h by the model "
+            f"({percent(near['linear_critical_speed_relative'], 3, signed=True)})."
+        )
+    if share := numbers["motor_limited_share"]:
+        yield f"The motors cannot exert the demanded torque in {percent(share, 3)} of the time."
 
 
 def _speed_of(name: str) -> str:

@@ -18,8 +18,7 @@ from rollerrig.analysis import Diagram, LimitCycleSettings, limit_cycle_table, s
 from rollerrig.analysis.critical_speed import HIGHEST_KMH, LinearCriticalSpeed, scan_above
 from rollerrig.config import Case, Track
 from rollerrig.plot import damping_map, damping_over_speed, frequency_over_speed, mode_shape, mode_shapes, root_locus
-from rollerrig.plot.modes import shown_modes
-from rollerrig.plot.shapes import shape_speed
+from rollerrig.plot.modes import shape_speed, shown_modes
 from rollerrig.results.termination import in_words
 from rollerrig.study import contact_models as contact_effects
 from rollerrig.study import limit_cycles as cycles
@@ -76,9 +75,8 @@ def mode_table(modes: xr.Dataset) -> Table:
     rows = []
     for name in shown_modes(modes):
         one = modes.sel(mode=name)
-        rows.append(
-            [name, *(f"{float(one['frequency'][k]):.2f},  {100 * float(one['damping'][k]):.1f}" for k in picks)]
-        )
+        pairs = zip(one["frequency"].to_numpy()[picks], 100 * one["damping"].to_numpy()[picks], strict=True)
+        rows.append([name, *(f"{frequency:.2f},  {damping:.1f}" for frequency, damping in pairs)])
     header = ["mode", *(f"{modes['speed'][k]:g} km/h: f [Hz], damping [%]" for k in picks)]
     return Table(header, rows, "Frequency and damping; all modes at all speeds are in modes.csv.")
 
@@ -122,12 +120,8 @@ def _shape_table(mode: xr.Dataset) -> Table:
     directions = [str(name) for name in mode["direction"].to_numpy()]
     rows = []
     for body in mode["body"].to_numpy():
-        cells = []
-        for direction in directions:
-            a, p = (
-                float(mode[name].sel(body=body, direction=direction)) for name in ("shape_amplitude", "shape_phase")
-            )
-            cells.append(f"{a:.2f} ∠ {round(p):d}°" if a >= 0.02 else "")
+        own = (mode[name].sel(body=body).to_numpy() for name in ("shape_amplitude", "shape_phase"))
+        cells = [f"{a:.2f} ∠ {round(float(p)):d}°" if a >= 0.02 else "" for a, p in zip(*own, strict=True)]
         rows.append([str(body).replace("_", " "), *cells])
     caption = f"{mode['mode'].item()}, {float(mode['frequency']):.2f} Hz at {float(mode['speed']):g} km/h"
     return Table(["body", *directions], rows, caption)
@@ -154,14 +148,9 @@ class Results:
 
 @dataclass(frozen=True)
 class StabilityStudy(Study[Results]):
-    """Modes over speed, and the limit-cycle diagram.
+    """Modes over speed and the limit-cycle diagram; attributes as the arguments of `rollerrig.cli.commands.stability`.
 
-    Attributes:
-        case: the case.
-        speeds_kmh: speeds of the table [km/h]; runs are made at no more than MOST_CYCLE_SPEEDS of them.
-        with_limit_cycles: whether runs are made.
-        settings: of the runs.
-        contacts_kmh: also compare the contact models, with runs at this speed [km/h].
+    Runs are made at no more than MOST_CYCLE_SPEEDS of the speeds.
     """
 
     case: Case
@@ -216,10 +205,7 @@ class StabilityStudy(Study[Results]):
         found = {
             "case": self.case.name,
             "speeds_kmh": results.modes["speed"].to_numpy().round(9),
-            **{
-                f"linear_critical_{key}": attributes[f"linear_critical_{key}"]
-                for key in ("speed_kmh", "frequency_hz", "mode")
-            },
+            **{key: attributes[key] for key in (f"linear_critical_{n}" for n in ("speed_kmh", "frequency_hz", "mode"))},
             "linear_searched_to_kmh": float(results.modes["speed"][-1]),
             **{key: json.loads(attributes[key]) for key in ("crossings", "grows_at_lowest_speed", "diverging")},
             "least_damping": results.modes["damping"].where(oscillates).min("mode").to_numpy(),
@@ -272,9 +258,8 @@ class StabilityStudy(Study[Results]):
         runs = None if results.diagram is None else limit_cycle_table(results.diagram)
         found = [Section("Modes", self._modes(results.modes, runs, numbers))]
         if results.diagram is not None:
-            blocks = cycles.cycle_blocks(
-                results.diagram, results.modes, self.settings, numbers["limit_cycles"]["points"]
-            )
+            points = numbers["limit_cycles"]["points"]
+            blocks = cycles.cycle_blocks(results.diagram, results.modes, self.settings, points)
             found.append(Section("Limit cycles", blocks))
         found.append(Section("Mode shapes", shape_blocks(results.modes)))
         if results.contact:

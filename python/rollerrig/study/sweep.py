@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from rollerrig.common.formatting import number
 from rollerrig.config import Case, ConfigError, ConfigProblem, Plan, WholePlan, plan_of_case
 from rollerrig.config.errors import nearest, one_of, show_value
 from rollerrig.config.validate.messages import validate
@@ -37,7 +38,6 @@ from rollerrig.study.runs.sweep import (
     sweep_dataset,
     sweep_rows,
 )
-from rollerrig.wording import number
 
 MOST_PICTURED = 12
 """Numbers that have pictures of their own; all are in the tables and files."""
@@ -46,13 +46,12 @@ MOST_PICTURED = 12
 def _of_number(data: xr.Dataset, name: str, one: Statistics, points: Points) -> Section:
     """Pictures and tables of one number."""
     meaning, title = data[name].attrs["long_name"], name.replace("_", " ")
-    blocks: list[Block] = [Text(f"{meaning[:1].upper()}{meaning[1:]}.")]
-    if points.design.kind == "grid":
-        blocks.append(Picture(f"map_{name}", figures.grid_map(data, name), f"{title} over what is varied."))
-    else:
-        blocks.append(
-            Picture(f"scatter_{name}", figures.scatter(data, name), f"{title} of each case over each varied key.")
-        )
+    blocks: list[Block] = [
+        Text(f"{meaning[:1].upper()}{meaning[1:]}."),
+        Picture(f"map_{name}", figures.grid_map(data, name), f"{title} over what is varied.")
+        if points.design.kind == "grid"
+        else Picture(f"scatter_{name}", figures.scatter(data, name), f"{title} of each case over each varied key."),
+    ]
     ends = {key: ends for key, ends in one.tornado.items() if np.isfinite(ends).all()}
     if len(ends) > 1:
         what = "lowest and highest value" if not points.design.samples else "lowest and highest fifth of values"
@@ -61,14 +60,14 @@ def _of_number(data: xr.Dataset, name: str, one: Statistics, points: Points) -> 
     if one.quantiles:
         blocks.append(Table(("of the samples are below", title), list(one.quantiles.items()), "Quantiles."))
     if one.sobol:
-        names = ("first", "first_confidence", "total", "total_confidence")
+        names, header = (
+            ("first", "first_confidence", "total", "total_confidence"),
+            ("varied", "first order", "±", "total", "±"),
+        )
         rows = [[k.replace("_", " "), *(float(f"{own[name]:.3g}") for name in names)] for k, own in one.sobol.items()]
-        blocks.append(
-            Table(("varied", "first order", "±", "total", "±"), rows, "Sobol indices with their intervals of 95 %.")
-        )
-        blocks.append(
-            Picture(f"sobol_{name}", figures.sobol_bars(one.sobol), f"Sobol indices of {title}, intervals of 95 %.")
-        )
+        caption = f"Sobol indices of {title}, intervals of 95 %."
+        blocks.append(Table(header, rows, "Sobol indices with their intervals of 95 %."))
+        blocks.append(Picture(f"sobol_{name}", figures.sobol_bars(one.sobol), caption))
     return Section(title[:1].upper() + title[1:], blocks)
 
 
@@ -105,7 +104,7 @@ class SweepStudy(Study[Sweep]):
     whole: WholePlan
     many: bool = False
     compute: Compute | None = None
-    _told: dict[str, float] = field(default_factory=dict, compare=False, repr=False)
+    _seen: dict[str, float] = field(default_factory=dict, compare=False, repr=False)
 
     command = "sweep"
     quantities = QUANTITIES
@@ -176,20 +175,20 @@ class SweepStudy(Study[Sweep]):
         packed = pickle.dumps((self.whole.case, self.whole.plan.measure, self.compute))
         yield {_name(i): Job(run_case, (packed, changes), lost_case) for i, changes in enumerate(self.points.changes())}
 
-    def told(self, done: Done, seconds: float) -> str:
+    def progress_text(self, done: Done, seconds: float) -> str:
         count = len(done)
-        taken_over = self._told.setdefault("taken over", count)
+        taken_over = self._seen.setdefault("taken over", count)
         failed = self._failed(done)
         rate = f", {(count - taken_over) / seconds:.3g} per s" if seconds > 1.0 else ""
         return f"{count} of {len(self.points)} cases{rate}{f', {failed} failed' if failed else ''}"
 
     def _failed(self, done: Done) -> int:
         """Failed cases so far; only those that came since the last time are looked at."""
-        seen = int(self._told.get("seen", 0))
+        seen = int(self._seen.get("seen", 0))
         new = islice(reversed(done.values()), max(len(done) - seen, 0))  # the last ones, however many there are before
-        self._told["failed"] = self._told.get("failed", 0) + sum(1 for record in new if record[FAILED])
-        self._told["seen"] = max(seen, len(done))
-        return int(self._told["failed"])
+        self._seen["failed"] = self._seen.get("failed", 0) + sum(1 for record in new if record[FAILED])
+        self._seen["seen"] = max(seen, len(done))
+        return int(self._seen["failed"])
 
     def collect(self, done: Done) -> Sweep | None:
         records: list[Record | None] = [done.get(_name(i)) for i in range(len(self.points))]
@@ -275,15 +274,8 @@ def sweep_study(case: Case, vary: Mapping[str, Any], measure: Any, design: Any, 
     """
     compute = measure if callable(measure) else None
     several = [] if compute else [measure] if isinstance(measure, str | Mapping) else list(measure)
-    raw = {
-        "name": "sweep",
-        "case": case.name,
-        "design": design,
-        "vary": [
-            {"key": key, **(one if isinstance(one, Mapping) else {"values": _listed(one)})} for key, one in vary.items()
-        ],
-        "measure": several,
-    }
+    varied = [{"key": k, **(one if isinstance(one, Mapping) else {"values": _listed(one)})} for k, one in vary.items()]
+    raw = {"name": "sweep", "case": case.name, "design": design, "vary": varied, "measure": several}
     plan, problems = validate(Plan, raw, "sweep")
     if plan is None:
         raise ConfigError(problems)
@@ -329,9 +321,8 @@ def run_case(packed: bytes, changes: Mapping[str, Any], progress: Progress | Non
     try:
         changed = case.with_changes(changes)
         for measure in measures:
-            found = call(
-                job(MEASURES[measure.kind].measure, changed, measure), progress or (lambda _fraction, _text: None)
-            )
+            work = job(MEASURES[measure.kind].measure, changed, measure)
+            found = call(work, progress or (lambda _fraction, _text: None))
             numbers |= {name: float(found[name]) for name in measure.keep or found}
         if compute is not None:
             numbers |= {str(name): float(value) for name, value in compute(changed).items()}

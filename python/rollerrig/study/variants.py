@@ -39,7 +39,7 @@ def start_jobs(
         make: case and number of its start -> the job.
         end: number of starts.
         begin: of them those that are done already.
-        starting: how starts differ; by default in speed.
+        starting: how starts differ; by default by [ensemble].
     """
     return {
         start_name(name, k): make(one, k)

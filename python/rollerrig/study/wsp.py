@@ -13,13 +13,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rollerrig.analysis.slide_statistics import SLIP_EDGES
+from rollerrig.analysis.slide_statistics import SLIP_EDGES, idle_valves
+from rollerrig.common.formatting import number
 from rollerrig.config import CRITERIA, Case, Programme
 from rollerrig.config.schema.programme import BrakedRun
 from rollerrig.config.write.toml import to_toml
 from rollerrig.plot.wsp import Ends, means_with_intervals, slip_grid, stop_over_time
 from rollerrig.study.assessment import SHOWN
-from rollerrig.study.ensemble import estimate
+from rollerrig.study.ensemble import finer
 from rollerrig.study.frame import Content, Study
 from rollerrig.study.jobs import Done, Job, Round, job
 from rollerrig.study.quantities import Numbers, Quantities, Quantity
@@ -42,11 +43,13 @@ from rollerrig.study.runs.wsp import (
     stop_record,
     verdict_of,
 )
-from rollerrig.study.variants import start_jobs, start_name
-from rollerrig.wording import number
+from rollerrig.study.variants import start_jobs, start_name, started
 
 Tests = Mapping[Support, StopTests]
 ON: Mapping[Support, str] = {"track": "track", "rig": "the rig"}
+FINE, FINE_STARTS = ", finer steps", 2
+"""Ending of the jobs with finer steps and samples, and how many there are of each stop and support."""
+
 QUICK_STOPS, QUICK_STARTS = 2, 2
 """Stops and starts of a quick study."""
 
@@ -140,6 +143,8 @@ class WspStudy(Study[Results]):
                 jobs[f"{dry_name(self.case, stop)}, {on}"] = job(stop_record, dry, self.programme.flat, False)
             cases = {f"{stop.name}, {on}": _on(self.stop_cases[stop.name], on) for on in SUPPORTS}
             jobs |= start_jobs(cases, lambda one, k: job(stop_record, one, self.programme.flat, k == 0), self.count)
+            fine = {f"{name}{FINE}": finer(case) for name, case in cases.items() if not self.quick}
+            jobs |= start_jobs(fine, lambda one, _: job(stop_record, one, self.programme.flat, False), FINE_STARTS)
         yield jobs
 
     def plan(self) -> dict[str, Any]:
@@ -158,12 +163,13 @@ class WspStudy(Study[Results]):
             on: [done[name] for k in range(self.count) if (name := start_name(f"{stop.name}, {on}", k)) in done]
             for on in SUPPORTS
         }
+        fine = {on: [one.test for one in started(done, f"{stop.name}, {on}{FINE}")] for on in SUPPORTS}
         needed, case = max(self.programme.starts, self.count), self.stop_cases[stop.name]
         tests: dict[Support, StopTests] = {}
         for on, records in made.items():
             dry: StopRecord | None = done.get(f"{dry_name(self.case, stop)}, {on}") if stop.stops else None
             own = [one.test for one in records]
-            tests[on] = StopTests(stop, on, case, needed, own, None if dry is None else dry.test)
+            tests[on] = StopTests(stop, on, case, needed, own, None if dry is None else dry.test, fine[on])
         judged = [
             one
             for on, other in zip(SUPPORTS, SUPPORTS[::-1], strict=True)
@@ -191,7 +197,7 @@ class WspStudy(Study[Results]):
         }
 
     def summary(self, results: Results, numbers: Numbers) -> list[str]:
-        return [*_findings(numbers, len(self.programme.limit)), NOT_QUOTED]
+        return [*idle_valves(self.case), *_findings(numbers, len(self.programme.limit)), NOT_QUOTED]
 
     def timings(self, results: Results) -> Mapping[str, Mapping[str, float]]:
         each = {name: one.seconds for name, one in results.items()}
@@ -226,7 +232,7 @@ def _on(case: Case, support: Support) -> Case:
 def _stop_numbers(result: StopResult) -> dict[str, Any]:
     """Numbers of one stop."""
     track, rig = result.tests["track"], result.tests["rig"]
-    rows = verdict_rows(rig.case, track.tests, rig.tests)
+    rows = verdict_rows(rig.case, (track.tests, rig.tests), (track.fine, rig.fine))
     criteria: dict[str, Any] = {}
     for one in result.judged:
         limit = one.limit
@@ -252,7 +258,7 @@ def _support_numbers(found: StopTests, judged: Sequence[Judgement]) -> dict[str,
     }
     for name in MEASURED:
         values = found.values(name)
-        mean, largest = estimate(values), max(values) if np.isfinite(values).all() else None
+        mean, largest = found.estimate(name), max(values) if np.isfinite(values).all() else None
         numbers[name] = {"mean": mean.mean, **vars(mean.interval), "largest": largest}
     return numbers
 
@@ -290,8 +296,9 @@ CLAIMS = (
     "counts as stationary; below 2 m/s no slip and no lock is counted.",
     "The length of a flat is an estimate of its order, from the energy dissipated under a locked wheel, (H1) and (H2) of "
     "docs/theory/wheel_flats.md; on the rig it is that of the train which the rig stands for, whose wheels would slide.",
-    "Intervals are of 95 %, of the mean over starts whose first speeds differ by up to 3 mm/s: the limit cycle's phase. They say "
-    "nothing of what differs from one vehicle, rail or day to another.",
+    "Intervals are of 95 %, of the mean over starts that draw adhesion, pads, load, speed and demand by [ensemble] of the case, "
+    "and contain what a quarter of step and samples changes in two of them. Beyond those distributions they say nothing of "
+    "another vehicle, rail or day.",
     "Eight tests out of eight within a limit say with 95 % that at least 69 % of all such tests are.",
 )
 

@@ -5,6 +5,6 @@
 The page's program is written in `viewer/` at the top of the repository; `scripts/bundle_viewer` makes one file of it.
 """
 
-from rollerrig.viewer.whole import view, view_text
+from rollerrig.viewer.page import view, view_text
 
 __all__ = ["view", "view_text"]

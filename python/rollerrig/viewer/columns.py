@@ -22,6 +22,9 @@ Numbers = NDArray[np.float64]
 MOST_FRAMES = 4000
 """Largest number of frames of a page: more would make it slow to open; between them the page interpolates."""
 
+MOST_POINTS = 4000
+"""Largest number of points of one panel's curves; of longer ones the extremes of even parts are kept, where they lie."""
+
 WHOLE = 32766
 """Steps of a column that is stored in sixteen bits, either way; one more stands for what does not exist."""
 
@@ -93,6 +96,25 @@ def _error(times: Numbers, values: Numbers, index: NDArray[np.intp]) -> float:
     difference = np.abs(interpolated(times[index], values[index], times) - values)
     found = difference[np.isfinite(difference)]
     return float(found.max()) if found.size else 0.0
+
+
+def extremes(values: Numbers, most: int = MOST_POINTS) -> NDArray[np.intp]:
+    """Samples to keep of curves: all, or of even parts those where a curve is least and greatest, and both ends.
+
+    Args:
+        values: of all curves (n, curves).
+        most: samples.
+    """
+    count, curves = values.shape
+    if count <= most:
+        return np.arange(count)
+    parts = np.array_split(np.arange(count), max(1, (most - 2) // (2 * curves)))
+    kept = {0, count - 1}
+    for part in parts:
+        inside = values[part]
+        kept.update(part[np.where(np.isnan(inside), np.inf, inside).argmin(axis=0)].tolist())
+        kept.update(part[np.where(np.isnan(inside), -np.inf, inside).argmax(axis=0)].tolist())
+    return np.array(sorted(kept), dtype=np.intp)
 
 
 @dataclass

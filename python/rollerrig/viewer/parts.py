@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from rollerrig.assembly import AssembledModel
+from rollerrig.assembly.model import AssembledModel
 from rollerrig.config import Element, Rig, Track
 from rollerrig.config.schema.vehicle import DIRECTIONS
 from rollerrig.profiles import ProfileTable

@@ -20,12 +20,15 @@ from typing import Any
 
 from rollerrig.cases import as_case
 from rollerrig.config import Case, ConfigError
-from rollerrig.starting_state import StartError
+from rollerrig.simulation.starting_state import StartError
 from rollerrig.viewer.live import FRAME, LiveRun
 from rollerrig.viewer.page import live_page
 
 _KEPT = 60
 """Frames for a browser that comes back late."""
+
+_PATIENCE = 10.0
+"""A connection that is silent for so long is closed [s]; each holds a thread."""
 
 _LARGEST_BODY = 1000
 _HOSTS = ("127.0.0.1", "localhost")
@@ -112,7 +115,7 @@ class Theatre:
                     self.run.push()
                 else:
                     self.run.again()
-            except (ConfigError, StartError, ValueError, KeyError, TypeError) as error:
+            except (ConfigError, StartError, ValueError, KeyError, TypeError, OverflowError) as error:
                 return str(error).splitlines()[0] or "not understood"
         return ""
 
@@ -140,6 +143,7 @@ def server(theatre: Theatre, port: int = 0) -> ThreadingHTTPServer:
 def _handler(theatre: Theatre) -> type[BaseHTTPRequestHandler]:
     class Handler(BaseHTTPRequestHandler):
         protocol_version = "HTTP/1.1"
+        timeout = _PATIENCE
 
         def do_GET(self) -> None:
             if not self._is_for_us():
@@ -164,7 +168,7 @@ def _handler(theatre: Theatre) -> type[BaseHTTPRequestHandler]:
             try:
                 body = self.rfile.read(int(size)) if size.isdigit() and int(size) <= _LARGEST_BODY else b"not one"
                 given = json.loads(body)
-            except ValueError:
+            except (ValueError, RecursionError):
                 given = None
             wrong = theatre.command(self.path[1:], given) if isinstance(given, dict) else "not understood"
             self._answer(400 if wrong else 200, "text/plain; charset=utf-8", wrong)

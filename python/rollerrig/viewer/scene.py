@@ -1,8 +1,17 @@
-"""One run as a page shows it: the parts of its case, their motion and forces in thinned frames, and what can be plotted.
+"""One run, or mode shapes, as a page shows them: parts, motion and forces in thinned frames, and what can be plotted.
 
+    head of a scene -> [plots] -> groups: title, sign and filter, unit, curves of column, label, factor
     run -> [run_scene] -> Scene -> page
 
+Forces have the signs of a report (`analysis.wheel_rail_forces`), and its filter where the scene has them filtered: then they
+have times of their own, at which extremes lie. A simulation that goes on is not filtered.
+
 Everything that is drawn was recorded in the run, or is asked of the core (`contact_places`).
+
+    modes -> [mode_scene] -> Scene -> page
+
+The page draws u(t) = amplitude cos(2 pi f t + phase) of each coordinate; the size of a mode is arbitrary, growth and decay are
+left out.
 """
 
 from __future__ import annotations
@@ -14,13 +23,65 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from rollerrig.assembly import AssembledModel, assemble
+from rollerrig.analysis.wheel_rail_forces import filtered, unfiltered, wheel_forces
+from rollerrig.assembly.model import AssembledModel, assemble
 from rollerrig.config import ConfigError, case_from_toml
 from rollerrig.results import ResultsError, RunInfo
 from rollerrig.viewer import parts
-from rollerrig.viewer.columns import MOST_FRAMES, Columns, Frames, thinned
-from rollerrig.viewer.contact_places import PLACE, contact_places
-from rollerrig.viewer.plots import plots
+from rollerrig.viewer.columns import MOST_FRAMES, Columns, Frames, extremes, thinned
+from rollerrig.viewer.contacts import PLACE, contact_places
+
+Group = dict[str, Any]
+
+
+def plots(head: dict[str, Any]) -> list[Group]:
+    """The groups that have at least one curve."""
+    columns, bodies = head["columns"], head["bodies"]
+    moving = [
+        (number, body["name"].replace("_", " "))
+        for number, body in enumerate(bodies)
+        if body["kind"] not in ("roller", "rail")
+    ]
+    wheels = [
+        (number, wheel["name"].replace("wheelset_", "").replace("_", " "))
+        for number, wheel in enumerate(head["wheels"])
+    ]
+    axles = [(number, name.replace("_", " ")) for number, name in enumerate(head["axles"])]
+    radius, roller = head["shapes"]["wheel_radius"], head["shapes"]["roller_radius"]
+
+    def group(title: str, unit: str, curves: list[tuple[str, str, float]], note: str = "") -> Group:
+        known = [[column, label, factor] for column, label, factor in curves if column in columns]
+        own = f"time.{known[0][0].partition('.')[2]}" if known else ""
+        times = {"times": own} if own in columns else {}
+        return {"title": title, "note": note, "unit": unit, "curves": known, **times}
+
+    speeds = [("train_speed" if "train_speed" in columns else "speed", "train", 3.6)]
+    speeds += [(f"a{k}.axle_speed", name, 3.6 * radius) for k, name in axles]
+    if roller:
+        speeds += [(f"a{k}.roller_speed", f"roller {name.rpartition(' ')[2]}", 3.6 * roller) for k, name in axles]
+    filtered = head.get("filter", "unfiltered")
+    if "w0.guiding_force" in columns:
+        guiding = [(f"w{k}.guiding_force", name, 1e-3) for k, name in wheels]
+        load = [(f"w{k}.wheel_load", name, 1e-3) for k, name in wheels]
+    else:  # that on the wheel, to the left
+        guiding = [(f"w{k}.lateral_force", name, -1e-3 if name.endswith("left") else 1e-3) for k, name in wheels]
+        load = [(f"w{k}.vertical_force", name, 1e-3) for k, name in wheels]
+    longitudinal = [(f"w{k}.longitudinal_force", name, 1e-3) for k, name in wheels]
+    groups = [
+        group("Lateral displacement", "mm", [(f"b{k}.lateral", name, 1e3) for k, name in moving], "to the left"),
+        group("Yaw", "mrad", [(f"b{k}.yaw", name, 1e3) for k, name in moving]),
+        group("Speed, at nominal radii", "km/h", speeds),
+        group("Guiding force Y", "kN", guiding, f"outwards, {filtered}"),
+        group("Wheel load Q", "kN", load, filtered),
+        group("Longitudinal force", "kN", longitudinal, "forwards on the wheel, unfiltered"),
+        group("Longitudinal sliding", "m/s", [(f"w{k}.longitudinal_sliding", name, 1.0) for k, name in wheels]),
+        group("Brake cylinder pressure", "bar", [(f"a{k}.cylinder_pressure", name, 1e-5) for k, name in axles]),
+        group("Drive torque of the rollers", "kN m", [(f"a{k}.roller_torque", name, 1e-3) for k, name in axles]),
+        group("Vertical displacement", "mm", [(f"b{k}.vertical", name, 1e3) for k, name in moving]),
+        group("Roll", "mrad", [(f"b{k}.roll", name, 1e3) for k, name in moving]),
+    ]
+    return [one for one in groups if one["curves"]]
+
 
 MOTION = ("longitudinal", "lateral", "vertical", "roll", "pitch", "yaw")
 _ANGLES = ("roll", "pitch", "yaw")
@@ -90,6 +151,7 @@ def run_scene(run: xr.Dataset, *, label: str = "", most: int = MOST_FRAMES) -> S
     patches = _add_patches(columns, run, model, frames.index)
     bars = _add_elements(columns, run, model, frames.index)
     _add_named(columns, run, frames.index)
+    done = _add_forces(columns, run, most)
     distance = run["distance"].to_numpy()
     head = {
         "label": label or str(run.attrs["case"]),
@@ -111,6 +173,7 @@ def run_scene(run: xr.Dataset, *, label: str = "", most: int = MOST_FRAMES) -> S
         "frames": len(frames.times),
         "samples": int(run.sizes["time"]),
         "errors": dict(frames.errors),
+        "filter": done,
         "columns": columns.places,
     }
     head["plots"] = plots(head)
@@ -166,6 +229,23 @@ def _add_wheels(columns: Columns, run: xr.Dataset, index: NDArray[np.intp]) -> N
             columns.add(f"w{number}.{name}", run[name].to_numpy()[index, number])
 
 
+def _add_forces(columns: Columns, run: xr.Dataset, most: int) -> str:
+    """Y and Q as a report has them, at times at which their extremes lie; what was done to them."""
+    read = wheel_forces(run)
+    try:
+        shown = filtered(read)
+    except ValueError:  # too short or too coarse for the filter
+        shown = unfiltered(read)
+    for name in ("guiding_force", "wheel_load"):
+        values = shown[name].transpose("time", "wheel").to_numpy()
+        kept = extremes(values, most)
+        columns.add(f"time.{name}", shown["time"].to_numpy()[kept], exact=True)
+        for number in range(values.shape[1]):
+            columns.add(f"w{number}.{name}", values[kept, number])
+    done = str(shown["guiding_force"].attrs.get("filter", ""))
+    return f"low pass {done}" if done else "unfiltered"
+
+
 def _add_patches(columns: Columns, run: xr.Dataset, model: AssembledModel, index: NDArray[np.intp]) -> int:
     count = int(np.nanmax(run["patch_count"].to_numpy()[index], initial=0.0))
     count = max(1, min(count, _MOST_PATCHES, run.sizes["patch"]))
@@ -207,3 +287,94 @@ def _add_named(columns: Columns, run: xr.Dataset, index: NDArray[np.intp]) -> No
     for name in AXLE:
         for number in range(len(RunInfo.of(run).wheelsets)):
             columns.add(f"a{number}.{name}", run[name].to_numpy()[index, number])
+
+
+_SMALL = 1e-4
+"""Share of the largest displacement or angle of a mode: less is not seen."""
+
+
+def holds_modes(results: xr.Dataset) -> bool:
+    """Whether results are modes, as `stability` finds them."""
+    return "shape_amplitude" in results and "shape_phase" in results
+
+
+def mode_scene(modes: xr.Dataset, *, label: str = "") -> Scene:
+    """The scene of modes over speed.
+
+    Args:
+        modes: Dataset of `stability`.
+        label: how it is called; by default its case.
+
+    Raises:
+        ResultsError: their case cannot be read by this version.
+    """
+    try:
+        model = assemble(case_from_toml(str(modes.attrs["config_toml"]), "the case of the modes", allow_code=True))
+    except (ConfigError, KeyError, ValueError, OSError) as error:
+        raise ResultsError(f"the case of these modes cannot be read: {str(error).splitlines()[0]}") from None
+    elements = [
+        {**one, "direction": "z" if "z" in one["directions"] else one["directions"][0], "rest": 0.0, "largest": 0.0}
+        for one in parts.elements(model)
+    ]
+    speeds = [float(v) for v in modes["speed"].to_numpy()]
+    critical = float(modes.attrs.get("linear_critical_speed_kmh", np.nan))
+    head: dict[str, Any] = {
+        "label": label or str(modes.attrs["case"]),
+        "case": str(modes.attrs["case"]),
+        "title": str(modes.attrs["title"]),
+        "status": "",
+        "support": model.case.support.data.kind,
+        "gravity": model.case.gravity,
+        "bodies": parts.bodies(model),
+        "wheels": parts.wheels(model),
+        "elements": elements,
+        "shapes": parts.shapes(model),
+        "line": parts.track(model, 0.0, 0.0),
+        "patches": 0,
+        "brakes": False,
+        "motors": False,
+        "axles": list(model.wheelsets),
+        "frames": 0,
+        "samples": 0,
+        "errors": {},
+        "columns": {},
+        "plots": [],
+        "speeds": speeds,
+        "speed": int(np.argmin(np.abs(np.array(speeds) - critical))) if np.isfinite(critical) else len(speeds) - 1,
+        "mode": _first(modes),
+        "modes": [_mode(modes.sel(mode=name), model.bodies) for name in modes["mode"].to_numpy().tolist()],
+    }
+    return Scene(head, Columns())
+
+
+def _first(modes: xr.Dataset) -> int:
+    """Number of the mode that is shown first: the one that becomes unstable first, else a hunting mode."""
+    names = modes["mode"].to_numpy().tolist()
+    chosen = modes.attrs.get("linear_critical_mode") or modes.attrs.get("hunting_mode")
+    return names.index(chosen) if chosen in names else 0
+
+
+def _mode(mode: xr.Dataset, bodies: tuple[str, ...]) -> dict[str, Any]:
+    """Frequency, damping and shape at each speed: coordinate -> amplitude and phase, as in a run's columns."""
+    amplitude, phase = mode["shape_amplitude"].to_numpy(), np.radians(mode["shape_phase"].to_numpy())
+    names = [str(name) for name in mode["body"].to_numpy()]
+    shapes = []
+    for speed in range(amplitude.shape[0]):
+        largest = float(np.nanmax(amplitude[speed], initial=0.0)) or 1.0
+        shapes.append(
+            {
+                f"b{bodies.index(body)}.{MOTION[k]}": [
+                    round(float(amplitude[speed, b, k]) / largest, 5),
+                    round(float(phase[speed, b, k]), 4),
+                ]
+                for b, body in enumerate(names)
+                for k in range(len(MOTION))
+                if amplitude[speed, b, k] > _SMALL * largest
+            }
+        )
+    finite = {key: [_number(v) for v in mode[key].to_numpy()] for key in ("frequency", "damping")}
+    return {"name": str(mode["mode"].item()), **finite, "shapes": shapes}
+
+
+def _number(value: float) -> float | None:
+    return round(float(value), 6) if np.isfinite(value) else None

@@ -6,7 +6,7 @@
 #include "explicit_real.hpp"
 #include "profiles.hpp"
 #include "rollerrig/contact/patch.hpp"
-#include "rollerrig/geometry/search.hpp"
+#include "rollerrig/geometry/gap_minima.hpp"
 #include "rollerrig/math/dual.hpp"
 
 using namespace rollerrig;
@@ -191,17 +191,16 @@ namespace {
 /// Weights of all patches of the benchmark wheel at one lateral position.
 std::vector<double> weights(double y, double height, double barrier, std::vector<double>* gaps = nullptr) {
   static BenchmarkPair const benchmark(1.0 / R);
-  ContactSearch search(benchmark.pair);
+  static GapNodes const nodes(benchmark.wheel, 1.0);
   auto const pose = pose_of(0.0, y, height, 0.0, 0.0);
-  search.find_all(pose, 0.0);
+  auto const found = find_minima(benchmark.pair, nodes, pose);
   std::vector<ContactPoint<double>> points;
-  for (int k = 0; k < search.count(); ++k)
-    points.push_back(contact_point(benchmark.pair, pose, search[k].s, search[k].gradient));
-  auto const s = blending_weights(benchmark.pair, pose, search, points.data(), barrier);
+  for (std::size_t k = 0; k < found.count; ++k) points.push_back(contact_point(benchmark.pair, pose, found.minimum[k]));
+  auto const s = blending_weights(benchmark.pair, pose, found, points.data(), barrier);
   std::vector<double> out;
-  for (int k = 0; k < search.count(); ++k) {
-    out.push_back(s[static_cast<std::size_t>(k)]);
-    if (gaps) gaps->push_back(search[k].gap);
+  for (std::size_t k = 0; k < found.count; ++k) {
+    out.push_back(s[k]);
+    if (gaps) gaps->push_back(found.minimum[k].gap);
   }
   return out;
 }

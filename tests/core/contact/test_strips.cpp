@@ -104,16 +104,16 @@ TEST_CASE("at yaw strips carry what the turned Hertz ellipse carries") {
   for (double inverse_radius : {0.0, 2.0})
     for (double yaw : {0.0, 20e-3, 50e-3, -80e-3}) {
       WheelRollerPair const pair{&cone, &head, 0.46, 0.75, 0.75, inverse_radius};
-      ContactSearch search(pair);
       double low = 0.44, high = 0.48;
       for (int i = 0; i < 60; ++i) {
         double const middle = 0.5 * (low + high);
-        (search.find_all(pose_of(0.0, 0.0, middle, 0.0, yaw), 0.0) > 0 ? low : high) = middle;
+        (find_minima(pair, nodes, pose_of(0.0, 0.0, middle, 0.0, yaw)).count > 0 ? low : high) = middle;
       }
       auto const pose = pose_of(0.0, 0.0, low - 60e-6, 0.0, yaw);
-      REQUIRE(search.find_all(pose, 0.0) == 1);
+      auto const minima = find_minima(pair, nodes, pose);
+      REQUIRE(minima.count == 1);
       NormalPatch<double> hertz;
-      hertz.point = contact_point(pair, pose, search[0].s, search[0].gradient);
+      hertz.point = contact_point(pair, pose, minima.minimum[0]);
       hertz_patch(steel, hertz);
       auto const found = strip_contact({pair, steel, &nodes}, pose);
       REQUIRE(found.count == 1);

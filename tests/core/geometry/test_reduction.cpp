@@ -5,8 +5,7 @@
 
 #include "explicit_real.hpp"
 #include "profiles.hpp"
-#include "rollerrig/geometry/contact_point.hpp"
-#include "rollerrig/geometry/search.hpp"
+#include "rollerrig/geometry/gap_minima.hpp"
 #include "rollerrig/math/dual.hpp"
 
 using namespace rollerrig;
@@ -65,7 +64,7 @@ TEST_CASE("a cylinder above a parallel cylinder: the gap is the distance of the 
       double const distance = std::hypot(x, 0.47 + radius);
       CHECK(at.gap == doctest::Approx(distance - 0.46 - radius).epsilon(1e-12));
       CHECK(std::abs(at.residual) < 1e-14);
-      auto const point = contact_point(pair, pose_of(x, 0.0, 0.47, 0.0, 0.0), 1e-3, -1.0);
+      auto const point = contact_point(pair, pose_of(x, 0.0, 0.47, 0.0, 0.0), {1e-3, -1.0});
       CHECK(point.n.x == doctest::Approx(x / distance).epsilon(1e-12));
       CHECK(point.wheel_curvature_along == doctest::Approx(1.0 / 0.46));
       CHECK(point.rail_curvature_along == doctest::Approx(1.0 / radius));
@@ -92,9 +91,9 @@ TEST_CASE("a sphere-like wheel on a sphere-like roller: the normal joins the cen
   Vec3<double> const roller_centre{0.0, y0, -big};
   Vec3<double> const d = wheel_centre - roller_centre;
   double const distance = std::sqrt(dot(d, d));
-  ContactSearch search(pair);
-  REQUIRE(search.find_all(pose, 1e-2) == 1);
-  auto const point = contact_point(pair, pose, search[0].s, search[0].gradient);
+  auto const found = find_minima(pair, GapNodes(wheel, 1.0), pose, 1e-2);
+  REQUIRE(found.count == 1);
+  auto const point = contact_point(pair, pose, found.minimum[0]);
   // The splines are the spheres to 1e-13 m in height and 1e-9 in slope.
   CHECK(point.gap == doctest::Approx(distance - r - big).epsilon(1e-8));
   CHECK(point.n.x == doctest::Approx(d.x / distance).epsilon(1e-7));
@@ -117,7 +116,7 @@ TEST_CASE(
     for (double yaw : {0.0, 5e-3, -50e-3}) {
       auto const flank = line(slope), rail = line(-slope);
       WheelRollerPair const pair{&flank, &rail, 0.46, 0.75, 0.75, 0.0};
-      auto const point = contact_point(pair, pose_of(0.0, 0.0, 0.46, 0.0, yaw), 0.0, -1.0);
+      auto const point = contact_point(pair, pose_of(0.0, 0.0, 0.46, 0.0, yaw), {0.0, -1.0});
       double const lean = std::hypot(point.n.x, point.n.z);
       CHECK(point.twist.sin ==
             doctest::Approx(std::sin(yaw) * std::sqrt(1.0 + slope * slope) * point.n.z / lean).epsilon(0.02));
@@ -130,10 +129,10 @@ TEST_CASE("a cone on a circular rail head touches where the head has the cone's 
   auto const wheel = line(-conicity);
   auto const rail = arc(head);
   WheelRollerPair const pair{&wheel, &rail, 0.46, 0.75, 0.75, 0.0};
-  ContactSearch search(pair);
   auto const pose = pose_of(0.0, 1e-3, 0.46, 0.0, 0.0);
-  REQUIRE(search.find_all(pose, 1e-2) == 1);
-  auto const point = contact_point(pair, pose, search[0].s, search[0].gradient);
+  auto const found = find_minima(pair, GapNodes(wheel, 1.0), pose, 1e-2);
+  REQUIRE(found.count == 1);
+  auto const point = contact_point(pair, pose, found.minimum[0]);
   double const slope_angle = std::atan(conicity);
   CHECK(point.rail_y == doctest::Approx(-head * std::sin(slope_angle) * 1.0).epsilon(1e-6));
   CHECK(point.n.y == doctest::Approx(-std::sin(slope_angle)).epsilon(1e-6));
@@ -144,13 +143,13 @@ TEST_CASE("at random poses the common normal satisfies equations (7) and (8) bel
   int contacts = 0, flange = 0;
   for (double inverse_radius : {0.0, 1.0 / 0.725, 1.0 / 0.5, 1e-4}) {
     BenchmarkPair const benchmark(inverse_radius);
-    ContactSearch search(benchmark.pair);
+    GapNodes const nodes(benchmark.wheel, 1.0);
     for (int i = 0; i < 150; ++i) {
       auto const pose = random_pose(random);
-      search.find_all(pose, 2e-3);
+      auto const found = find_minima(benchmark.pair, nodes, pose, 2e-3);
       Surfaces const surfaces{benchmark.pair, pose};
-      for (int k = 0; k < search.count(); ++k) {
-        auto const point = contact_point(benchmark.pair, pose, search[k].s, search[k].gradient);
+      for (std::size_t k = 0; k < found.count; ++k) {
+        auto const point = contact_point(benchmark.pair, pose, found.minimum[k]);
         // The wheel's point lies on the normal through the roller's point, at the gap: (8).
         Vec3<double> const on_wheel = point.p + point.gap * point.n;
         double const alpha = surfaces.angle_of(on_wheel);
@@ -186,15 +185,15 @@ TEST_CASE("at random poses the common normal satisfies equations (7) and (8) bel
 
 TEST_CASE("a contact is where the gap is stationary over the wheel's abscissa") {
   BenchmarkPair const benchmark(1.0 / 0.725);
-  ContactSearch search(benchmark.pair);
   auto const pose = pose_of(0.0, 2e-3, 0.46, 1e-4, 3e-3);
-  REQUIRE(search.find_all(pose, 1e-3) >= 1);
-  for (int k = 0; k < search.count(); ++k) {
-    double const h = 1e-5;
-    double const middle = reduce(benchmark.pair, pose, search[k].s).gap;
-    CHECK(reduce(benchmark.pair, pose, search[k].s + h).gap > middle);
-    CHECK(reduce(benchmark.pair, pose, search[k].s - h).gap > middle);
-    CHECK(search[k].gap == doctest::Approx(middle));
+  auto const found = find_minima(benchmark.pair, GapNodes(benchmark.wheel, 1.0), pose, 1e-3);
+  REQUIRE(found.count >= 1);
+  for (std::size_t k = 0; k < found.count; ++k) {
+    double const h = 1e-5, s = found.minimum[k].s;
+    double const middle = reduce(benchmark.pair, pose, s).gap;
+    CHECK(reduce(benchmark.pair, pose, s + h).gap > middle);
+    CHECK(reduce(benchmark.pair, pose, s - h).gap > middle);
+    CHECK(found.minimum[k].gap == doctest::Approx(middle));
   }
 }
 
@@ -221,6 +220,7 @@ TEST_CASE("a contact point's derivatives with respect to the pose are those of d
   int checked = 0;
   for (double inverse_radius : {0.0, 1.0 / 0.725}) {
     BenchmarkPair const benchmark(inverse_radius);
+    GapNodes const nodes(benchmark.wheel, 1.0);
     for (int i = 0; i < 40; ++i) {
       std::uniform_real_distribution<double> any(-1.0, 1.0);
       double const q[5] = {5e-3 * any(random), 7e-3 * any(random), 0.46 + 3e-4 * any(random), 3e-3 * any(random),
@@ -230,24 +230,24 @@ TEST_CASE("a contact point's derivatives with respect to the pose are those of d
         for (int c = 0; c < 5; ++c) v[c] = q[c] + (c == seed ? by : 0.0);
         return pose_of(v[0], v[1], v[2], v[3], v[4]);
       };
-      ContactSearch search(benchmark.pair);
-      search.find_all(pose_at(0, 0.0), 1e-3);
-      for (int k = 0; k < search.count(); ++k) {
-        if (std::abs(search[k].gradient) < 2.0) continue;  // near a fold the root runs away from any difference
+      auto const found = find_minima(benchmark.pair, nodes, pose_at(0, 0.0), 1e-3);
+      for (std::size_t k = 0; k < found.count; ++k) {
+        auto const& minimum = found.minimum[k];
+        if (std::abs(minimum.gradient) < 2.0) continue;  // near a fold the root runs away from any difference
         auto const point = contact_point(benchmark.pair,
                                          pose_of(D::variable(q[0], 0), D::variable(q[1], 1), D::variable(q[2], 2),
                                                  D::variable(q[3], 3), D::variable(q[4], 4)),
-                                         search[k].s, search[k].gradient);
+                                         minimum);
         for (int seed = 0; seed < 5; ++seed) {
           double const h = 1e-7;
           auto const moved = [&](double by) {
             auto const pose = pose_at(seed, by);
-            ContactSearch nearby(benchmark.pair);
-            nearby.find_all(pose, 2e-3);
-            int best = 0;
-            for (int m = 1; m < nearby.count(); ++m)
-              if (std::abs(nearby[m].s - search[k].s) < std::abs(nearby[best].s - search[k].s)) best = m;
-            return contact_point(benchmark.pair, pose, nearby[best].s, nearby[best].gradient);
+            auto const nearby = find_minima(benchmark.pair, nodes, pose, 2e-3);
+            auto const away = [&](std::size_t m) { return std::abs(nearby.minimum[m].s - minimum.s); };
+            std::size_t best = 0;
+            for (std::size_t m = 1; m < nearby.count; ++m)
+              if (away(m) < away(best)) best = m;
+            return contact_point(benchmark.pair, pose, nearby.minimum[best]);
           };
           auto const up = moved(h), down = moved(-h);
           // Roots are known to 1e-14 m: 1e-7 of a difference over 2e-7; curvature of the root's way adds as much.
@@ -274,34 +274,7 @@ TEST_CASE("the geometry holds for a scalar with no implicit conversions") {
   // In any other scalar than double the contact point takes one Newton step more: the last digit may differ.
   CHECK(at.gap.x == doctest::Approx(plain.gap).epsilon(1e-12));
   CHECK(at.residual.x == doctest::Approx(plain.residual).epsilon(1e-12));
-  auto const point = contact_point(benchmark.pair, pose_of(E(1e-3), E(2e-3), E(0.46), E(1e-4), E(3e-3)), -11e-3, -5.0);
+  auto const point =
+      contact_point(benchmark.pair, pose_of(E(1e-3), E(2e-3), E(0.46), E(1e-4), E(3e-3)), {-11e-3, -5.0});
   CHECK(std::isfinite(point.gap.x));
-}
-
-TEST_CASE("the slope of F written out for the search is the automatic one") {
-  using D = Dual<1>;
-  std::mt19937 random(11);
-  std::uniform_real_distribution<double> abscissa(-44e-3, 50e-3);
-  for (double radius : {0.0, 0.5, 0.725}) {
-    BenchmarkPair const benchmark(radius);
-    WheelRollerPair const& pair = benchmark.pair;
-    int compared = 0;
-    for (int k = 0; k < 2000; ++k) {
-      auto const pose = random_pose(random);
-      double const s = abscissa(random);
-      auto const up = [](Vec3<double> const& v) { return lift<D>(v); };
-      RelativePose<D> const lifted{up(pose.o), {up(pose.R.ex), up(pose.R.ey), up(pose.R.ez)}};
-      auto const expected = reduce(pair, lifted, D::variable(s, 0));
-      auto const found = reduce_with_slope(pair, pose, s);
-      REQUIRE(found.found == expected.rail_point.found);
-      if (!found.found) continue;
-      ++compared;
-      // Round-off of the contact point, some 1e-16 m, times a second derivative of the generatrix of up to 1e4 1/m.
-      CHECK(found.residual == doctest::Approx(expected.residual.value).epsilon(1e-9).scale(1.0));
-      CHECK(found.gap == doctest::Approx(expected.gap.value).epsilon(1e-12).scale(1e-2));
-      // F'' jumps at the profiles' knots: relative to the slope's own size.
-      CHECK(found.gradient == doctest::Approx(expected.residual.d[0]).epsilon(1e-6).scale(1.0));
-    }
-    CHECK(compared > 1000);
-  }
 }

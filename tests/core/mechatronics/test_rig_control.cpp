@@ -6,6 +6,7 @@
 
 #include "rollerrig/mechatronics/estimators.hpp"
 #include "rollerrig/mechatronics/feedbacks.hpp"
+#include "rollerrig/mechatronics/motor.hpp"
 #include "rollerrig/mechatronics/rig_controller.hpp"
 
 using namespace rollerrig;
@@ -70,6 +71,52 @@ TEST_CASE("with pure rolling and exact torque the rig's wheels turn as those of 
   }
   CHECK(state.train.speed() - r * wheel > 1.0);  // the wheels do slide on the virtual rail
   CHECK(worst < 1e-9);                           // round-off of twenty thousand additions
+}
+
+TEST_CASE("while the brake's torque changes evenly the wheel is late by (D17) without a lead, and by nothing with it") {
+  RigController controller = controller_of_two_axles(ExactForces{}, 1e9, 1.0);
+  Motor const motor{.bandwidth = 2.0 * pi * 50.0};
+  double const reduced = J_w + J_r * (r / R) * (r / R), slope = -1.5e4, fine = 1e-5;
+  auto const brake = [&](double t) { return -3400.0 * std::min(1.0, t / 0.5) + slope * std::max(0.0, t - 0.6); };
+  auto const rail = [&](int, double slip, double speed, double load) {
+    return controller.rail.force(slip, speed, load, 0.0, 0.0, 0.0, 0.0);
+  };
+  // How late the sliding wheel is behind one whose torque is not sampled: from the rate at which it falls behind.
+  auto const late_by = [&](double period) {
+    Measurements now{.axles = 2, .under_test = 2};
+    double wheel = 120 / 3.6 / r, drive = 0.0, begin = 0.0;
+    now.axle_speed = {wheel, wheel};
+    auto state = controller.start(now, 120 / 3.6, period);
+    VirtualTrainState ideal(controller.train, 120 / 3.6);
+    int const parts = static_cast<int>(std::lround(period / fine)), last = static_cast<int>(std::lround(0.9 / period));
+    for (int k = 0; k < last; ++k) {
+      PerAxle<double> command{};
+      now.time = k * period;
+      now.axle_speed = {wheel, wheel};
+      now.true_torque = {brake(now.time), brake(now.time)};
+      controller.step(state, now, period, command);
+      double const decay = std::exp(-motor.bandwidth * period);
+      double const mean = command[0] + (drive - command[0]) * (1.0 - decay) / (motor.bandwidth * period);
+      drive = command[0] + (drive - command[0]) * decay;
+      wheel += period * (brake(now.time + 0.5 * period) + r / R * mean) / reduced;  // pure rolling
+      for (int j = 0; j < parts; ++j) {
+        double const torque = brake(now.time + (j + 0.5) * fine);
+        ideal.step(controller.train, 2, {torque, torque}, nullptr, 0.0, fine, rail);
+      }
+      if (k + 1 == std::lround(0.7 / period)) begin = wheel - ideal.axle_speed(0);
+    }
+    CHECK(ideal.speed() - r * ideal.axle_speed(0) > 1.0);  // it slides
+    return (wheel - ideal.axle_speed(0) - begin) / 0.2 * J_w / -slope;
+  };
+  for (double const period : {2e-3, 1e-3, 0.5e-3}) {
+    double const lag = torque_lag(motor, period, 0.0, 0.0);
+    controller.drive_command = DirectCommand{};
+    CHECK(late_by(period) == doctest::Approx(lag).epsilon(0.03));  // the rail's force changes with the slip
+    controller.drive_command = LeadCommand{lag};
+    CHECK(std::fabs(late_by(period)) < 0.01 * lag);
+    controller.drive_command = LeadCommand{lag + 0.5 * period};  // as shipped, (D22)
+    CHECK(late_by(period) == doctest::Approx(-0.5 * period).epsilon(0.05));
+  }
 }
 
 TEST_CASE("the drives of locked wheels give the rail's force without ringing, whatever the estimator") {

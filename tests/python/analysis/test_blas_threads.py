@@ -11,13 +11,13 @@ import scipy.optimize
 from threadpoolctl import threadpool_info, threadpool_limits
 
 import rollerrig
-from rollerrig import eigenvalues
 from rollerrig.analysis import loop_stability, modes, stability
-from rollerrig.analysis.fits import fit
-from rollerrig.analysis.parallel import run_jobs
-from rollerrig.blas_threads import one_blas_thread
+from rollerrig.analysis.signals import fit
+from rollerrig.common import linear_algebra
+from rollerrig.common.linear_algebra import one_blas_thread
 from rollerrig.config import load_case
-from rollerrig.simulation import simulate
+from rollerrig.simulation.run import simulate
+from rollerrig.study.jobs import Job, run_rounds
 
 
 def threads() -> set[int]:
@@ -38,7 +38,7 @@ def two_threads():
 def seen(monkeypatch):
     """Name of each solver that was called -> threads it was called with."""
     found: dict[str, set[int]] = {}
-    eigenvalues._of_bytes.cache_clear()  # of a test before
+    linear_algebra._of_bytes.cache_clear()  # of a test before
 
     def watch(module: object, name: str) -> None:
         solver = getattr(module, name)
@@ -95,7 +95,8 @@ def job(_number: int, progress) -> set[int]:
 def test_jobs_of_worker_processes_have_one_thread(monkeypatch) -> None:
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
         monkeypatch.setenv(name, "2")
-    assert run_jobs(job, [0, 1], processes=2).results == [{1}, {1}]
+    jobs = {name: Job(job, (0,)) for name in "ab"}
+    assert run_rounds(lambda _done: iter([jobs]), None, (1.0,), 2, None)[0] == {"a": {1}, "b": {1}}
 
 
 def test_an_error_gives_the_setting_back(two_threads) -> None:
@@ -129,4 +130,10 @@ def test_no_module_solves_matrices_without_it() -> None:
         if (imported | of_linalg) & SOLVERS:
             users.append(path.name)
             assert "@one_blas_thread()" in text or "with one_blas_thread():" in text, path
-    assert {"modes.py", "eigenvalues.py", "restraint.py", "loop_stability.py", "fits.py"} <= set(users)
+    assert {
+        "modes.py",
+        "linear_algebra.py",
+        "starting_state.py",
+        "loop_stability.py",
+        "signals.py",
+    } <= set(users)

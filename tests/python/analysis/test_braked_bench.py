@@ -10,11 +10,11 @@ from typer.testing import CliRunner
 
 import rollerrig as rr
 from rollerrig import ConfigError, _core
-from rollerrig.actuators import friction_brake
 from rollerrig.analysis.linear_bench import LinearBench
 from rollerrig.analysis.measured_response import measured_response
+from rollerrig.assembly.actuators import friction_brake
 from rollerrig.cli.app import build_app
-from rollerrig.starting_state import StartError, starting_state
+from rollerrig.simulation.starting_state import StartError, starting_state
 from rollerrig.study.runs.adhesion import track_case
 
 PRESSURE, SPEED = 2e5, 25.0  # [Pa], [m/s]
@@ -55,7 +55,7 @@ def test_pressure_slows_axle_and_roller_together(bench: LinearBench) -> None:
 def test_steady_states_under_other_pressures_lie_where_the_linear_bench_says(bench: LinearBench) -> None:
     """Central differences of what is found at 1 kPa more and less: A dx + B du = 0."""
     simulation = _core.Simulation(bench.model.core)
-    start = starting_state(_core.Simulation(bench.model.start_core), bench.model)
+    start = starting_state(bench.model)
     states, torques = [], []
     for change in (-1e3, 0.0, 1e3):
         x, torque, found = simulation.hold_speed(0.0, start, [PRESSURE + change, PRESSURE])

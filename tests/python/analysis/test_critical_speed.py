@@ -12,7 +12,7 @@ import xarray as xr
 from rollerrig import load_case
 from rollerrig.analysis.critical_speed import HIGHEST_KMH, bracket
 from rollerrig.analysis.hunting import HuntingRun, hunting_table
-from rollerrig.analysis.linearise import DIRECTIONS, Lineariser
+from rollerrig.analysis.modes import DIRECTIONS, Lineariser
 from rollerrig.analysis.signals import FinalMotion
 from rollerrig.study.critical_speeds import between, ended_early_sentence
 from rollerrig.study.limit_cycles import critical_speed
@@ -20,9 +20,8 @@ from rollerrig.study.limit_cycles import critical_speed
 
 def run(speed: float, persists: bool, status: str = "ok") -> HuntingRun:
     motion = xr.Dataset(attrs={"status": status, "status_message": f"at {speed:g} m/s: {status}"})
-    return HuntingRun(
-        speed, "frame", motion, FinalMotion(1e-3, 5.0, 0.0) if persists else FinalMotion(0.0, math.nan, math.nan)
-    )
+    final = FinalMotion(1e-3, 5.0, 0.0) if persists else FinalMotion(0.0, math.nan, math.nan)
+    return HuntingRun(speed, "frame", motion, final, "persists" if persists else "decays")
 
 
 def test_the_bracket_is_the_lowest_onset_whatever_the_order_of_the_runs() -> None:
@@ -49,13 +48,13 @@ def test_a_run_that_did_not_come_to_its_end_neither_persists_nor_decays() -> Non
     found = bracket(lost, 3e-3)
     assert math.isnan(found.persists)
     assert math.isnan(found.decays)
-    assert between(found) == "not found: no run came to its end"
+    assert between(found) == "not found: no run was decided"
     mixed = bracket([run(20.0, False), *lost, run(60.0, True)], 3e-3)
     assert (mixed.decays, mixed.persists) == (20.0, 60.0)
     assert len(mixed.ended_early) == 4
     assert ended_early_sentence(mixed) == (
-        "4 of 6 runs, from 108 to 180 km/h, did not come to their end and count neither as limit cycle nor as decay. The slowest "
-        "ended so: at 30 m/s: contact_lost"
+        "4 of 6 runs, from 108 to 180 km/h, did not come to their end or to a decision and count neither as limit cycle "
+        "nor as decay. The slowest ended so: at 30 m/s: contact_lost"
     )
     assert ended_early_sentence(bracket([run(20.0, False)], 3e-3)) == ""
 

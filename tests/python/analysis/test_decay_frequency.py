@@ -9,6 +9,7 @@ import pytest
 import xarray as xr
 
 from rollerrig.analysis.hunting import HuntingRun, decay_frequency
+from rollerrig.analysis.limit_cycle import decide_motion
 from rollerrig.analysis.signals import final_motion
 
 
@@ -16,7 +17,7 @@ def run_of(lateral: np.ndarray, time: np.ndarray) -> HuntingRun:
     motion = xr.Dataset(
         {"lateral": (("time", "body"), lateral[:, None])}, {"time": time, "body": ["frame"]}, {"status": "ok"}
     )
-    return HuntingRun(30.0, "frame", motion, final_motion(time, lateral))
+    return HuntingRun(30.0, "frame", motion, final_motion(time, lateral), decide_motion(time, lateral, ended=True))
 
 
 @pytest.mark.parametrize("damping", [0.05, 0.2, 0.4])

@@ -8,12 +8,11 @@ import numpy as np
 import pytest
 
 from rollerrig import load_case
-from rollerrig.actuators import assemble_with_actuators
-from rollerrig.analysis.equivalent_dead_time import at_track_of, predicted_dead_time
+from rollerrig.analysis.equivalent_dead_time import at_track_of, lags, predicted_dead_time
 from rollerrig.analysis.slide_statistics import test_record as record_of
+from rollerrig.assembly.actuators import assemble_with_actuators
 from rollerrig.config import Case, Rig
-from rollerrig.mechatronics.lags import lags
-from rollerrig.simulation import simulate
+from rollerrig.simulation.run import simulate
 from rollerrig.study.ensemble import Estimate, dead_times, estimate, later_protection, measured_dead_time, starts
 from rollerrig.study.runs.adhesion import track_case
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from rollerrig.analysis.filters import band_pass, low_pass, sliding_mean
+from rollerrig.analysis.signals import band_pass, low_pass, narrow_band, sliding_mean
 
 STEP = 2e-3
 TIME = np.arange(0.0, 40.0, STEP)
@@ -30,6 +30,14 @@ def gain(filtered: xr.DataArray, frequency: float) -> float:
 @pytest.mark.parametrize("cutoff", [10.0, 20.0])
 def test_three_decibels_are_lost_at_the_cutoff(cutoff: float) -> None:
     assert gain(low_pass(sine(cutoff), cutoff), cutoff) == pytest.approx(math.sqrt(0.5), abs=1e-6)
+
+
+@pytest.mark.parametrize(("low", "high"), [(7.0, 11.0), (2.0, 6.0), (0.4, 3.5)])
+def test_a_narrow_band_keeps_its_middle_and_loses_three_decibels_at_its_ends(low: float, high: float) -> None:
+    middle = math.sqrt(low * high)
+    assert gain(narrow_band(sine(round(middle, 1)), low, high), round(middle, 1)) == pytest.approx(1.0, abs=1e-3)
+    for end in (low, high):  # frequencies are warped by 1e-3 at 500 samples a second
+        assert gain(narrow_band(sine(end), low, high), end) == pytest.approx(math.sqrt(0.5), abs=2e-3)
 
 
 @pytest.mark.parametrize("frequency", [1.0, 10.0, 40.0, 80.0])

@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 import rollerrig as rr
-from rollerrig.analysis.lateral_rest import lateral_rest
+from rollerrig.analysis.hunting import lateral_rest
 
 
 @pytest.fixture(scope="module")
@@ -26,7 +26,7 @@ def moved(short: xr.Dataset, amplitude: float, rate: float, frequency: float = 2
 def test_a_motion_persists_where_it_does_not_decay(short: xr.Dataset, rate: float, persists: bool) -> None:
     rest = lateral_rest(moved(short, 2e-3, rate))
     assert rest is not None
-    assert (rest.body, rest.persists) == ("wheelset_1", persists)
+    assert (rest.body, rest.decision) == ("wheelset_1", "persists" if persists else "decays")
     assert rest.final.frequency == pytest.approx(20.0, rel=0.01)
     assert rest.final.rate == pytest.approx(rate, abs=0.05)
 
@@ -34,7 +34,7 @@ def test_a_motion_persists_where_it_does_not_decay(short: xr.Dataset, rate: floa
 def test_what_has_decayed_is_calm(short: xr.Dataset) -> None:
     rest = lateral_rest(moved(short, 2e-3, -60.0))
     assert rest is not None
-    assert not rest.persists
+    assert rest.decision == "decays"
     assert rest.final.amplitude == 0.0
     assert 1e-3 < rest.largest < 2e-3
 

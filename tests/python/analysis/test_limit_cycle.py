@@ -14,7 +14,16 @@ from rollerrig.analysis import (
     limit_cycle_table,
     linear_critical_speed,
 )
-from rollerrig.analysis.limit_cycle import Branch, CyclePoint, NotMadeError, diagram, is_settled, trace
+from rollerrig.analysis.limit_cycle import (
+    Branch,
+    CyclePoint,
+    NotMadeError,
+    decide,
+    decide_motion,
+    diagram,
+    is_settled,
+    trace,
+)
 from rollerrig.config import Case, load_case
 from rollerrig.study.critical_speeds import brackets, disturbance_rounds
 from rollerrig.study.jobs import call
@@ -38,14 +47,15 @@ class NormalForm:
         self.calls += 1
         mu = (speed - ONSET) / WIDTH
         r, amplitudes, time = self.start if state is None else state, [], 0.0
-        while time < 40.0 and not (r < 0.02 and len(amplitudes) > 1) and not is_settled(amplitudes, 1.0):
+        while time < 40.0 and (found := decide([1e-3 * a for a in amplitudes], 1.0)) == "open":
             r = solve_ivp(lambda _t, r: 10 * r * (mu + self.a * r**2 - r**4), (0, 1), [r], rtol=1e-8, atol=1e-9).y[
                 0, -1
             ]
             time += 1.0
             amplitudes.append(r)
-        if r < 0.02:
-            return CyclePoint(speed, 0.0), None
+        if found != "persists":
+            status = "ok" if found == "decays" else "not_decided"
+            return CyclePoint(speed, 0.0, status=status), None
         return CyclePoint(speed, 1e-3 * r, 1e-3 * r, 5.0), r
 
     def radius(self, speed: float) -> float:
@@ -130,7 +140,7 @@ def test_runs_that_ended_early_are_no_limit_cycles_and_no_rest() -> None:
     assert found.hysteresis is None
     assert found.kind == "open"
     sentences = continuation_sentences(found)
-    assert sentences[0] == "Critical speed by continuation: not found, no run came to its end."
+    assert sentences[0] == "Critical speed by continuation: not found, no run was decided."
     assert sentences[1].endswith("ended so: lost at 36 m/s")
     assert "Critical speed by continuation: 129.6" not in " ".join(sentences)
 
@@ -176,6 +186,34 @@ def test_growth_is_not_taken_for_settled_and_scatter_is() -> None:
     scattered = 1.0 + 0.1 * np.random.default_rng(1).standard_normal(20)
     assert is_settled(scattered, 1.0)
     assert not is_settled(scattered * np.exp(0.1 * time), 1.0)
+
+
+@pytest.mark.parametrize(
+    ("radius", "decision"),
+    [
+        (lambda t: 2.0 + 0.0 * t, "persists"),
+        (lambda t: 2.0 + np.exp(-2.0 * t), "persists"),  # has come to the cycle
+        (lambda t: 2.0 + np.exp(-0.3 * t), "open"),  # comes to it, ever more slowly
+        (lambda t: 3.0 * np.exp(-0.5 * t), "decays"),
+        (lambda t: 3.0 * np.exp(-5.0 * t), "decays"),
+        (lambda t: 2.5 - 0.012 * np.exp(0.8 * t), "decays"),  # lingered beside the cycle's place, and falls ever faster
+        (lambda t: 2.6 - 0.1 * t, "open"),  # 6 s are not enough: it was taken for a limit cycle
+        (lambda t: 0.1 * np.exp(0.2 * t), "open"),
+    ],
+)
+def test_one_rule_says_whether_a_motion_persists(radius, decision: str) -> None:
+    time = np.arange(0.0, 6.0, 5e-3)
+    signal = 1e-3 * radius(time) * np.sin(2 * np.pi * 5.3 * time)
+    assert decide_motion(time, signal) == decision
+    at_the_end = {"open": ("open", "persists")}.get(decision, (decision,))
+    assert decide_motion(time, signal, ended=True) in at_the_end
+
+
+def test_a_motion_that_grows_persists_once_its_time_is_over() -> None:
+    grows = 1e-3 * np.exp(0.2 * np.arange(6.0))
+    assert (decide(grows, 1.0), decide(grows, 1.0, ended=True)) == ("open", "persists")
+    assert decide(1e-2 * grows, 1.0) == "open"  # small, and not falling
+    assert decide(0.5e-2 * grows[::-1], 1.0) == "decays"
 
 
 # ---------------------------------------------------------------------------------------------------- real cases

@@ -16,10 +16,11 @@ from rollerrig import _core
 from rollerrig.analysis import linear_bench
 from rollerrig.analysis.linear_bench import LinearBench
 from rollerrig.analysis.linear_system import margins_of
-from rollerrig.analysis.linearise import linearise
-from rollerrig.assembly import assemble
+from rollerrig.analysis.modes import linearise
+from rollerrig.assembly.model import assemble
+from rollerrig.cases import on_track
 from rollerrig.config import ConfigError
-from rollerrig.starting_state import starting_state
+from rollerrig.simulation.starting_state import starting_state
 
 COMMAND, SPEED = "wheelset_1.roller_torque_command", "wheelset_1.axle_speed"
 
@@ -34,7 +35,7 @@ def test_outputs_follow_states_as_differences_say(name: str) -> None:
     """Central differences of the recorded row; their own error is about 1e-6 of the largest entry of a row."""
     bench = LinearBench(rr.load_case(name))
     simulation = _core.Simulation(bench.model.core)
-    state = starting_state(_core.Simulation(bench.model.start_core), bench.model)
+    state = starting_state(bench.model)
     c = simulation.linear_model(0.0, state, [], [])[2]
     quadratures = np.zeros(simulation.quadrature_count)
     scale = np.abs(c).max(axis=1) + 1e-6
@@ -60,7 +61,7 @@ def test_torques_act_as_in_the_equations_of_motion() -> None:
         ["wheelset_2.axle_torque"], ["wheelset_2.pitch_acceleration", "front_frame.pitch_acceleration"]
     )
     model = assemble(bench.case)
-    state = starting_state(_core.Simulation(model.core), model)
+    state = starting_state(model)
     pushed = assemble(bench.case.with_changes({"axle_torque.1.constant": 1000.0}))
     rest, moved = (_core.Simulation(m.core).derivative(0.0, state)[0] for m in (model, pushed))
     rows = [_core.Simulation(model.core).rate_index[model.body_index(b)][4] for b in ("wheelset_2", "front_frame")]
@@ -142,6 +143,16 @@ def test_wrong_names_are_refused_with_a_guess(
     with pytest.raises(ConfigError, match=message) as raised:
         bench.system(inputs, outputs)
     assert "\n" not in str(raised.value)
+
+
+def test_a_case_without_motors_has_axle_torques() -> None:
+    """Brakes alone, on track and on the rig: the torque of an axle turns it by its inertia, as that of a motor does."""
+    brakes = rr.load_case("adhesion_brake")
+    for case in (on_track(brakes), brakes):
+        bench = LinearBench(case, 20.0)
+        system = bench.system(["wheelset_1.axle_torque"], ["wheelset_1.pitch_acceleration"])
+        inertia = case.vehicle.data.body_named("wheelset_1").inertia[1]
+        assert system.d[0, 0] == pytest.approx(1.0 / inertia, rel=1e-6)
 
 
 def test_wrong_speed_and_missing_samples_are_refused() -> None:

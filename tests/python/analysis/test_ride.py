@@ -7,9 +7,8 @@ import pytest
 import xarray as xr
 
 import rollerrig as rr
-from rollerrig.analysis.assessment import assess, table
-from rollerrig.analysis.ride import accelerations, ride, weight, weighted_rms
-from rollerrig.assembly import assemble
+from rollerrig.analysis.assessment import accelerations, assess, ride, table, weight, weighted_rms
+from rollerrig.assembly.model import assemble
 from rollerrig.results.run_info import describe
 
 CASE = rr.load_case("bogie_track").with_changes({"vehicle.cut": "vehicle", "time.duration": "0.01 s"})

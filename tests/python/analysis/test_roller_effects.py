@@ -7,7 +7,7 @@ import pytest
 
 from rollerrig.analysis import linear_critical_speed
 from rollerrig.config import Case, load_case
-from rollerrig.simulation import simulate
+from rollerrig.simulation.run import simulate
 
 EFFECTS = ("curvature", "conicity", "spin", "yaw")
 

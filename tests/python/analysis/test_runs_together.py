@@ -51,7 +51,7 @@ def test_a_signal_that_is_not_there_is_said(runs, signal: str, line: str) -> Non
 
 
 def test_files_of_one_name_are_told_apart_by_their_folders() -> None:
-    from rollerrig.cli.compare_runs import _labels
+    from rollerrig.cli.runs import _labels
 
     def of(*names: str) -> list[str]:
         return _labels([Path(name) for name in names])
@@ -84,3 +84,14 @@ def test_the_command_draws_runs_and_prints_their_differences(runs, tmp_path: Pat
     assert (alone.exit_code, (tmp_path / "no.svg").exists()) == (2, False)
     missing = CliRunner().invoke(build_app(), ["compare-runs", files[0], "none.nc", "--out", str(tmp_path / "no.svg")])
     assert (missing.exit_code, "none.nc: no such file" in missing.output) == (2, True)
+
+
+def test_results_of_something_else_are_one_line(runs, tmp_path: Path) -> None:
+    rr.save_run(runs["dry"], tmp_path / "run.nc")
+    rr.save_run(rr.stability("wheelset_rollers", speeds_kmh=[50.0, 60.0]), tmp_path / "stability.nc")
+    for order in (["stability", "run"], ["run", "stability"]):
+        files = [str(tmp_path / f"{name}.nc") for name in order]
+        answer = CliRunner().invoke(build_app(), ["compare-runs", *files, "--out", str(tmp_path / "runs.svg")])
+        assert answer.exit_code == 2
+        assert "stability: no run over time; needed: results of a run, such as its run.nc" in answer.stderr
+        assert "Traceback" not in answer.output

@@ -37,18 +37,12 @@ def test_frequency_and_amplitude_of_a_steady_wave() -> None:
     found = final_motion(TIME, spiral(0.0))
     assert found.frequency == pytest.approx(2.5, rel=1e-5)
     assert found.amplitude == pytest.approx(1e-3, rel=1e-5)
-    assert found.persists(least_amplitude=1e-5, slowest_decay=0.2)
 
 
 def test_a_dying_signal_leaves_nothing() -> None:
     found = final_motion(TIME, spiral(-8.0))
     assert found.amplitude == 0.0
     assert np.isnan(found.frequency)
-    assert not found.persists(1e-5, 0.2)
-
-
-def test_a_slowly_dying_signal_is_not_sustained() -> None:
-    assert not final_motion(TIME, spiral(-0.5)).persists(1e-5, 0.2)
 
 
 def test_rest_and_short_signals_do_not_trouble() -> None:

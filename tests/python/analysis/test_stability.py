@@ -17,14 +17,12 @@ from rollerrig.analysis import (
     stability,
     zero_crossings,
 )
-from rollerrig.analysis.contact_state import slow_wavelength
+from rollerrig.analysis.control_loop import slow_wavelength
 from rollerrig.analysis.critical_speed import bracket, scan_linear
-from rollerrig.analysis.crossings import diverging
-from rollerrig.analysis.linearise import linearise
-from rollerrig.analysis.modes import eigensystem, oscillates
-from rollerrig.analysis.parallel import run_jobs
-from rollerrig.analysis.speed_map import modes_over_speed
+from rollerrig.analysis.mode_table import diverging, modes_over_speed
+from rollerrig.analysis.modes import eigensystem, linearise, oscillates
 from rollerrig.config import Case, load_case
+from rollerrig.study.jobs import job, run_rounds
 
 
 def largest_growth_rate(lineariser: Lineariser, speed: float) -> float:
@@ -115,8 +113,8 @@ def test_critical_speeds_of_many_cases_are_those_of_each(bogie) -> None:
         "10 m": bogie.with_changes({"support.roller_radius": 10.0}),
         "never": load_case("wheelset_rollers"),
     }
-    jobs = [(case, [60 / 3.6, 350 / 3.6]) for case in cases.values()]
-    found = run_jobs(scan_linear, jobs, processes=2).results
+    jobs = {name: job(scan_linear, (case, [60 / 3.6, 350 / 3.6])) for name, case in cases.items()}
+    found = list(run_rounds(lambda _done: iter([jobs]), None, (1.0,), 2, None)[0].values())
     speeds = [scan.speed_kmh for scan in found if scan is not None]
     assert speeds[0] < speeds[1] < speeds[2]
     assert found[3].onset is None

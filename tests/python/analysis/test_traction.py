@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rollerrig.analysis.fits import fit
+from rollerrig.analysis.signals import fit
 from rollerrig.analysis.traction import balance, bogie_of, torque_over_time, with_theory
 from rollerrig.config import load_case
-from rollerrig.simulation import simulate
+from rollerrig.simulation.run import simulate
 
 AXLE_LOAD = 109_000.0
 

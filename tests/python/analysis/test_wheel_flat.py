@@ -9,9 +9,7 @@ import pytest
 import xarray as xr
 
 from rollerrig import load_case, simulate
-from rollerrig.analysis.slide_statistics import longest_lock
-from rollerrig.analysis.tracking import wheel_radius
-from rollerrig.analysis.wheel_flat import flat_length, lock_energies, longest_flat
+from rollerrig.analysis.slide_statistics import flat_length, lock_energies, longest_flat, longest_lock, wheel_radius
 
 
 @pytest.mark.parametrize("length", [1e-3, 0.02, 0.06])

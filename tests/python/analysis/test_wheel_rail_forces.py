@@ -12,15 +12,15 @@ import pytest
 import xarray as xr
 
 import rollerrig as rr
-from rollerrig.analysis.assessment import assess, table
-from rollerrig.analysis.ride import accelerations
+from rollerrig.analysis.assessment import accelerations, assess, limits, table
+from rollerrig.analysis.signals import low_pass
 from rollerrig.analysis.wheel_rail_forces import (
     filtered,
     prudhomme_limit,
     statistics,
     wheel_forces,
 )
-from rollerrig.assembly import assemble
+from rollerrig.assembly.model import assemble
 from rollerrig.profiles import flange_angle, profile_from_spec
 from rollerrig.track import nadal_limit
 
@@ -215,3 +215,46 @@ def test_every_row_has_its_limit(run: xr.Dataset) -> None:
     assert 0.0 < quotient.part_of_limit < 0.2
     assert math.isnan(next(row for row in rows if row.quantity == "wheel_load").part_of_limit)
     assert [row.place for row in rows if row.quantity == "guiding_force_sum"] == ["wheelset_1", "wheelset_2"]
+
+
+def with_sum(run: xr.Dataset, amplitude: float, frequency: float, duration: float = 4.0) -> xr.Dataset:
+    """Forces of a run of 160 m whose first wheelset is pushed by a sine [N, Hz], read every 2 ms."""
+    time = np.arange(0.0, duration, 2e-3)
+    read = wheel_forces(run.drop_vars([str(n) for n in run.variables if str(n).startswith("reading_")]))
+    long = read.isel(time=np.zeros(len(time), dtype=int)).assign_coords(time=time)
+    long["distance"] = ("time", 40.0 * time, read["distance"].attrs)
+    force = np.zeros((len(time), 2))
+    force[:, 0] = 2e3 + amplitude * np.sin(2 * np.pi * frequency * time)
+    long["guiding_force_sum"] = (("time", "wheelset"), force, read["guiding_force_sum"].attrs)
+    return long
+
+
+@pytest.mark.parametrize("frequency", [3.0, 4.0, 9.0])
+def test_the_instability_criterion_of_a_sine_is_its_r_m_s(run: xr.Dataset, frequency: float) -> None:
+    """EN 14363: r.m.s. over 100 m of what oscillates about the main frequency; its mean and slow changes do not count."""
+    found = filtered(with_sum(run, 10e3, frequency))["guiding_force_sum_rms"]
+    assert found.attrs["filter"].endswith(f"to {frequency + 2.0:.1f} Hz, r.m.s. over 100 m")
+    inside = found.sel(wheelset="wheelset_1").dropna("time")
+    assert 55 < float(inside["time"].size) * 2e-3 * 40.0 < 65  # 160 m less 50 m at either end
+    assert inside.to_numpy() == pytest.approx(10e3 / math.sqrt(2.0), rel=0.03)  # the band takes 2 %, the ends ring
+    assert float(found.sel(wheelset="wheelset_2").max()) < 1.0
+
+
+def test_the_limit_of_instability_is_half_of_prud_homme_s(run: xr.Dataset) -> None:
+    assessed = assess(run)
+    assert "guiding_force_sum_rms" not in assessed.assessed  # 1 s is not 100 m
+    assert any("instability criterion" in note for note in assessed.notes)
+    found = limits(filtered(with_sum(run, 10e3, 4.0)), "guiding_force_sum_rms")
+    wheel_load = float(assessed.forces["static_wheel_load"][0])
+    assert found["wheelset_1"] == pytest.approx(0.5 * prudhomme_limit(wheel_load))
+
+
+def test_a_wear_number_does_not_ring_below_zero(run: xr.Dataset) -> None:
+    read = with_sum(run, 0.0, 4.0)
+    pulse = np.zeros(read["wear_number"].shape)
+    pulse[1000:1020] = 400.0
+    read["wear_number"] = (read["wear_number"].dims, pulse, read["wear_number"].attrs)
+    through = filtered(read)["wear_number"]
+    assert float(through.min()) == 0.0
+    assert float(low_pass(read["wear_number"], 20.0).min()) < -5.0
+    assert through.attrs["filter"] == "20 Hz, not below 0"

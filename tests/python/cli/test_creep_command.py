@@ -10,9 +10,9 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner, Result
 
+from rollerrig.assembly.laws import creep_law
 from rollerrig.cli.app import build_app
 from rollerrig.contact_analysis.creep_laws import REFERENCE, compare_laws, error_table
-from rollerrig.contact_laws import creep_law
 from rollerrig.study.creep import QUANTITIES
 
 FILES = {

@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-import json
 import os
 import re
-import shutil
 import signal
 import subprocess
 import sys
 import time
 from pathlib import Path
+from typing import Any
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
@@ -19,7 +19,10 @@ import rollerrig as rr
 from rollerrig.cli import termination
 from rollerrig.cli.app import build_app
 from rollerrig.results import read_manifest
-from rollerrig.results.folder import NAME, checksum
+from rollerrig.results.folder import checksum
+from rollerrig.study.checkpoint import NAME as NAME_OF_JOBS
+from rollerrig.study.frame import Outcome
+from rollerrig.study.run import RunStudy
 
 ENTRY = [sys.executable, "-c", "from rollerrig.cli import main; main()"]
 ENVELOPE = (
@@ -45,16 +48,11 @@ def case(tmp_path: Path) -> Path:
 
 @pytest.fixture(scope="module")
 def whole_run(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Folder of a run that nothing disturbs, made in this process; `copied` gives a copy that may be spoiled."""
+    """Folder of a run that nothing disturbs, made in this process."""
     folder = tmp_path_factory.mktemp("whole")
     (folder / "short.toml").write_text(CASE)
     assert call("run", folder / "short.toml", "--out", folder / "out")[0] == 0
     return folder / "out"
-
-
-@pytest.fixture
-def copied(whole_run: Path, tmp_path: Path) -> Path:
-    return Path(shutil.copytree(whole_run, tmp_path / "out"))
 
 
 def contents(folder: Path) -> dict[str, bytes]:
@@ -72,65 +70,58 @@ def call(*arguments: object) -> tuple[int, str]:
 
 
 def test_a_study_killed_at_any_moment_goes_on_to_the_same_results(tmp_path: Path) -> None:
-    """Killed again and again, each time somewhat later, until it comes to its end."""
+    """Killed twice, each time one job further, and not only at its begin."""
     assert call(*ENVELOPE.split(), "--out", tmp_path / "whole")[0] == 0
-    out, kills = tmp_path / "out", 0
-    while True:
+    out = tmp_path / "out"
+
+    def kept() -> int:
+        return (out / NAME_OF_JOBS).read_bytes().count(b"\n") if (out / NAME_OF_JOBS).exists() else 0
+
+    for later in (0.0, 0.2):
+        before = kept()
         process = subprocess.Popen(
-            [*ENTRY, *ENVELOPE.split(), "--out", str(out)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+            [*ENTRY, *ENVELOPE.split(), "--out", str(out)], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
         )
-        done = sum(1 for _ in (out / "jobs.jsonl").open("rb")) if (out / "jobs.jsonl").exists() else 0
-        while process.poll() is None:
-            lines = (out / "jobs.jsonl").read_bytes().count(b"\n") if (out / "jobs.jsonl").exists() else 0
-            if kills < 2 and lines > done:  # one job further than the last time
-                time.sleep(0.2 * kills)
-                process.kill()
-                kills += 1
-                break
+        while kept() <= max(before, 1):
+            assert process.poll() is None
             time.sleep(0.005)
-        _, errors = process.communicate()
-        if process.returncode != -signal.SIGKILL:
-            break
+        time.sleep(later)
+        process.kill()
+        assert process.wait() == -signal.SIGKILL
         for path in out.rglob("*.nc"):  # what is there under its name is whole
             rr.load_run(path)
-    assert process.returncode == 0, errors
-    assert kills == 2
+    assert call(*ENVELOPE.split(), "--out", out)[0] == 0
     assert contents(out) == contents(tmp_path / "whole")
 
 
-def test_a_run_killed_while_it_writes_leaves_no_torn_file(case: Path, copied: Path) -> None:
-    out, before = copied, contents(copied)
-    dying = (
-        "import os, signal\nfrom pathlib import Path\nreplace, left = Path.replace, [4]\n"
-        "def dies(self, target):\n    left[0] -= 1\n    left[0] or os.kill(os.getpid(), signal.SIGKILL)\n"
-        "    return replace(self, target)\nPath.replace = dies\n"
-    )
-    case.write_text(CASE.replace("3 mm", "2 mm"))
-    command = [sys.executable, "-c", dying + ENTRY[-1], "run", str(case), "--out", str(out)]
-    assert subprocess.run(command, capture_output=True, check=False).returncode == -signal.SIGKILL
-    rr.load_run(out / "run.nc")
-    json.loads((out / "summary.json").read_text())
-    manifest = read_manifest(out)
-    assert manifest is not None
-    for name in manifest.files:
-        assert manifest.owns(out, name), name
-    case.write_text(CASE)
-    assert call("run", case, "--out", out)[0] == 0
-    assert contents(out) == before
+@pytest.mark.parametrize("moment", ["RunStudy.collect", "Outcome.write"])
+def test_ctrl_c_after_the_last_step_keeps_the_whole_run(
+    moment: str, case: Path, whole_run: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    owner, _, name = moment.partition(".")
+    kind = {"RunStudy": RunStudy, "Outcome": Outcome}[owner]
+    whole = getattr(kind, name)
+
+    def pressed(*arguments: Any, **options: Any) -> Any:
+        os.kill(os.getpid(), signal.SIGINT)
+        return whole(*arguments, **options)
+
+    monkeypatch.setattr(kind, name, pressed)
+    assert call("run", case, "--out", tmp_path / "out")[0] == termination.INTERRUPTED
+    assert contents(tmp_path / "out") == contents(whole_run)
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 
-def test_a_full_disk_keeps_the_results_of_before(case: Path, copied: Path) -> None:
-    out, before = copied, contents(copied)
-    case.write_text(CASE.replace("0.05 s", "0.5 s"))
-    limited = (
-        "import resource, signal; signal.signal(signal.SIGXFSZ, signal.SIG_IGN);"
-        f"resource.setrlimit(resource.RLIMIT_FSIZE, ({len(before['run.nc']) + 10_000},) * 2);"
-    )
-    command = [sys.executable, "-c", limited + ENTRY[-1], "run", str(case), "--out", str(out)]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)
-    assert done.returncode == 2
-    assert "cannot be written: the file would be larger than allowed here" in done.stderr
-    assert contents(out) == before
+def test_a_run_that_becomes_infinite_keeps_what_was_finite(tmp_path: Path) -> None:
+    changes = ("time.step=0.5 s", "motion.speed=400 km/h", "time.duration=2 s")
+    options = [word for change in changes for word in ("--set", change)]
+    code, text = call("run", "bogie_rollers_constant", *options, "--out", tmp_path / "out")
+    assert code == termination.LEFT_VALIDITY
+    assert "nan" not in text
+    run = rr.load_run(tmp_path / "out" / "run.nc")
+    assert run.attrs["status"] == "not_finite"
+    assert run.sizes["time"] > 1
+    assert not [name for name, values in run.items() if values.dtype.kind == "f" and np.isinf(values).any()]
 
 
 def test_a_table_on_a_full_disk() -> None:
@@ -146,33 +137,21 @@ def test_a_folder_that_takes_no_files(case: Path) -> None:
     assert re.fullmatch(r"rollerrig: /sys/kernel/out: cannot be written: [^\n]*; choose another folder\n", text)
 
 
-def test_a_closed_pipe_costs_no_results(case: Path, tmp_path: Path) -> None:
-    """`rollerrig run ... | true`: what was to be printed is lost, what was computed is not."""
+@pytest.mark.parametrize("progress", [False, True], ids=["results", "progress too"])
+def test_a_closed_pipe_costs_no_results(progress: bool, case: Path, tmp_path: Path) -> None:
+    """`rollerrig run ... | true`, and `2>&1 | head -1` where the run goes on for hours: what was computed is not lost."""
     out = tmp_path / "out"
     read, write = os.pipe()
     os.close(read)
-    done = subprocess.run(
-        [*ENTRY, "run", str(case), "--out", str(out)], stdout=write, stderr=subprocess.PIPE, check=False
-    )
+    often = "import rollerrig.cli.progress as p; p.REPORT_SECONDS = 0.0; "
+    command = [sys.executable, "-c", often + ENTRY[-1], "run", str(case), "--out", str(out)]
+    done = subprocess.run(command, stdout=write, stderr=write if progress else subprocess.PIPE, check=False)
     os.close(write)
     assert done.returncode == termination.CLOSED
-    assert b"Traceback" not in done.stderr
+    assert b"Traceback" not in (done.stderr or b"")
     manifest = read_manifest(out)
     assert manifest is not None
     assert all(checksum(out / name) == sum_ for name, sum_ in manifest.files.items() if sum_ is not None)
-    assert (out / NAME).exists()
-
-
-def test_progress_into_a_closed_pipe_costs_no_results(case: Path, tmp_path: Path) -> None:
-    """`rollerrig run ... 2>&1 | head -1`, where the run goes on for hours."""
-    read, write = os.pipe()
-    os.close(read)
-    often = "import rollerrig.cli.progress as p; p.REPORT_SECONDS = 0.0; "
-    command = [sys.executable, "-c", often + ENTRY[-1], "run", str(case), "--out", str(tmp_path / "out")]
-    done = subprocess.run(command, stdout=write, stderr=write, check=False)
-    os.close(write)
-    assert done.returncode == termination.CLOSED
-    assert read_manifest(tmp_path / "out") is not None
 
 
 def test_a_closed_pipe_ends_a_list_quietly() -> None:

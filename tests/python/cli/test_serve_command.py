@@ -17,7 +17,7 @@ from rich.console import Console
 from typer.testing import CliRunner, Result
 
 from rollerrig.cli.app import build_app
-from rollerrig.cli.serving import histogram_lines, table
+from rollerrig.cli.interfaces import histogram_lines, table
 
 pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="the server is written for Linux")
 

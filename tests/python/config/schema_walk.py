@@ -21,10 +21,10 @@ from pydantic.fields import FieldInfo
 
 from rollerrig.config import Case, load_case
 from rollerrig.config.load.case import build_case
-from rollerrig.config.read.document import Document
+from rollerrig.config.read import Document
 from rollerrig.config.schema.units import Quantity
 from rollerrig.config.write.toml import plain
-from rollerrig.profiles.s1002 import s1002_height
+from rollerrig.profiles.analytic import s1002_height
 
 Raw = dict[str, Any]
 

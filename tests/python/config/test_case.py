@@ -91,6 +91,14 @@ def test_a_change_may_replace_or_remove_a_whole_part(bogie: Case) -> None:
     assert stiff.contact.material.young_modulus == pytest.approx(26e9, rel=1e-15)
 
 
+@pytest.mark.parametrize("modulus", ["shear_modulus", "young_modulus"])
+def test_a_modulus_is_refused_in_its_own_name_where_the_other_would_be_out_of_range(bogie: Case, modulus: str) -> None:
+    value = {"shear_modulus": 9e13, "young_modulus": 1.5e5}[modulus]
+    with pytest.raises(ConfigError, match=rf"contact\.material\.{modulus}: .*allowed: such that ") as error:
+        bogie.with_changes({f"contact.material.{modulus}": value})
+    assert len(error.value.problems) == 1
+
+
 def test_mistaken_changes_are_told_like_mistakes_in_a_file(bogie: Case) -> None:
     with pytest.raises(ConfigError) as error:
         bogie.with_changes(

@@ -190,3 +190,81 @@ def test_a_controller_may_use_what_looks_for_its_module(folder: Path) -> None:
         "    def step(self, measurements):\n        return {'roller_torque': measurements['feed_forward']}\n"
     )
     assert rr.simulate(rr.load_case(folder / "case.toml")).attrs["status"] == "ok"
+
+
+PLAN = """\
+name = "stranger"
+case = "{case}"
+{changes}
+
+[[vary]]
+key = "{key}"
+values = {values}
+
+[[measure]]
+kind = "run"
+"""
+
+
+def write_plan(folder: Path, *, changes: str = "", key: str = "motion.speed", values: str = '["20 m/s"]') -> Path:
+    path = folder / "plan.toml"
+    own = f"[changes]\n{changes}" if changes else ""
+    path.write_text(PLAN.format(case=folder / "case.toml", changes=own, key=key, values=values))
+    return path
+
+
+@pytest.mark.parametrize(
+    ("changes", "key", "values", "named"),
+    [
+        ('"rig_control.user" = "{evil}:Mine"', "motion.speed", '["20 m/s"]', "changes.rig_control.user"),
+        ('rig_control = {{user = "{evil}:Mine"}}', "motion.speed", '["20 m/s"]', "changes.rig_control.user"),
+        ('"rig_control.us*" = "{evil}:Mine"', "motion.speed", '["20 m/s"]', "changes.rig_control.user"),
+        ('"rig_control.user" = "os:abort"', "motion.speed", '["20 m/s"]', "changes.rig_control.user"),
+        ('slide_protection = {{fmu = "{evil}"}}', "motion.speed", '["20 m/s"]', "changes.slide_protection.fmu"),
+        ('"slide_protection.fmu.file" = "{evil}"', "motion.speed", '["20 m/s"]', "changes.slide_protection.fmu"),
+        ("", "rig_control.user", '["{evil}:Mine"]', "vary[0].values.rig_control.user"),
+        ("", "rig_control.user", '["mine.py:Mine", "os:abort"]', "vary[0].values.rig_control.user"),
+        ("", "rig_control", '[{{user = "{evil}:Mine"}}]', "vary[0].values.rig_control.user"),
+        ("", "*.user", '["{evil}:Mine"]', "vary[0].values.*.user"),
+        ("", "slide_protection", '[{{fmu = {{file = "{evil}"}}}}]', "vary[0].values.slide_protection.fmu"),
+        ('base = "{evil_case}"', "motion.speed", '["20 m/s"]', "changes.base"),
+    ],
+)
+def test_a_plan_brings_no_code_from_elsewhere(
+    folder: Path, tmp_path: Path, changes: str, key: str, values: str, named: str
+) -> None:
+    (tmp_path / "mine.py").write_text(CONTROLLER)
+    write_case(tmp_path / "evil.toml", "mine.py:Mine")
+    paths = {"evil": tmp_path / "mine.py", "evil_case": tmp_path / "evil.toml"}
+    plan = write_plan(folder, changes=changes.format(**paths), key=key, values=values.format(**paths))
+    for command, options in {"check": [], "sweep": ["--out", tmp_path / "out", "--workers=1"]}.items():
+        code, text = call(command, plan, *options)
+        assert code == 2, text
+        assert named in text, text
+        assert "code from elsewhere: a" in text or "changes.base" in text
+    assert not (tmp_path / TRACE).exists()
+    assert not (folder / TRACE).exists()
+
+
+def test_a_plan_names_the_code_beside_it_and_runs_it(
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)  # paths start at the plan, wherever the command is called
+    (folder / "other.py").write_text(CONTROLLER.replace(TRACE, "other"))
+    plan = write_plan(folder, key="rig_control.user", values='["other.py:Mine"]')
+    named = f"rig_control.user: brings code: {folder / 'other.py'}, class Mine"
+    code, text = call("check", plan)
+    assert (code, named in text) == (0, True), text
+    assert not (folder / "other").exists()
+    code, text = call("sweep", plan, "--out", tmp_path / "out", "--workers=1")
+    assert (code, named in text) == (0, True), text
+    assert (folder / "other").exists()
+
+
+def test_a_plan_runs_code_from_elsewhere_where_the_user_says_so(folder: Path, tmp_path: Path) -> None:
+    (tmp_path / "mine.py").write_text(CONTROLLER)
+    plan = write_plan(folder, changes=f'"rig_control.user" = "{tmp_path / "mine.py"}:Mine"')
+    code, text = call("sweep", plan, "--out", tmp_path / "out", "--workers=1", "--allow-code")
+    assert code == 0, text
+    assert f"brings code: {tmp_path / 'mine.py'}" in text
+    assert (tmp_path / TRACE).exists()

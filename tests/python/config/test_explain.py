@@ -46,6 +46,21 @@ def test_nothing_is_said_twice() -> None:
 
 
 @pytest.mark.parametrize(
+    ("words", "first", "among"),
+    [
+        ("kalker", "contact.creep", "contact.creep.k_0"),
+        ("contact.law", "contact.creep", "contact.normal"),
+        ("wheel load", "wheel_slip_control", "train.axles.loads"),
+    ],
+)
+def test_words_that_are_no_key_are_looked_for_in_names_and_texts(words: str, first: str, among: str) -> None:
+    head, *rows = explain(words).splitlines()
+    assert head == f"no key is called '{words}'; these speak of it:"
+    assert rows[0].split()[0] == first
+    assert among in [row.split()[0] for row in rows]
+
+
+@pytest.mark.parametrize(
     ("key", "line"),
     [
         ("motion.sped", "motion.sped: no such key; did you mean 'motion.speed'?"),

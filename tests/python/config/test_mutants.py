@@ -16,7 +16,7 @@ import pytest
 from rollerrig.cli.describe import describe_case
 from rollerrig.config import Case, ConfigError, case_from_toml
 from rollerrig.config.validate.messages import tables_below
-from rollerrig.starting_state import StartError
+from rollerrig.simulation.starting_state import StartError
 
 from .schema_walk import Raw, build, whole_cases
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from rollerrig.config import ConfigError, load_vehicle
-from rollerrig.config.load.placed import placed
+from rollerrig.config.load.resolve import placed
 
 from .conftest import WRITTEN_OUT
 
@@ -60,6 +60,8 @@ SPRING = f'{FRAME}[[element]]\nname = "s"\nbetween = ["f", "w_1"]\n[element.z]\n
          "v.toml: element.s.point: [[0, 0, 0.46]]; allowed with both_sides = true: a point with y other than 0"),
         (SPRING.replace("[element.z]", "point = [0, 1, 0.46]\nboth_sides = 1\n[element.z]"),
          "v.toml: element.s.both_sides: 1; allowed: true or false"),
+        (SPRING.replace("[element.z]", "points = 5\nboth_sides = true\n[element.z]"),
+         "v.toml: element.s_left.points: 5; allowed: "),
     ],
 )  # fmt: skip
 def test_a_mistake_in_a_place_is_one_line(

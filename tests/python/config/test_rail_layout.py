@@ -9,7 +9,7 @@ import pytest
 
 from rollerrig import ConfigError
 from rollerrig.config import Track, load_support
-from rollerrig.config.schema.rail_layout import rail_layout
+from rollerrig.config.schema.support import rail_layout
 from rollerrig.config.validate.check_track import check_line
 from rollerrig.profiles import gauge_point, profile_from_spec
 

@@ -14,10 +14,10 @@ import pytest
 
 from rollerrig.catalog import catalog_text
 from rollerrig.cli.describe import describe_case
-from rollerrig.config import Case, ConfigError, json_schema, load_case, reference_markdown
+from rollerrig.config import Case, ConfigError, explain, json_schema, load_case
 from rollerrig.config.schema.units import Quantity
 from rollerrig.config.validate.messages import item_label
-from rollerrig.starting_state import StartError
+from rollerrig.simulation.starting_state import StartError
 
 from .schema_walk import Place, Raw, WholeNumber, build, inner, numbers_in, places, put, tables, whole_cases, with_value
 
@@ -55,9 +55,8 @@ def test_the_walk_meets_every_number_of_the_schema() -> None:
     assert met == numeric_fields().keys()
 
 
-def test_the_reference_and_the_json_schema_show_the_ranges() -> None:
-    text = reference_markdown()
-    assert "from 0.001 to 1e+06 m, with its unit written beyond 10 m" in text
+def test_explain_and_the_json_schema_show_the_ranges() -> None:
+    assert "from 0.001 to 1e+06 m, with its unit written beyond 10 m" in explain("support.roller_radius")
     radius = json_schema()["$defs"]["Rig"]["properties"]["roller_radius"]
     assert (radius["anyOf"][0]["minimum"], radius["anyOf"][0]["maximum"], radius["x-range"]) == (1e-3, 10, [1e-3, 1e6])
 

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+import importlib.util
 import json
 import tomllib
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 from jsonschema import Draft202012Validator
 from pydantic import BaseModel
 
 from rollerrig.catalog import KINDS, catalog_file, catalog_names
-from rollerrig.config import Case, Material, Rig, Track, Vehicle, json_schema, load_case, reference_markdown
-from rollerrig.config.read.library import schema_file
+from rollerrig.config import Case, Plan, Programme, explain, json_schema, load_case
+from rollerrig.config.read import schema_file
 from rollerrig.config.schema.base import Table
+from rollerrig.config.write.explain import key_places
 from rollerrig.profiles import SHAPES
 
 from .schema_walk import whole_cases
@@ -32,16 +35,25 @@ def test_every_key_has_a_description(table: type[BaseModel]) -> None:
         assert field.description, f"{table.__name__}.{name}"
 
 
-def test_the_reference_names_every_key_with_its_unit() -> None:
-    text = reference_markdown()
-    for table in (Case, Vehicle, Rig, Track, Material):
-        for name in table.model_fields:
-            assert f"| `{name}` |" in text
-    assert "| `duration` | quantity | s | required | length of the run; from 1e-06 to 100000 s |" in text
-    assert "| `speed_table` | rows of two numbers | s, m/s |" in text
-    assert "### `[element.x.damper]`, `[element.y.damper]`, `[element.z.damper]`" in text
+def test_the_reference_of_the_documentation_names_every_key() -> None:
+    pytest.importorskip("sphinx")
+    path = Path(__file__).resolve().parents[3] / "docs" / "_ext" / "config_reference.py"
+    spec = importlib.util.spec_from_file_location("config_reference", path)
+    assert spec
+    assert spec.loader
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    lines = module.reference(Case.model_json_schema(), Programme.model_json_schema(), Plan.model_json_schema())
+    text = "\n".join(lines)
+    for place in key_places():
+        assert f"| `{place.key.rpartition('.')[2]}` |" in text, place.key
     rows = [line for line in text.splitlines() if line.startswith("|")]
     assert {line.replace("\\|", "").count("|") for line in rows} == {6}
+
+
+def test_a_key_is_explained_with_its_unit() -> None:
+    assert "from 1e-06 to 100000 s" in explain("time.duration")
+    assert "s, m/s" in explain("motion.speed_table")
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 from rollerrig import load_case
-from rollerrig.contact_analysis.creep_comparison import (
+from rollerrig.contact_analysis.creep_laws import (
     _FIELDS,
     EXACT_EVERY,
     LEAST_SOLUTIONS,

@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 import rollerrig as rr
 from rollerrig.cli.app import build_app
 from rollerrig.contact_analysis.profile_curve import profile_csv, simpack_text
-from rollerrig.profiles.s1002 import s1002_height
+from rollerrig.profiles.analytic import s1002_height
 
 RUNNER = CliRunner()
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from rollerrig.assembly import assemble
+from rollerrig.assembly.model import assemble
 from rollerrig.config import Case, load_case
 from rollerrig.contact_analysis import conicity_table, pair_case, shift_table
 

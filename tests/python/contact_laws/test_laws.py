@@ -10,8 +10,9 @@ from pydantic import BaseModel
 
 import rollerrig as rr
 from rollerrig import _core
+from rollerrig.assembly.laws import creep_law
 from rollerrig.config import ConfigError
-from rollerrig.config.schema.contact_law import (
+from rollerrig.config.schema.contact import (
     CREEP_LAWS,
     FRICTION_LAWS,
     NORMAL_LAWS,
@@ -20,7 +21,6 @@ from rollerrig.config.schema.contact_law import (
     AnyNormal,
     kinds,
 )
-from rollerrig.contact_laws import creep_law
 
 POLACH = {"kind": "polach", "k_A": 0.3, "k_S": 0.1}
 FROM_PYTHON = {"table": {"table"}, "strip_theory": {"table"}}

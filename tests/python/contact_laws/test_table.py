@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from rollerrig import _core
-from rollerrig.contact_laws import CreepTableError, creep_law, read_table, shipped_table
+from rollerrig.assembly.creep_table import CreepTableError, read_table, shipped_table
+from rollerrig.assembly.laws import creep_law
 
 TABLE = Path(_core.__file__).parent / "catalog" / "tables" / "creep_table.npz"
 REFERENCE = Path(__file__).parents[2] / "validation" / "data" / "creep_reference.csv"

@@ -20,9 +20,9 @@ import pytest
 
 import rollerrig as rr
 from rollerrig import _core
-from rollerrig.actuators import assemble_with_actuators
-from rollerrig.assembly import assemble
-from rollerrig.simulation import begin, prepare
+from rollerrig.assembly.actuators import assemble_with_actuators
+from rollerrig.assembly.model import assemble
+from rollerrig.simulation.run import begin, prepare
 
 WORKER = Path(__file__).parent / "border" / "worker.py"
 SECONDS = 10.0

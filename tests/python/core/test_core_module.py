@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from rollerrig import _core
-from rollerrig.assembly import assemble, axle_torque
+from rollerrig.assembly.model import assemble, axle_torque
 from rollerrig.config import load_case
 
 

@@ -7,10 +7,10 @@ from typing import Any, get_args
 import pytest
 
 from rollerrig import _core
+from rollerrig.assembly.laws import direction_law
 from rollerrig.config import AngularSupport, LinearSupport
 from rollerrig.config.schema.base import Table
 from rollerrig.config.schema.vehicle import AngularLaw, LinearLaw
-from rollerrig.force_laws import direction_law
 
 
 def parameters(law: type[Table], key: str) -> set[str]:

@@ -17,9 +17,10 @@ import pytest
 import xarray as xr
 from typer.testing import CliRunner
 
-from rollerrig import Case, export_part, load_case, simulate
+from rollerrig import Case, _core, export_part, load_case, simulate
 from rollerrig.cli.app import build_app
 from rollerrig.config import ConfigError, case_from_toml
+from rollerrig.simulation.fmu_controller import cut_off
 
 fmpy = pytest.importorskip("fmpy", reason="FMPy is an optional dependency")
 validation = pytest.importorskip("fmpy.validation")
@@ -344,3 +345,56 @@ def test_an_fmu_that_fails_ends_the_run_and_leaves_nothing_behind(
 def test_parameters_have_their_type_and_limits(relay: Path, value: object, allowed: str) -> None:
     with pytest.raises(ConfigError, match=rf"slide_protection\.fmu\.parameters\.part: .*{allowed}"):
         simulate(with_relay(relay, 1.0, part=value))
+
+
+# ---------------------------------------------------------------------------------------------------- hostile
+
+
+def repacked(
+    relay: Path, path: Path, change: Callable[[bytes], bytes], member: str = "binaries/linux64/relay.so"
+) -> Path:
+    """The same FMU with another content of one member; the archive is sound."""
+    with zipfile.ZipFile(relay) as whole, zipfile.ZipFile(path, "w") as archive:
+        for name in whole.namelist():
+            archive.writestr(name, change(whole.read(name)) if name == member else whole.read(name))
+    return path
+
+
+@pytest.mark.parametrize("part", [0.02, 0.5, 0.9])
+def test_a_cut_library_is_refused_before_anything_is_loaded(relay: Path, tmp_path: Path, part: float) -> None:
+    cut = repacked(relay, tmp_path / "cut.fmu", lambda whole: whole[: int(part * len(whole) / 2)])
+    with pytest.raises(ConfigError, match=r"relay\.so in it is cut: .* MB are missing at its end") as error:
+        simulate(with_relay(cut, 0.1))
+    assert "\n" not in str(error.value)
+
+
+def test_only_what_is_cut_is_called_so(relay: Path) -> None:
+    with zipfile.ZipFile(relay) as archive:
+        whole = archive.read("binaries/linux64/relay.so")
+    assert cut_off(whole) == 0
+    assert cut_off(Path(_core.__file__).read_bytes()) == 0
+    assert [cut_off(content) for content in (b"", b"MZ\x90", b"\xcf\xfa\xed\xfe" * 9)] == [0, 0, 0]
+    sizes = [cut_off(whole[:length]) for length in range(0, 4000, 97)]
+    assert all(missing > 0 for missing in sizes[1:])
+
+
+def test_a_library_that_cannot_be_loaded_ends_its_own_process_alone(
+    relay: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "unpacked"))
+    (tmp_path / "unpacked").mkdir()
+    damaged = repacked(relay, tmp_path / "damaged.fmu", lambda whole: whole[:16] + b"\xff" * 2 + whole[18:])
+    run = simulate(with_relay(damaged, 0.1))
+    assert run.attrs["status"] == "controller_failed"
+    assert "its library cannot be loaded: OSError: " in run.attrs["status_message"]
+    assert list((tmp_path / "unpacked").iterdir()) == []
+
+
+def test_what_unpacks_to_too_much_is_refused(relay: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("rollerrig.simulation.fmu_controller.LARGEST_UNPACKED", 1000)
+    with pytest.raises(ConfigError, match=r"it unpacks to 0\.\d+ MB; allowed: up to 0\.001 MB"):
+        simulate(with_relay(relay, 0.1))
+    monkeypatch.undo()
+    monkeypatch.setattr("rollerrig.simulation.fmu_controller.LARGEST_DESCRIPTION", 100)
+    with pytest.raises(ConfigError, match=r"its modelDescription\.xml has .*allowed: up to 0\.0001 MB"):
+        simulate(with_relay(relay, 0.1))

@@ -12,8 +12,8 @@ import pytest
 
 from rollerrig import catalog_entries, export_fmu, load_case, simulate
 from rollerrig.cli import main
-from rollerrig.fmu.shells import shells
-from rollerrig.fmu.units import base_units
+from rollerrig.interfaces.fmu.description import base_units
+from rollerrig.interfaces.fmu.export import shells
 
 fmpy = pytest.importorskip("fmpy", reason="FMPy is an optional dependency")
 validation = pytest.importorskip("fmpy.validation")
@@ -111,6 +111,7 @@ def test_powers_of_base_units() -> None:
     assert base_units("kg/m^2") == {"kg": 1, "m": -2}
     assert base_units("N m") == {"kg": 1, "m": 2, "s": -2}
     assert base_units("1") == {}
+    assert base_units("m^3/(s Pa)") == {"kg": -1, "m": 4, "s": 1}
     assert base_units("m/s/s") == base_units("m/s^2") == {"m": 1, "s": -2}
     with pytest.raises(ValueError, match="'km' is not one of"):
         base_units("km/h")

@@ -16,8 +16,8 @@ import numpy as np
 import pytest
 
 from rollerrig import export_fmu
-from rollerrig.fmu import export
-from rollerrig.fmu.shells import WINDOWS, Shell, shells
+from rollerrig.interfaces.fmu import export
+from rollerrig.interfaces.fmu.export import WINDOWS, Shell, shells
 
 ROOT = Path(__file__).parents[3]
 LIBRARY = ROOT / "build" / "windows" / "fmu" / "rollerrig.dll"

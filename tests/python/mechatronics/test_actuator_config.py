@@ -6,7 +6,7 @@ import pytest
 
 from rollerrig import ConfigError, load_case
 from rollerrig.config import case_from_toml
-from rollerrig.mechatronics import COMMANDS
+from rollerrig.simulation.controllers import COMMANDS
 
 
 @pytest.mark.parametrize(

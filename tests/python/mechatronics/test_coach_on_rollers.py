@@ -56,7 +56,7 @@ def test_without_the_rod_it_is_refused_by_name() -> None:
 def test_the_verdict_on_the_rig_has_every_row(rigs: list[xr.Dataset], tracks: list[xr.Dataset]) -> None:
     rig = [record_of(run, coach()) for run in rigs]
     track = [record_of(run, track_case(coach())) for run in tracks]
-    rows = verdict_rows(coach(), track, rig)
+    rows = verdict_rows(coach(), (track, rig))
     assert verdict_of(rows, "tracking") == "met"
     settled = ("distance", "mean_deceleration_mps2", "regrip_adhesion", "longest_lock_s")  # ventings of 6 s are too few
     assert {row.key: row.verdict for row in rows if row.key in settled} == dict.fromkeys(settled, "met")

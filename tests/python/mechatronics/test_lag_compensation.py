@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from rollerrig import simulate
-from rollerrig.actuators import assemble_with_actuators
+from rollerrig.analysis.equivalent_dead_time import lags
+from rollerrig.assembly.actuators import assemble_with_actuators
 from rollerrig.config import Case, load_case
-from rollerrig.mechatronics.lags import lags
 from rollerrig.study.ensemble import starts
 from rollerrig.study.runs.adhesion import track_case
 

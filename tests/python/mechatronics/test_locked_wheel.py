@@ -7,7 +7,7 @@ import xarray as xr
 from rollerrig import simulate
 from rollerrig.analysis.control_loop import creep_slope, loop_of
 from rollerrig.analysis.loop_stability import growth, rolling_plant
-from rollerrig.analysis.torque_ripple import torque_ripple
+from rollerrig.analysis.slide_statistics import torque_ripple
 from rollerrig.config import Case, load_case
 from rollerrig.study.loop_stability import held_growth
 

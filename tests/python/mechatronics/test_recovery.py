@@ -7,10 +7,10 @@ import pytest
 import xarray as xr
 
 from rollerrig import ConfigError, simulate
-from rollerrig.assembly import assemble
+from rollerrig.assembly.model import assemble
 from rollerrig.config import Case, case_from_toml, load_case
-from rollerrig.mechatronics.virtual_train import rail_patch
 from rollerrig.similitude import scale_case, similitude
+from rollerrig.simulation.virtual_train import rail_patch
 from rollerrig.study.runs.adhesion import track_case
 
 RADIUS = 0.46

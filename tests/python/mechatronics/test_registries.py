@@ -2,24 +2,22 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Mapping
 from typing import Any, get_args
 
 import pytest
 from pydantic import BaseModel
 
 from rollerrig import _core
-from rollerrig.actuators import friction_brake, pneumatics
+from rollerrig.assembly.actuators import friction_brake, pneumatics
+from rollerrig.assembly.laws import core_struct
 from rollerrig.config import Brake, Case, Encoder, ForceSensor, Motor, Sensors
-from rollerrig.config.schema.contact_law import kinds
-from rollerrig.config.schema.electrodynamic_brake import AnyElectrodynamicBrake
-from rollerrig.config.schema.pneumatics import AnyAir
-from rollerrig.config.schema.rig_control import AnyEstimator, AnyFeedback, Assumed, Protection
-from rollerrig.config.schema.sanding import AnySandingStart
-from rollerrig.config.schema.sensors import AnySpeedSensor
-from rollerrig.config.schema.slide_protection import AnySlideProtection
-from rollerrig.config.schema.track_brake import AnyTrackBrake
-from rollerrig.config.schema.train import MOST_AXLES
-from rollerrig.core_struct import core_struct
+from rollerrig.config.schema.actuators import AnySlideProtection
+from rollerrig.config.schema.brakes import MOST_AXLES, AnyAir, AnyElectrodynamicBrake, AnySandingStart, AnyTrackBrake
+from rollerrig.config.schema.contact import kinds
+from rollerrig.config.schema.rig_control import AnyEstimator, AnyFeedback, AnySpeedSensor, Assumed, Protection
+from rollerrig.config.schema.units import Quantity
 
 TIMING = {"sample_time", "delay", "user", "fmu"}
 BLENDING = {"axles", *_core.ElectrodynamicBrake.fields}
@@ -36,6 +34,21 @@ FAMILIES = {
 """Registry, the tables that choose from it, and what of a table is not the law's."""
 
 
+SAME = {("Hz", "rad/s"), ("1", "N or N m")}
+"""Units of a key and of the number in the core that differ: frequencies, and readings of a force or a torque."""
+
+
+def units_agree(table: type[BaseModel], units: Mapping[str, str]) -> bool:
+    """Whether the keys of a table have the units of the core's fields of the same names."""
+    for name, info in table.model_fields.items():
+        annotated = [info.metadata, *(getattr(one, "__metadata__", ()) for one in get_args(info.annotation))]
+        keys = {one.unit for metadata in annotated for one in metadata if isinstance(one, Quantity)}
+        core = units.get(name, "")
+        if core and any(key != core and (key, core) not in SAME for key in keys):
+            raise AssertionError(f"{table.__name__}.{name}: {keys} in a case, {core} in the core")
+    return True
+
+
 @pytest.mark.parametrize("family", FAMILIES)
 def test_a_case_can_name_exactly_the_laws_of_the_core(family: str) -> None:
     registry, tables, _ = FAMILIES[family]
@@ -47,6 +60,7 @@ def test_a_table_has_exactly_the_parameters_of_its_law(family: str) -> None:
     registry, tables, others = FAMILIES[family]
     for name, table in zip(kinds(tables), get_args(get_args(tables)[0]), strict=True):
         assert set(table.model_fields) - {"kind"} - others == set(registry[name].fields) - others
+        assert units_agree(table, registry[name].fields)
 
 
 def test_each_controller_of_the_core_is_a_table_of_the_case() -> None:
@@ -57,6 +71,7 @@ def test_each_controller_of_the_core_is_a_table_of_the_case() -> None:
         assert set(table.model_fields) >= TIMING
         if name not in ("rig_control", "brake_unit"):  # which are made of parts, those of [brake] the second one
             assert set(table.model_fields) - TIMING | {"wheel_radius"} == set(law.fields)
+            assert units_agree(table, law.fields)
 
 
 @pytest.mark.parametrize(
@@ -71,11 +86,30 @@ def test_each_controller_of_the_core_is_a_table_of_the_case() -> None:
 )
 def test_tables_and_structs_have_the_same_fields(struct: Any, table: type[BaseModel], others: set[str]) -> None:
     assert set(table.model_fields) - others == set(struct.fields)
+    assert units_agree(table, struct.fields)
 
 
 def test_a_brake_s_table_has_the_fields_of_its_parts() -> None:
-    parts = {*_core.FrictionBrake.fields, *_core.ControlValve.fields}
-    assert set(Brake.model_fields) - {"demand", "motors_stand_in", "air", "electrodynamic"} == parts
+    parts = _core.FrictionBrake.fields | _core.ControlValve.fields
+    assert set(Brake.model_fields) - {"demand", "motors_stand_in", "air", "electrodynamic"} == set(parts)
+    assert units_agree(Brake, parts)
+
+
+def test_every_number_of_the_core_has_a_unit_and_a_meaning() -> None:
+    kalman = _core.estimators["kalman"]
+    assert kalman.force_change.__doc__ == "standard deviation of the contact force's change over 1 s [N]"
+    structs = [
+        one for one in vars(_core).values() if isinstance(one, type) and isinstance(getattr(one, "fields", None), dict)
+    ]
+    assert len(structs) > 80
+    for struct in structs:
+        for name, unit in struct.fields.items():
+            doc = getattr(struct, name).__doc__ or ""
+            if unit:
+                assert re.fullmatch(rf"\S.{{3,}} \[{re.escape(unit)}\]", doc), (struct, name)
+            else:  # nanobind's own: the type
+                assert doc.startswith("(self) -> "), (struct, name)
+                assert "float" not in doc, (struct, name)
 
 
 def test_the_configuration_allows_as_many_axles_as_the_core_has_room_for() -> None:

@@ -7,9 +7,9 @@ import pytest
 import xarray as xr
 
 from rollerrig import load_case, simulate
-from rollerrig.actuators import assemble_with_actuators
+from rollerrig.assembly.actuators import assemble_with_actuators
 from rollerrig.config import Case, Rig
-from rollerrig.mechatronics.setup import estimator_response
+from rollerrig.simulation.mechatronics import estimator_response
 
 SENSORS = {
     "sensors.roller_torque": {"bandwidth": "200 Hz", "noise": 20.0, "resolution": 5.0},

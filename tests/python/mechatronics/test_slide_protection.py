@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rollerrig import ConfigError, load_case, simulate
-from rollerrig.cli.describe_actuators import actuator_lines
+from rollerrig.cli.describe import actuator_lines
 from rollerrig.config import case_from_toml
 
 

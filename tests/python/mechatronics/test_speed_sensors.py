@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rollerrig import ConfigError, load_case, simulate
-from rollerrig.mechatronics import MEASUREMENTS
+from rollerrig.simulation.controllers import MEASUREMENTS
 from rollerrig.study.runs.adhesion import track_case
 
 PULSES = {"kind": "pulse_period", "teeth": 100.0}

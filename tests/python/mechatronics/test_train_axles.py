@@ -8,9 +8,9 @@ import xarray as xr
 
 from rollerrig import ConfigError, load_case, scale, simulate
 from rollerrig.analysis.lateral_guidance import guidance
-from rollerrig.analysis.run_limits import friction_used
+from rollerrig.analysis.rig_limits import friction_used
+from rollerrig.analysis.slide_statistics import slip
 from rollerrig.analysis.slide_statistics import test_record as record_of
-from rollerrig.analysis.tracking import slip
 from rollerrig.config import Case, load_programme
 from rollerrig.study.envelope import EnvelopeStudy
 from rollerrig.study.lateral import LateralStudy

@@ -7,8 +7,8 @@ import pytest
 import xarray as xr
 
 from rollerrig import load_case, simulate
-from rollerrig.assembly import assemble
-from rollerrig.mechatronics.virtual_train import load_transfer, rail_patch
+from rollerrig.assembly.model import assemble
+from rollerrig.simulation.virtual_train import load_transfer, rail_patch
 from rollerrig.study.runs.adhesion import track_case
 
 RADIUS, SPIN_INERTIA, GRAVITY = 0.46, 112.0, 9.81  # vehicle 1

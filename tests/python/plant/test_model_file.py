@@ -11,12 +11,12 @@ from typer.testing import CliRunner
 
 import rollerrig as rr
 from rollerrig import _core, load_case
-from rollerrig.actuators import assemble_with_actuators
-from rollerrig.assembly import assemble
+from rollerrig.assembly.actuators import assemble_with_actuators
+from rollerrig.assembly.model import assemble
 from rollerrig.cli.app import build_app
 from rollerrig.config import Case, ConfigError
-from rollerrig.plant import ModelFileError, assembled_model
-from rollerrig.simulation import prepare
+from rollerrig.interfaces.plant import ModelFileError, assembled_model
+from rollerrig.simulation.run import prepare
 
 RUNS = {
     "adhesion_brake": "50 ms",
@@ -122,7 +122,9 @@ def test_a_controller_in_python_has_no_place_in_a_file(tmp_path: Path) -> None:
 
 
 def test_the_page_names_every_kind_of_value_that_the_layout_has() -> None:
-    fields = [line.split() for line in _core.model_layout.splitlines() if not line.strip().startswith("= ")]
+    lines = [line for line in _core.model_layout.splitlines() if not line.strip().startswith("= ")]
+    assert "    mass f64, kg" in lines
+    fields = [line.split(",")[0].split() for line in lines]
     words = {word for _, *kind in fields for word in re.findall(r"[a-z]+[0-9]*|@", " ".join(kind))}
     page = (Path(__file__).parents[3] / "docs" / "model_file.md").read_text()
     assert {"f64", "bool", "text", "law", "x"} <= words

@@ -7,7 +7,7 @@ import pytest
 
 from rollerrig import _core, load_case
 from rollerrig.config import Case
-from rollerrig.plant import assembled_model
+from rollerrig.interfaces.plant import assembled_model
 
 OK = _core.status_codes["ok"]
 TUNABLE = (
@@ -56,6 +56,88 @@ def test_every_number_of_a_controller_is_a_parameter() -> None:
     law = load_case("adhesion_brake").slide_protection
     numbers = {name for name, number in law if isinstance(number, float) and name not in ("sample_time", "delay")}
     assert {f"slide_protection.{name}" for name in numbers} <= names
+
+
+AIR = ("fill_rate", "vent_rate")
+RESERVOIR = (
+    *("fill_conductance", "vent_conductance", "charging_conductance", "critical_ratio", "relay_band", "opening_time"),
+    *(
+        "closing_time",
+        "least_pulse",
+        "reservoir_volume",
+        "reservoir_pressure",
+        "main_pipe_pressure",
+        "reference_pressure",
+    ),
+)
+VALVE = ("application_rate", "release_rate", "follow_rate", "ambient_pressure", "volume")
+CONDITION = ("A", "B", "mu_0", "k_A", "k_S")
+TRAIN = ("gradient", "gravity", "mass", "resistance_constant", "resistance_linear", "resistance_quadratic")
+WHEELS_AND_ROLLERS = ("roller_inertia", "roller_radius", "wheel_radius", "wheelset_inertia")
+NUMBERS: dict[str, dict[str, tuple[str, ...]]] = {
+    "adhesion_brake": {
+        "rollers": ("radius",),
+        "wheelset_1.left.friction": ("mu_0",),
+        "adhesion": ("recovery_constant",),
+        "adhesion.degraded": CONDITION,
+        "adhesion.recovered": CONDITION,
+        "rig_control": ("largest", "locked_speed"),
+        "rig_control.assumed": WHEELS_AND_ROLLERS,
+        "rig_control.estimator": ("bandwidth", "damping_ratio"),
+        "rig_control.axle_torque": ("bandwidth", "brake_friction"),
+        "rig_control.feedback": ("bandwidth", "damping_ratio"),
+        "rig_control.drive_command": ("ahead",),
+        "rig_control.train": (*TRAIN, "wheel_radius", "wheelset_inertia"),
+        "brake.control_valve": VALVE,
+        "brake.air": AIR,
+    },
+    "adhesion_valves": {"brake.control_valve": VALVE, "brake.air": RESERVOIR},
+    "adhesion_sanding": {"adhesion": ("sand_constant",), "adhesion.sanded": CONDITION},
+    "adhesion_step": {"adhesion.piece_2": ("recovery_constant",), "adhesion.piece_2.degraded": CONDITION},
+}
+"""Parameters of shipped cases, but for bodies and elements, controllers' laws of [slide_protection] and the like."""
+
+
+@pytest.mark.parametrize("name", NUMBERS)
+def test_every_number_of_a_law_is_a_parameter(name: str) -> None:
+    names = {v.name for v in _core.Plant(assembled_model(load_case(name))).variables if v.causality == "parameter"}
+    assert {f"{owner}.{number}" for owner, numbers in NUMBERS[name].items() for number in numbers} <= names
+    sand = {one for one in names if one.startswith("adhesion") and "sand" in one}
+    assert bool(sand) == (name == "adhesion_sanding")  # no sand falls elsewhere: it would act on nothing
+
+
+def test_numbers_that_a_case_may_leave_out_are_parameters_where_it_gives_them() -> None:
+    changes: dict[str, object] = {
+        "contact.gauge_face_friction": 0.15,
+        "rig_control.estimator": {"kind": "kalman", "force_change": "1 kN", "torque_change": "500 N m"},
+    }
+    given, left_out = (
+        {v.name: v.unit for v in _core.Plant(assembled_model(load_case("adhesion_brake").with_changes(c))).variables}
+        for c in (changes, {"rig_control.estimator": "kalman"})
+    )
+    assert given.keys() - left_out.keys() == {
+        "rig_control.estimator.force_change",
+        "rig_control.estimator.torque_change",
+        *(f"{wheel}.friction.gauge_face" for wheel in WHEELS),
+    }
+    assert given["rig_control.estimator.torque_change"] == "N m"
+
+
+def test_parameters_of_air_act_on_the_run() -> None:
+    """In the first second the pressure rises as the control valve lets it, later it is what the conductance lets through."""
+    case = load_case("adhesion_valves")
+    given = plant_of(case)
+    rate = value(given, "brake.control_valve.application_rate")
+    slow = plant_of(case, brake__control_valve__application_rate=0.5 * rate)
+    choked = plant_of(case, brake__air__fill_conductance=0.01 * value(given, "brake.air.fill_conductance"))
+    full, half, little = (pressure_after(plant, 1.0) for plant in (given, slow, choked))
+    assert 0.4 < half / full < 0.6
+    assert little < 0.6 * full
+
+
+def pressure_after(plant: _core.Plant, time: float) -> float:
+    assert plant.advance(time) == OK
+    return value(plant, "wheelset_1.cylinder_pressure")
 
 
 def test_more_mass_stands_on_the_rollers_from_the_start(bogie: Case) -> None:

@@ -9,12 +9,12 @@ import pytest
 import xarray as xr
 
 from rollerrig import _core, load_case, simulate
-from rollerrig.actuators import assemble_with_actuators
+from rollerrig.assembly.actuators import assemble_with_actuators
+from rollerrig.assembly.train_axles import train_mass
 from rollerrig.config import Case, ConfigError
-from rollerrig.mechatronics.setup import wheelset_inertia
-from rollerrig.mechatronics.train_axles import train_mass
-from rollerrig.plant import assembled_model
+from rollerrig.interfaces.plant import assembled_model
 from rollerrig.results.dataset import body_variable
+from rollerrig.simulation.mechatronics import wheelset_inertia
 
 OK = _core.status_codes["ok"]
 

@@ -7,7 +7,7 @@ import pytest
 
 from rollerrig import _core, load_case
 from rollerrig.config import Case
-from rollerrig.plant import assembled_model
+from rollerrig.interfaces.plant import assembled_model
 
 OK = _core.status_codes["ok"]
 

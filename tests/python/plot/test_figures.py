@@ -16,12 +16,12 @@ from rollerrig.plot import (
     figure_bytes,
     frequency_over_speed,
     hunting_over_time,
-    into,
     limit_cycle_diagram,
     mode_shape,
     mode_shapes,
     ramp_over_speed,
     root_locus,
+    style,
     traction_forces,
     traction_sliding,
     wheel_rail_forces,
@@ -71,7 +71,6 @@ def cycles() -> xr.Dataset:
         "speed": SPEED,
         "amplitude": [0.0, 1e-3, 2e-3],
         "frequency": [np.nan, 4.0, 5.0],
-        "settled": [1.0, 1.0, 0.0],
     }
     columns |= {"guiding_force": [np.nan, 1e4, 9e5], "sweep": ["up", "up", "down"], "status": ["ok", "ok", "derailed"]}
     variables = {f"cycle_{name}": ("cycle_point", values) for name, values in columns.items()}
@@ -241,7 +240,7 @@ def test_runs_that_ended_early_are_drawn_as_neither() -> None:
     lines = {str(line.get_label()): list(line.get_xdata()) for line in axes.lines}
     assert lines["steel: persists"] == [180.0]
     assert lines["steel: decays"] == [60.0]
-    assert lines["steel: run ended early"] == [120.0]
+    assert lines["steel: not decided"] == [120.0]
 
 
 @pytest.mark.parametrize("count", [2, 4, 12, 40])
@@ -287,11 +286,11 @@ def test_every_figure_is_drawn_into_given_axes_and_makes_no_others(name: str) ->
     own = len(FIGURES[name]().axes)
     figure = Figure()
     axes = tuple(figure.subplots(own, 1, squeeze=False)[:, 0])
-    token = into._GIVEN.set(axes)
+    token = style._GIVEN.set(axes)
     try:
         FIGURES[name]()
     finally:
-        into._GIVEN.reset(token)
+        style._GIVEN.reset(token)
     drawn = [len(one.lines) + len(one.collections) + len(one.patches) for one in axes]
     assert drawn[0] > 0
     assert figure.legends == []

@@ -8,7 +8,7 @@ import pytest
 from matplotlib.figure import Figure
 
 import rollerrig as rr
-from rollerrig.plot import into
+from rollerrig.plot import style
 
 OWN = [name for name in rr.plot.__all__ if name not in ("figure_bytes", "shape_speed", "vehicle")]
 
@@ -65,5 +65,5 @@ def test_afterwards_figures_are_new_again(run) -> None:
     axes = Figure().subplots()
     with pytest.raises(TypeError):
         rr.plot.motion_over_time(None, axes=axes)
-    assert into.given() == ()
+    assert style.given() == ()
     assert isinstance(rr.plot.motion_over_time(run), Figure)

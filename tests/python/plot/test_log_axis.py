@@ -7,8 +7,7 @@ import itertools
 import numpy as np
 import pytest
 
-from rollerrig.plot.log_axis import logarithmic
-from rollerrig.plot.style import new_figure
+from rollerrig.plot.style import logarithmic, new_figure
 
 
 @pytest.mark.parametrize("low", [0.0123, 0.9, 4.0, 350.0])

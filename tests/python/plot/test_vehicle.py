@@ -9,7 +9,7 @@ from matplotlib.patches import Circle
 from matplotlib.text import Text
 
 from rollerrig.config import load_case
-from rollerrig.plot import callouts, vehicle
+from rollerrig.plot import vehicle, vehicle_names
 from rollerrig.plot.vehicle_scene import family
 
 
@@ -106,8 +106,8 @@ def test_everything_is_named_in_the_drawing_and_no_name_lies_upon_another(name: 
 
 def test_lines_cross_less_than_in_the_order_of_their_places() -> None:
     anchors = [(100.0, 0.0), (100.0, 40.0), (100.0, 80.0)]
-    found = callouts._row([0, 1, 2], anchors, [30.0] * 3, (0.0, 400.0), 120.0)
+    found = vehicle_names._row([0, 1, 2], anchors, [30.0] * 3, (0.0, 400.0), 120.0)
     places = {k: x for k, (x, _) in found.items()}
-    assert callouts._crossings(places, anchors, 120.0) == 0
-    assert callouts._crossings({0: 100.0, 1: 135.0, 2: 170.0}, anchors, 120.0) == 1
-    assert callouts._crossings({0: 135.0, 1: 100.0, 2: 90.0}, [(90.0, 0.0), (135.0, 0.0), (91.0, 0.0)], 120.0) > 0
+    assert vehicle_names._crossings(places, anchors, 120.0) == 0
+    assert vehicle_names._crossings({0: 100.0, 1: 135.0, 2: 170.0}, anchors, 120.0) == 1
+    assert vehicle_names._crossings({0: 135.0, 1: 100.0, 2: 90.0}, [(90.0, 0.0), (135.0, 0.0), (91.0, 0.0)], 120.0) > 0

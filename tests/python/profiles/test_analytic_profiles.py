@@ -6,8 +6,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rollerrig.profiles import STEEPEST_SLOPE, ProfileError, gauge_point, profile_from_spec
-from rollerrig.profiles import rail_head as rail
-from rollerrig.profiles.s1002 import FLANGE_ROOT_AS_PRINTED, SEGMENTS, TREAD, s1002, s1002_height
+from rollerrig.profiles import analytic as rail
+from rollerrig.profiles.analytic import FLANGE_ROOT_AS_PRINTED, SEGMENTS, TREAD, s1002, s1002_height
 
 mm = 1e-3
 RAILS = ["uic60_benchmark_1_40", "uic60_benchmark_1_20", "en_60e1_1_40", "en_60e1_1_20"]

@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rollerrig.profiles import ProfileError, gauge_point, profile_from_spec
-from rollerrig.profiles import rail_head as rail
-from rollerrig.profiles.s1002 import s1002_height
+from rollerrig.profiles import analytic as rail
+from rollerrig.profiles.analytic import s1002_height
 
 mm = 1e-3
 

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 from python.realtime.running import Running, brake_case
-from rollerrig.realtime.served import Served, serve_case
+from rollerrig.interfaces.realtime.server import Served, serve_case
 
 if not sys.platform.startswith("linux"):  # there the frames alone are tested
     collect_ignore = ["test_serving.py", "test_loop.py", "test_brake_test.py"]

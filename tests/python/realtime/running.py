@@ -6,8 +6,7 @@ import threading
 from typing import Any
 
 import rollerrig as rr
-from rollerrig.realtime.served import Served
-from rollerrig.realtime.server import Ended, open_server, run_server
+from rollerrig.interfaces.realtime.server import Ended, Served, open_server, run_server
 
 
 class Running:

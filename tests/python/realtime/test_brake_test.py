@@ -9,8 +9,8 @@ import sys
 import pytest
 
 import rollerrig as rr
-from rollerrig.realtime import Client
-from rollerrig.realtime.slide_protection import SlideProtection
+from rollerrig.interfaces.controller_part import SlideProtection
+from rollerrig.interfaces.realtime import Client
 
 SERVER = """
 from rollerrig.cli import main

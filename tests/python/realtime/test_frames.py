@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from rollerrig.realtime import c_header
-from rollerrig.realtime.frames import ASK, COMMAND, DESCRIPTION, REARM, SENSORS, Frame, pack, unpack
+from rollerrig.interfaces.realtime import c_header
+from rollerrig.interfaces.realtime.frames import ASK, COMMAND, DESCRIPTION, REARM, SENSORS, Frame, pack, unpack
 
 PROGRAM = """
 #include <stdio.h>

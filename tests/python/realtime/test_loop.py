@@ -13,7 +13,7 @@ import pytest
 
 from python.realtime.running import brake_case
 from rollerrig import simulate
-from rollerrig.realtime.served import serve_case
+from rollerrig.interfaces.realtime.server import serve_case
 
 COUNTER = """
 #define _GNU_SOURCE
@@ -27,8 +27,8 @@ long malloc_calls(void) { return calls; }
 RUNS = """
 import ctypes
 from python.realtime.running import brake_case
-from rollerrig.realtime.served import serve_case
-from rollerrig.realtime.server import open_server
+from rollerrig.interfaces.realtime.server import serve_case
+from rollerrig.interfaces.realtime.server import open_server
 calls = ctypes.CDLL(None).malloc_calls
 calls.restype = ctypes.c_long
 for duration, lock_step in ((0.2, False), (0.2, False), (1.2, False), (0.2, True), (0.2, True), (1.2, True)):

@@ -14,10 +14,9 @@ import pytest
 from python.realtime.running import Running, brake_case
 from rollerrig import _core, load_case, simulate
 from rollerrig.config import ConfigError
-from rollerrig.realtime import Client, ClientError
-from rollerrig.realtime.links import SHARED_MEMORY, Rings
-from rollerrig.realtime.served import Served, serve_case
-from rollerrig.realtime.server import check_rate, open_server, replay
+from rollerrig.interfaces.realtime import Client, ClientError
+from rollerrig.interfaces.realtime.links import SHARED_MEMORY, Rings
+from rollerrig.interfaces.realtime.server import Served, check_rate, open_server, replay, serve_case
 
 Serve = Callable[..., Running]
 

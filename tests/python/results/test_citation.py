@@ -9,7 +9,7 @@ import pytest
 import xarray as xr
 
 import rollerrig as rr
-from rollerrig.config.schema.contact_law import CREEP_LAWS, NORMAL_LAWS
+from rollerrig.config.schema.contact import CREEP_LAWS, NORMAL_LAWS
 from rollerrig.results.citation import _LAWS, entries, sources_of
 
 

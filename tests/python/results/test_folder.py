@@ -13,7 +13,6 @@ from pathlib import Path
 from typing import Any
 
 import h5py
-import numpy as np
 import pytest
 import xarray as xr
 from typer.testing import CliRunner
@@ -22,8 +21,8 @@ import rollerrig as rr
 from rollerrig.cli.app import build_app
 from rollerrig.plot import figure_bytes
 from rollerrig.plot.style import new_figure
-from rollerrig.results import OutputError, ResultFolder, files, folder, read_manifest, save_run, write_bytes, write_text
-from rollerrig.results.folder import NAME, check_folder
+from rollerrig.results import OutputError, ResultFolder, files, read_manifest, save_run, write_bytes, write_text
+from rollerrig.results.folder import NAME, check_folder, locked
 
 NO_CASES: Mapping[str, rr.Case] = {}
 
@@ -360,6 +359,28 @@ def test_a_run_into_the_folder_of_another_command_is_refused_before_it_begins(
         assert (out / name).read_bytes() == (tmp_path / "first" / name).read_bytes(), name
 
 
+def test_the_second_of_two_commands_in_a_folder_is_refused_before_it_begins(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    fcntl = pytest.importorskip("fcntl")
+    monkeypatch.setattr("rollerrig.study.run.simulate", lambda *_, **__: pytest.fail("the run has begun"))
+    handle = os.open(tmp_path, os.O_RDONLY)
+    try:
+        fcntl.flock(handle, fcntl.LOCK_EX)  # as the first command holds it
+        code, text = call("run", "wheelset_rollers", "--out", tmp_path)
+        with pytest.raises(OutputError, match="another command is writing there"):
+            write(tmp_path, a_csv="1")
+    finally:
+        os.close(handle)
+    assert code == 2
+    assert f"{tmp_path}: another command is writing there; wait for its end" in text
+    assert names(tmp_path) == set()
+    (tmp_path / ".rollerrig-left").mkdir()  # by a killed program, whose lock ended with it
+    with locked(tmp_path):
+        write(tmp_path, a_csv="1")
+    assert {path.name for path in tmp_path.iterdir()} == {NAME, "a.csv"}
+
+
 def test_a_run_beside_the_users_own_files_keeps_them(tmp_path: Path) -> None:
     case = tmp_path / "case.toml"
     case.write_text(CASE)
@@ -394,9 +415,3 @@ def test_every_command_that_writes_has_the_option() -> None:
     for name, command in typer.main.get_command(build_app()).commands.items():  # type: ignore[attr-defined]
         options = {option for parameter in command.params for option in parameter.opts}
         assert ("--force" in options) == bool(options & {"--out", "--csv"}), name
-
-
-def test_checksums_are_those_of_the_files(tmp_path: Path) -> None:
-    content = np.random.default_rng(1).bytes(3 * folder._CHUNK + 7)
-    (tmp_path / "a").write_bytes(content)
-    assert folder.checksum(tmp_path / "a") == hashlib.sha256(content).hexdigest()

@@ -13,8 +13,8 @@ import xarray as xr
 import rollerrig as rr
 from rollerrig import results
 from rollerrig.config import Case
-from rollerrig.results import files, variable
-from rollerrig.results.energy import DISSIPATED, STORED, WORK_IN
+from rollerrig.results import ResultsError, files, variable
+from rollerrig.results.dataset import DISSIPATED, STORED, WORK_IN
 
 
 def short_case() -> Case:
@@ -172,3 +172,29 @@ def test_a_run_without_samples_has_a_summary(run: xr.Dataset) -> None:
     summary = results.summarise(run.isel(time=slice(0)))
     assert summary["samples"] == 0
     assert summary["bodies"]["wheelset_1"]["lateral_largest_mm"] is None
+
+
+def test_a_damaged_file_is_refused_in_one_line(run: xr.Dataset, tmp_path: Path) -> None:
+    """A byte changed in the tables of HDF5 or elsewhere: read, or one line; no error of a library."""
+    whole = bytes(results.netcdf_bytes(run))
+    random = np.random.default_rng(29)
+    lines, read = [], 0
+    for at in (8, 84, 204, 529, 3809, 3828, *random.integers(0, len(whole), 4)):
+        path = tmp_path / "damaged.nc"
+        path.write_bytes(whole[:at] + bytes([whole[at] ^ int(random.integers(1, 256))]) + whole[at + 1 :])
+        try:
+            results.load_run(path)
+        except ResultsError as error:
+            lines.append(str(error))
+        else:
+            read += 1
+    assert all("\n" not in line and "damaged.nc: " in line for line in lines)
+    assert len(lines) > 2
+    assert read > 2
+
+
+def test_a_variable_of_other_dimensions_is_named(run: xr.Dataset, tmp_path: Path) -> None:
+    turned = run.copy()
+    turned["lateral"] = run["lateral"].isel(body=0, drop=True)
+    with pytest.raises(ResultsError, match="a damaged file: lateral over time, not over time, body"):
+        results.load_run(results.save_run(turned, tmp_path / "run.nc"))

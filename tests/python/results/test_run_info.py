@@ -11,7 +11,7 @@ import pytest
 import xarray as xr
 
 import rollerrig as rr
-from rollerrig.assembly import assemble
+from rollerrig.assembly.model import assemble
 from rollerrig.results import ResultsError, RunInfo
 from rollerrig.results.run_info import BodyInfo, LowerBody, describe
 

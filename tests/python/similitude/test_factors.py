@@ -8,7 +8,7 @@ import pytest
 
 from rollerrig import ConfigError
 from rollerrig.similitude import STRATEGIES, Similitude, similitude
-from rollerrig.similitude.units import UnknownUnitError, exponents
+from rollerrig.similitude.factors import UnknownUnitError, exponents
 
 
 @pytest.mark.parametrize(

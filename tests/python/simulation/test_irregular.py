@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import rollerrig as rr
-from rollerrig.assembly import assemble
+from rollerrig.assembly.model import assemble
 from rollerrig.irregularity import generate
 
 RAILS = {"kind": "ore_b176", "level": "low", "seed": 2, "fade_in": "5 m", "scale": 0.3}

@@ -9,7 +9,7 @@ import pytest
 import xarray as xr
 
 from rollerrig import load_case, simulate
-from rollerrig.analysis.filters import low_pass
+from rollerrig.analysis.signals import low_pass
 
 
 def hunting(**settings: object) -> xr.Dataset:

@@ -11,15 +11,14 @@ from typer.testing import CliRunner
 from rollerrig import _core
 from rollerrig.analysis import HuntingSettings, LimitCycleSettings
 from rollerrig.analysis.hunting import hunting_run
-from rollerrig.assembly import assemble
+from rollerrig.assembly.model import assemble
 from rollerrig.cases import on_track
 from rollerrig.catalog import catalog_names
 from rollerrig.cli.app import build_app
+from rollerrig.common.linear_algebra import eigenvalues
 from rollerrig.config import Case, ConfigError, load_case
-from rollerrig.eigenvalues import eigenvalues
-from rollerrig.restraint import drift
-from rollerrig.simulation import simulate
-from rollerrig.starting_state import equilibrium
+from rollerrig.simulation.run import simulate
+from rollerrig.simulation.starting_state import drift, equilibrium
 from rollerrig.study.limit_cycles import limit_cycles
 
 WAGON = Path(__file__).parents[1] / "two_axle_wagon.toml"

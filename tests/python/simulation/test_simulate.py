@@ -10,8 +10,10 @@ import pytest
 import xarray as xr
 
 import rollerrig as rr
-from rollerrig import simulation as simulation_module
+from rollerrig.assembly.model import assemble
 from rollerrig.config import Case, case_from_toml
+from rollerrig.results.termination import _reach
+from rollerrig.simulation import run as simulation_module
 
 WHEELSET = "wheelset_rollers"
 
@@ -254,6 +256,15 @@ def test_a_wheelset_that_runs_off_a_narrow_tread_is_stopped_there() -> None:
     assert re.search(r"contact angle 3 degrees, Y 2.\d kN, Q \d.\d kN, \|Y\|/Q 0.2\d\.", text)
     assert "The wheel profile ends at -20.0 mm: give one that reaches further." in text
     assert "support.foundation" not in text  # no chattering
+
+
+def test_a_longer_profile_is_advised_only_where_the_contact_came_to_its_end() -> None:
+    profile = assemble(rr.load_case("bogie_track")).wheel_profile
+    low, high = profile.domain
+    assert "give one that reaches further" in _reach(profile, high - 0.4e-3, 0.4e-3)
+    assert "it becomes" not in _reach(profile, high - 5e-3, 5e-3)
+    assert _reach(profile, high - 5e-3, 5e-3).startswith("Both profiles reach 5.0 mm or more beyond the contact")
+    assert "is steeper than 79 degrees" in _reach(profile, low + 0.4e-3, 0.4e-3)
 
 
 def test_a_wheelset_that_climbs_its_flange_is_stopped_there() -> None:

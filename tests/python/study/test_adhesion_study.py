@@ -15,10 +15,10 @@ import pytest
 from rollerrig import ConfigError, load_case, simulate
 from rollerrig.analysis.slide_statistics import SLIP_EDGES, TestRecord, regrip_adhesion
 from rollerrig.analysis.slide_statistics import test_record as record_of
-from rollerrig.config import case_from_toml
+from rollerrig.config import Case, case_from_toml
 from rollerrig.study.adhesion import QUANTITIES, AdhesionStudy, Runs, findings
 from rollerrig.study.assessment import Outcome
-from rollerrig.study.ensemble import Estimate, difference, estimate, relative, starts
+from rollerrig.study.ensemble import Estimate, difference, estimate, finer, relative, starts
 from rollerrig.study.frame import Outcome as Found
 from rollerrig.study.runs.adhesion import (
     CAUSES,
@@ -70,35 +70,137 @@ def test_intervals_hold_the_mean_of_very_many_tests_as_often_as_they_say() -> No
     generator = np.random.default_rng(1)
     held = np.zeros(3)
     for _ in range(2000):
-        a, b = estimate(generator.normal(95.0, 2.0, 8).tolist()), estimate(generator.normal(100.0, 1.0, 8).tolist())
-        for k, (one, true) in enumerate(((a, 95.0), (difference(a, b), -5.0), (relative(a, b), -0.05))):
+        shared = generator.normal(0.0, 5.0, 8)  # what both draw alike is no error of their difference and ratio
+        b = 100.0 + shared + generator.normal(0.0, 1.0, 8)
+        a = 0.95 * (100.0 + shared) + generator.normal(0.0, 2.0, 8)
+        for k, (one, true) in enumerate(((estimate(a), 95.0), (difference(a, 0.95 * b), 0.0), (relative(a, b), -0.05))):
             held[k] += one.interval.low < true < one.interval.high
+    assert relative(a, b).standard_error < 0.03 < 0.05 < estimate(a).standard_error
     assert held / 2000 == pytest.approx(0.95, abs=3.0 * math.sqrt(0.05 * 0.95 / 2000))
 
 
 def test_zero_against_not_zero_is_infinite_and_not_met() -> None:
     """Ventings on the rig and none on track: no ratio, and no agreement; none on both says nothing."""
-    none, some = estimate((0.0, 0.0, 0.0, 0.0)), estimate((5.0, 6.0, 5.0, 6.0))
+    none, some = (0.0, 0.0, 0.0, 0.0), (5.0, 6.0, 5.0, 6.0)
     assert relative(some, none).mean == math.inf
     assert math.isnan(relative(none, none).mean)
     row = Row("fidelity", "x", "x", relative(some, none), -0.05, 0.05, "")
     assert (row.verdict, row.value_text) == ("not met", "not zero, against zero")
-    once = relative(estimate((0.0, 0.0, 0.0, 1.0)), none)  # whose interval reaches to zero
+    once = relative((0.0, 0.0, 0.0, 1.0), none)  # whose interval reaches to zero
     assert replace(row, value=once).verdict == "not decided"
     assert replace(row, value=relative(none, none)).verdict == "not decided"
-    found = verdict_rows(load_case("adhesion_brake"), records(dump_cycles=0.0), records())
-    assert {one.key: one.verdict for one in found}["dump_cycles"] == "not met"
 
 
-def test_starts_are_the_case_itself_and_others_that_differ_little_and_always_by_the_same() -> None:
+NUMBERS = {"zero": [0.0] * 8, "a number": [0.3 + 1e-4 * k for k in range(8)], "none": [math.nan] * 8}
+NUMBERS |= {"none in one test": [*NUMBERS["a number"][:7], math.nan]}
+
+
+@pytest.mark.parametrize("key", ["dump_cycles", "air_litres", "regrip_adhesion", "mean_deceleration_mps2"])
+@pytest.mark.parametrize("on_track", NUMBERS)
+@pytest.mark.parametrize("on_rig", NUMBERS)
+def test_no_row_vanishes_that_one_of_both_has_a_number_for(key: str, on_track: str, on_rig: str) -> None:
+    """Zero against not zero is not met, what is no number is not decided; only two zeros or two nothings say nothing."""
+
+    def tests(numbers: str) -> list[TestRecord]:
+        return [
+            replace(one, measures=one.measures | {key: x}) for one, x in zip(records(), NUMBERS[numbers], strict=True)
+        ]
+
+    _, fidelity, rows = verdicts(tests(on_track), tests(on_rig))
+    if on_track == on_rig and on_track in ("zero", "none"):
+        assert key not in rows
+        assert fidelity == "met"
+        return
+    same = on_track == on_rig == "a number"
+    both = {on_track, on_rig} == {"zero", "a number"}
+    assert rows[key].verdict == ("met" if same else "not met" if both else "not decided")
+    assert fidelity == rows[key].verdict
+
+
+def test_where_no_axle_passes_the_creep_peak_nothing_is_met() -> None:
+    for slid, seven in ((0.0, 0.0), (20.0, 0.0), (math.nan, math.nan)):
+        tests = records(beyond_peak_s=slid)
+        tests[7] = replace(tests[7], measures=tests[7].measures | {"beyond_peak_s": seven})
+        tracking, fidelity, rows = verdicts(tests, tests)
+        assert (tracking, fidelity) == ("not decided", "not decided")
+        assert {row.verdict for row in rows.values() if not row.shown} == {"not decided"}
+    assert verdicts(records(), records(beyond_peak_s=0.0))[:2] == ("not decided", "not decided")
+
+
+@pytest.mark.slow  # two runs of 2 s
+def test_on_a_dry_rail_nothing_is_assessed() -> None:
+    case = load_case("adhesion_brake").with_changes(
+        {"time.duration": "2 s", "contact.normal": "hertz", "adhesion.rail": "dry"}
+    )
+    track, rig = ([record_of(simulate(one), one)] * 2 for one in (track_case(case), case))
+    assert track[0].measures["largest_slip"] < 0.01
+    assert {verdict_of(verdict_rows(case, (track, rig)), group) for group in ("tracking", "fidelity")} == {
+        "not decided"
+    }
+
+
+def test_an_interval_has_what_finer_steps_change_on_the_same_draws() -> None:
     case = load_case("adhesion_brake")
-    eight, longer = starts(case, 8), starts(case, 12)
+    plain = {row.key: row.value for row in verdict_rows(case, (records(), records()))}
+    fine = records(dump_cycles=1.03 * GOOD["dump_cycles"])[:3]
+    rows = {row.key: row for row in verdict_rows(case, (records(), records()), (records()[:3], fine))}
+    assert rows["dump_cycles"].value.systematic == pytest.approx(0.03, rel=1e-3)
+    reach = [0.5 * (one.interval.high - one.interval.low) for one in (rows["dump_cycles"].value, plain["dump_cycles"])]
+    assert reach[0] - reach[1] == pytest.approx(0.03, rel=1e-3)
+    assert rows["air_litres"].value.systematic == 0.0
+    assert rows["rig_ended"].value == plain["rig_ended"]
+
+
+def test_finer_tests_have_a_quarter_of_steps_and_samples_on_both_supports() -> None:
+    case = load_case("adhesion_brake")
+    rig, track = finer(case), finer(track_case(case))
+    assert rig.rig_control is not None
+    assert track.time.sampling_step == rig.time.sampling_step == rig.rig_control.sample_time == 0.25e-3
+    assert track.integration.step == 0.25e-3
+
+
+@pytest.mark.parametrize("distribution", ["uniform", "normal"])
+def test_starts_are_the_case_itself_and_others_drawn_by_its_ensemble_and_always_the_same(distribution: str) -> None:
+    case = load_case("adhesion_brake").with_changes({"ensemble.distribution": distribution})
+    eight, longer = starts(case, 8), starts(case, 400)
     assert eight[0] is case
     assert eight == longer[:8]
-    speeds = [one.motion.speed for one in longer]
-    assert len(set(speeds)) == 12
-    assert max(abs(speed - case.motion.speed) for speed in speeds) < 3e-3
-    assert [one.motion.speed for one in starts(track_case(case), 8)] == speeds[:8]
+    spread = case.ensemble
+    assert case.adhesion is not None
+    assert case.brake is not None
+
+    def drawn_of(one: Case) -> list[float]:
+        assert one.adhesion is not None
+        assert one.brake is not None
+        mass = one.vehicle.data.body[0].mass / case.vehicle.data.body[0].mass
+        friction = one.adhesion.rail.friction.mu_0 / 0.08, one.brake.friction[0][1] / 0.38
+        return [*friction, mass, one.motion.speed / case.motion.speed, one.brake.demand[1][0] - 0.5]
+
+    factors = np.array([drawn_of(one) for one in longer])
+    reach = np.array([spread.adhesion, spread.pad_friction, spread.load, spread.speed, 0.5 * spread.demand_time])
+    shares = (factors[1:] - [1.0, 1.0, 1.0, 1.0, 0.5 * spread.demand_time]) / reach
+    assert np.abs(shares).max() <= 1.0 + 1e-9
+    deviation = {"uniform": 3.0**-0.5, "normal": 0.44}[distribution]  # of a normal one cut off at 2 sigma: 0.88 sigma
+    assert shares.std(axis=0) == pytest.approx(deviation, rel=0.1)  # sqrt(1/2n) of 400: 4 %
+    assert [drawn_of(one) for one in starts(track_case(case), 8)] == factors[:8].tolist()
+
+
+@pytest.mark.parametrize(
+    ("changes", "line"),
+    [
+        ({"adhesion.rail.friction.mu_0": 1.2, "ensemble.adhesion": 0.5}, "ensemble.adhesion: 0.5, which draws adhesion.rail"),
+        ({"ensemble.load": 1.0}, "ensemble.load: 1, which draws vehicle.body.car_body.mass"),
+    ],
+)  # fmt: skip
+def test_a_distribution_that_leaves_the_range_of_a_law_is_refused_in_a_line(changes: dict[str, Any], line: str) -> None:
+    with pytest.raises(ConfigError) as refused:
+        AdhesionStudy(load_case("adhesion_brake").with_changes(changes))
+    assert [line in str(problem) and "allowed:" in str(problem) for problem in refused.value.problems] == [True]
+
+
+def test_a_spread_beyond_everything_is_refused_with_its_key() -> None:
+    with pytest.raises(ConfigError, match=r"ensemble\.adhesion: 1\.5; allowed: .*from 0 to 1"):
+        load_case("adhesion_brake").with_changes({"ensemble.adhesion": 1.5})
 
 
 def record(distance: float, status: str = "stopped", **measures: float) -> TestRecord:
@@ -117,10 +219,11 @@ def test_each_share_is_what_its_variant_takes_away_with_both_errors() -> None:
     shares = cause_shares({name: [record(one) for one in own] for name, own in values.items()})
     assert shares is not None
     way = [float(values[name].mean()) for name in means]
-    error = [float(values[name].std(ddof=1)) / 8**0.5 for name in means]
+    own = list(values.values())
     for k, name in enumerate(CAUSES):
+        error = float((own[k] - own[k + 1]).std(ddof=1)) / 8**0.5
         assert shares[name].mean == pytest.approx((way[k] - way[k + 1]) / way[-1])
-        assert shares[name].standard_error == pytest.approx(math.hypot(error[k], error[k + 1]) / way[-1])
+        assert shares[name].standard_error == pytest.approx(error / way[-1])
     assert sum(shares[name].mean for name in CAUSES) == pytest.approx(shares[TOGETHER].mean)
     assert not are_known(shares)  # 0.1 % of the distance each
     assert are_known({name: replace(one, standard_error=0.9 * LARGEST_ERROR) for name, one in shares.items()})
@@ -153,7 +256,8 @@ def test_starts_are_added_until_the_shares_are_known() -> None:
 GOOD = {
     "tracking_rms": 0.0015, "tracking_largest": 0.016, "force_error_rms": 0.04, "drive_oscillation_nm": 50.0,
     "drive_limited_share": 0.005, "crown_gravity_largest": 0.005, "mean_deceleration_mps2": 0.6, "dump_cycles": 300.0,
-    "air_litres": 1100.0, "regrip_adhesion": 0.083, "longest_lock_s": 0.0,
+    "air_litres": 1100.0, "regrip_adhesion": 0.083, "longest_lock_s": 0.0, "beyond_peak_s": 20.0,
+    "drive_oscillation_spell_s": 0.25,
 }  # fmt: skip
 
 
@@ -167,14 +271,14 @@ def records(status: str = "stopped", **changes: Any) -> list[TestRecord]:
 
 
 def verdicts(track: Sequence[TestRecord], rig: Sequence[TestRecord]) -> tuple[Outcome, Outcome, dict[str, Row]]:
-    rows = verdict_rows(load_case("adhesion_brake"), track, rig)
+    rows = verdict_rows(load_case("adhesion_brake"), (track, rig))
     return verdict_of(rows, "tracking"), verdict_of(rows, "fidelity"), {row.key: row for row in rows}
 
 
 def test_a_rig_that_does_as_the_track_meets_everything() -> None:
     tracking, fidelity, rows = verdicts(records(), records())
     assert (tracking, fidelity) == ("met", "met")
-    assert len(rows) == 15
+    assert len(rows) == 18
 
 
 BAD_RUNS: dict[str, dict[str, Any]] = {
@@ -183,6 +287,7 @@ BAD_RUNS: dict[str, dict[str, Any]] = {
     "oscillating drives": {"drive_oscillation_nm": 9e3},
     "contact force away from the virtual one": {"force_error_rms": 1.5},
     "drives at their limit": {"drive_limited_share": 0.2},
+    "drives that oscillate for a while": {"drive_oscillation_spell_s": 3.0},
     "outputs too rare to see oscillations": {"drive_oscillation_nm": math.nan},
 }
 
@@ -248,12 +353,19 @@ def test_the_regrip_force_from_low_to_dry_is_said_not_to_be_reproduced() -> None
     case = load_case("adhesion_step").with_changes({"time.duration": "12 s", "contact.normal": "hertz"})
     track, rig = ([record_of(simulate(one), one)] * 2 for one in (track_case(case), case))
     assert track[0].measures["regrip_adhesion"] > 0.3
-    rows = verdict_rows(case, track, rig)
+    rows = verdict_rows(case, (track, rig))
     found = {row.key: row for row in rows}["regrip_adhesion"]
     assert found.verdict == "not met"
     said = {where: {"status": "ok", "regrip_adhesion": {"mean": runs[0].measures["regrip_adhesion"]}}
             for where, runs in (("track", track), ("rig", rig))}  # fmt: skip
-    numbers = {"starts": 2, "verdicts": {row.key: row.as_dict() for row in rows}, "causes": {}, "dead_time": {}, **said}
+    numbers = {
+        "starts": 2,
+        "fine_starts": 0,
+        "verdicts": {row.key: row.as_dict() for row in rows},
+        "causes": {},
+        "dead_time": {},
+        **said,
+    }
     assert any(line.startswith("Readhesion is not reproduced: the largest force") for line in findings(numbers))
 
 

@@ -10,9 +10,8 @@ import pytest
 from typer.testing import CliRunner
 
 from rollerrig.analysis import HuntingSettings
-from rollerrig.analysis.critical_speed import LinearCriticalSpeed
-from rollerrig.analysis.crossings import Crossing
-from rollerrig.analysis.roller_effects import EFFECTS, TRACK, CriticalSpeedOverRadius, EffectSplit
+from rollerrig.analysis.critical_speed import EFFECTS, TRACK, CriticalSpeedOverRadius, EffectSplit, LinearCriticalSpeed
+from rollerrig.analysis.mode_table import Crossing
 from rollerrig.cli.app import build_app
 from rollerrig.config import ConfigError, Rig, Track, load_case, load_support
 from rollerrig.study.assessment import Interval, change_in_words

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from rollerrig import load_case
-from rollerrig.actuators import assemble_with_actuators
 from rollerrig.analysis.control_loop import Loop, Wheel, creep_slope, loop_of, margins, wheel_of
 from rollerrig.analysis.loop_stability import (
     ABOVE,
@@ -20,8 +19,9 @@ from rollerrig.analysis.loop_stability import (
     sampled_matrix,
     vehicle_plant,
 )
+from rollerrig.assembly.actuators import assemble_with_actuators
 from rollerrig.config import Case
-from rollerrig.mechatronics.setup import feedback_gains
+from rollerrig.simulation.mechatronics import feedback_gains
 from rollerrig.study.jobs import call
 from rollerrig.study.loop_stability import excited_case, loop_jobs
 

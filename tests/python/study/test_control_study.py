@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from rollerrig import ConfigError, load_case
-from rollerrig.analysis.torque_ripple import torque_ripple
+from rollerrig.analysis.slide_statistics import torque_ripple
 from rollerrig.config import Case
 from rollerrig.config.schema.rig_control import ESTIMATORS, FEEDBACKS
 from rollerrig.study import control

@@ -16,15 +16,15 @@ from typer.testing import CliRunner
 
 from rollerrig import ConfigError, StartError, _core, envelope, load_case, simulate
 from rollerrig.analysis.envelope_borders import Border, borders, slides
-from rollerrig.analysis.rig_limits import Patch, closed_forms, creep_curve, creep_peak, grip_slip, patch_of, rig_limits
-from rollerrig.analysis.run_limits import NUMBERS, assess_limits, persists_since
-from rollerrig.assembly import assemble
+from rollerrig.analysis.rig_limits import NUMBERS, assess_limits, closed_forms, persists_since, rig_limits
+from rollerrig.analysis.virtual_rail import Patch, creep_curve, creep_peak, grip_slip, patch_of
+from rollerrig.assembly.model import assemble
 from rollerrig.cli.app import build_app
 from rollerrig.config import Case
 from rollerrig.results.run_info import describe
 from rollerrig.study import envelope as module
+from rollerrig.study.checkpoint import NAME
 from rollerrig.study.envelope import EnvelopeStudy
-from rollerrig.study.journal import NAME
 from rollerrig.study.runs import envelope as envelope_points
 from rollerrig.study.runs.envelope import BEGIN, RISE, Point, point_case
 

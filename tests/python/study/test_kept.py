@@ -10,7 +10,7 @@ import xarray as xr
 
 import rollerrig as rr
 from rollerrig.config import Case, ConfigError, load_case
-from rollerrig.study.journal import NAME
+from rollerrig.study.checkpoint import NAME
 
 
 @pytest.fixture(scope="module")

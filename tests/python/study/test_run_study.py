@@ -14,7 +14,7 @@ import pytest
 
 import rollerrig as rr
 from rollerrig import load_case
-from rollerrig.analysis.lateral_rest import LateralRest
+from rollerrig.analysis.hunting import LateralRest
 from rollerrig.analysis.signals import FinalMotion
 from rollerrig.study.frame import Outcome
 from rollerrig.study.run import CONTACT, QUANTITIES, Results, RunStudy
@@ -90,15 +90,22 @@ def test_the_integrator_is_counted_in_words(folder: Path) -> None:
 
 def test_a_report_says_first_what_the_vehicle_did(outcome: Outcome[Results]) -> None:
     run, rest = outcome.results.run, FinalMotion(6.1e-3, 5.1, 0.0)
-    for final, said in (
-        (rest, "It hunts: in the last third of the run wheelset 1 still moves sideways by ±6.1 mm at 5.1 Hz."),
-        (replace(rest, rate=-1.0), "The motion decays: wheelset 1 moved sideways by up to 7 mm, in the last third"),
+    decaying, over = replace(rest, rate=-1.0), FinalMotion(0.0, math.nan, math.nan)
+    for final, decision, said in (
         (
-            FinalMotion(0.0, math.nan, math.nan),
-            "The motion decays: wheelset 1 moved sideways by up to 7 mm, and no longer",
+            rest,
+            "persists",
+            "It hunts: in the last third of the run wheelset 1 still moves sideways by ±6.1 mm at 5.1 Hz.",
         ),
+        (decaying, "decays", "The motion decays: wheelset 1 moved sideways by up to 7 mm, in the last third"),
+        (
+            decaying,
+            "open",
+            "Not decided whether it hunts: in the last third of the run wheelset 1 still moves sideways by",
+        ),
+        (over, "decays", "The motion decays: wheelset 1 moved sideways by up to 7 mm, and no longer"),
     ):
-        results = replace(outcome.results, rest=LateralRest("wheelset_1", 7e-3, final))
+        results = replace(outcome.results, rest=LateralRest("wheelset_1", 7e-3, final, decision))
         first, second, *_ = outcome.study.summary(results, outcome.study.numbers(results))
         assert first.startswith(said)
         assert second.startswith("Running safety: Y/Q reaches ")

@@ -10,8 +10,7 @@ import xarray as xr
 
 import rollerrig as rr
 from rollerrig.analysis.assessment import Row
-from rollerrig.analysis.track_sections import WHOLE_RUN, test_zone, track_sections
-from rollerrig.analysis.wheel_rail_forces import filtered, wheel_forces
+from rollerrig.analysis.wheel_rail_forces import WHOLE_RUN, filtered, test_zone, track_sections, wheel_forces
 from rollerrig.plot.wheel_rail_forces import track_shifting
 from rollerrig.study.frame import Outcome
 from rollerrig.study.report import Table

@@ -29,7 +29,7 @@ from rollerrig.config import Case, ConfigError, WholePlan, load_case, load_plan
 from rollerrig.config.schema.plan import CriticalSpeedMeasure
 from rollerrig.results import load_run
 from rollerrig.study import measures
-from rollerrig.study.journal import NAME
+from rollerrig.study.checkpoint import NAME
 from rollerrig.study.runs.sweep import FAILED, Axis, Points, resized, sobol_indices, sweep_rows
 from rollerrig.study.sweep import SweepStudy, sweep_study
 
@@ -145,9 +145,9 @@ def test_work_beside_the_cases_grows_with_their_number_only(monkeypatch: pytest.
     done = _Counted()
     for number in range(count):
         done[f"case {number}"] = {**record, FAILED: "" if number % 4 else "a reason"}
-        told = study.told(done, 2.0)
+        text = study.progress_text(done, 2.0)
     assert done.looks == count  # each once, as it comes
-    assert told.endswith(f", {count // 4} failed")
+    assert text.endswith(f", {count // 4} failed")
     found = study.collect(done)
     assert found is not None
     whole = Axis.is_number.fget  # type: ignore[attr-defined]
@@ -422,6 +422,8 @@ def test_the_command_writes_all_files_and_explains_its_numbers(tmp_path: Path) -
         ("wheelset_rollers", "wheelset_roller", r"case: 'wheelset_roller'; .*did you mean 'wheelset_rollers'"),
         ('name = "primary"', 'name = "roller_radius"', r"vary\[1\].name: 'roller_radius'; allowed: each name once"),
         ('[[measure]]\nkind = "critical_speed"', "", r"measure: missing"),
+        ('key = "vehicle.element.primary_*.x.stiffness"', 'key = "contact.friction"',
+         r"vary\[1\].key: contact.friction; .*holds no number, which alone has a range; its numbers are contact.friction.mu_0"),
     ],
 )  # fmt: skip
 def test_a_wrong_plan_is_one_line_with_a_way_out(tmp_path: Path, old: str, new: str, message: str) -> None:

@@ -16,9 +16,9 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from rollerrig.analysis.cluster import ClusterError, cluster
 from rollerrig.cli.app import build_app
-from rollerrig.study.journal import NAME
+from rollerrig.study.checkpoint import NAME
+from rollerrig.study.cluster import ClusterError, cluster
 
 PLAN = """
 name = "small"
@@ -49,7 +49,7 @@ def sweep(folder: Path, out: str, *options: str) -> int:
 @pytest.mark.parametrize("address", ["tcp://127.0.0.1:{port}", "127.0.0.1:{port}", "nonsense:address"])
 def test_a_scheduler_that_is_not_there_is_one_line(address: str, monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("distributed")
-    monkeypatch.setattr("rollerrig.analysis.cluster.CONNECT_SECONDS", 0.3)
+    monkeypatch.setattr("rollerrig.study.cluster.CONNECT_SECONDS", 0.3)
     with pytest.raises(ClusterError, match="no scheduler there") as error, cluster(address.format(port=free_port())):
         pass
     assert "\n" not in str(error.value)
@@ -57,7 +57,7 @@ def test_a_scheduler_that_is_not_there_is_one_line(address: str, monkeypatch: py
 
 def test_without_a_scheduler_nothing_is_written(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     pytest.importorskip("distributed")
-    monkeypatch.setattr("rollerrig.analysis.cluster.CONNECT_SECONDS", 0.3)
+    monkeypatch.setattr("rollerrig.study.cluster.CONNECT_SECONDS", 0.3)
     assert sweep(tmp_path, "out", "--dask", f"tcp://127.0.0.1:{free_port()}") == 2
     assert not (tmp_path / "out").exists()
 

@@ -7,9 +7,9 @@ import pytest
 import xarray as xr
 
 from rollerrig import load_case, simulate
-from rollerrig.assembly import assemble
+from rollerrig.assembly.model import assemble
 from rollerrig.config import Case
-from rollerrig.starting_state import equilibrium_dataset
+from rollerrig.simulation.starting_state import equilibrium_dataset
 
 RADIUS, CANT, SPEED = 1200.0, 0.06, 30.0
 

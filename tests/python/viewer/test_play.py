@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import http.client
 import json
+import socket
 import threading
 import urllib.request
 from collections.abc import Iterator
@@ -16,10 +17,9 @@ import rollerrig as rr
 from browser import Opened
 from rollerrig import _core
 from rollerrig.config import ConfigError
-from rollerrig.plant import assembled_model
-from rollerrig.viewer.live import FRAME, LiveRun
+from rollerrig.interfaces.plant import assembled_model
+from rollerrig.viewer.live import FRAME, GAINS, LiveRun, gains
 from rollerrig.viewer.play import Theatre, server
-from rollerrig.viewer.sliders import GAINS, gains
 
 
 def column(run: LiveRun, name: str) -> float:
@@ -205,9 +205,24 @@ def test_the_server_answers_its_own_page_alone(address: tuple[str, int]) -> None
         "[1]",
         "no",
         "x" * 2000,
+        f'{{"name": "speed", "value": {"9" * 900}}}',
+        "[" * 999,
     ):
         code, text = ask(address, "POST", "/set", wrong)
         assert (code, text.count("\n"), bool(text)) == (400, 0, True)
+
+
+def test_a_connection_that_says_nothing_is_closed(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("rollerrig.viewer.play._PATIENCE", 0.3)
+    listening = server(Theatre(rr.load_case("wheelset_rollers")))
+    threading.Thread(target=listening.serve_forever, daemon=True).start()
+    try:
+        with socket.create_connection(listening.server_address[:2], timeout=10.0) as half_open:
+            half_open.sendall(b"POST /set HTTP/1.1\r\nHost: ")
+            assert half_open.recv(100) == b""  # the end, and not a timeout
+    finally:
+        listening.shutdown()
+        listening.server_close()
 
 
 def test_no_frame_is_lost_to_one_who_looks_on() -> None:

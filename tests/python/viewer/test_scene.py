@@ -12,13 +12,13 @@ import pytest
 import xarray as xr
 
 import rollerrig as rr
+from rollerrig.analysis.wheel_rail_forces import filtered, wheel_forces
 from rollerrig.results import ResultsError
 from rollerrig.viewer import view_text
 from rollerrig.viewer.columns import MOST_FRAMES, WHOLE, Columns, interpolated, thinned
 from rollerrig.viewer.live import LiveRun
-from rollerrig.viewer.mode_scene import mode_scene
 from rollerrig.viewer.parts import outline
-from rollerrig.viewer.scene import ALLOWED, model_of, run_scene
+from rollerrig.viewer.scene import ALLOWED, mode_scene, model_of, run_scene
 
 
 def test_a_straight_line_is_drawn_exactly() -> None:
@@ -108,6 +108,34 @@ def test_a_run_whose_last_sample_is_not_finite_can_be_seen(on_track: xr.Dataset)
     assert "NaN" not in view_text([broken]).partition('id="scene">')[2].partition("</script>")[0]
 
 
+@pytest.mark.parametrize("name", ["on_rig", "in_curve"])
+def test_plotted_forces_are_those_of_the_report(name: str, request: pytest.FixtureRequest) -> None:
+    """Outwards on either side and through 20 Hz, at times at which their extremes lie; said on the axis."""
+    run: xr.Dataset = request.getfixturevalue(name)
+    scene = run_scene(run, most=500)
+    group = next(one for one in scene.head["plots"] if one["title"] == "Guiding force Y")
+    assert group["note"] == "outwards, low pass 20 Hz"
+    numbers, report = decoded(scene.columns), filtered(wheel_forces(run))["guiding_force"]
+    times = numbers[group["times"]]
+    assert 2 <= len(times) <= 500
+    for (column, _, factor), wheel in zip(group["curves"], report["wheel"].to_numpy(), strict=True):
+        drawn, whole = factor * numbers[column], 1e-3 * report.sel(wheel=wheel).to_numpy()
+        step = np.ptp(whole) / (2 * WHOLE)
+        assert (drawn.min(), drawn.max()) == (
+            pytest.approx(whole.min(), abs=step),
+            pytest.approx(whole.max(), abs=step),
+        )
+        assert drawn == pytest.approx(np.interp(times, report["time"], whole), abs=0.02 * np.abs(whole).max() + step)
+
+
+def test_a_simulation_that_goes_on_has_the_same_sign(on_rig: xr.Dataset) -> None:
+    head = LiveRun(rr.load_case("bogie_rollers_constant")).scene
+    group = next(one for one in head["plots"] if one["title"] == "Guiding force Y")
+    assert group["note"] == "outwards, unfiltered"
+    assert [factor for _, _, factor in group["curves"]] == [-1e-3, 1e-3, -1e-3, 1e-3]
+    assert "times" not in group
+
+
 def test_a_rig_has_no_line_and_a_curve_has(on_rig: xr.Dataset, in_curve: xr.Dataset) -> None:
     assert run_scene(on_rig).head["line"] is None
     line = run_scene(in_curve).head["line"]
@@ -167,7 +195,7 @@ def test_modes_are_drawn_with_their_amplitudes_and_phases() -> None:
 
 
 def test_two_runs_of_one_case_are_told_apart(on_rig: xr.Dataset, on_track: xr.Dataset) -> None:
-    from rollerrig.viewer.whole import _names
+    from rollerrig.viewer.page import _names
 
     case = rr.load_case("bogie_rollers_constant").with_changes({"time.duration": "10 ms", "motion.speed": "260 km/h"})
     assert _names([on_rig, on_track]) == ["bogie_rollers_constant", "bogie_track"]

@@ -1,9 +1,10 @@
 """A brake test on degraded rail in one dimension, after the rules of docs/theory: train, axles, brake, slide protection, creep.
 
-Numbers of the test -> [BrakeTest] -> distance, ventings, air of many tests at once (lanes: starts, dead times)
+Numbers of the test -> [BrakeTest] -> distance, ventings, air of many tests at once (lanes: starts, dead times, rigs)
 
-docs/theory/adhesion.md (A1), (A4) to (A7), docs/theory/creep_laws.md and rig_control.md (D4), (D9). The axles are points on the
-rail: no bogie, no lateral motion, one ellipse per wheel. Every array has one value per lane, or shape (axle, lane).
+docs/theory/adhesion.md (A1), (A4) to (A7), docs/theory/creep_laws.md and rig_control.md (D3) to (D5), (D9), (D20). The axles are
+points on the rail: no bogie, no lateral motion, one ellipse per wheel; on a rig they roll on their rollers without sliding, and
+their torque is known. Every array has one value per lane, or shape (axle, lane).
 """
 
 from __future__ import annotations
@@ -16,7 +17,6 @@ from numpy.typing import NDArray
 Array = NDArray[np.float64]
 
 CRITICAL_RATIO = 0.4  # b of psi in (A5)
-STEP = 1e-3  # [s]
 
 
 @dataclass(frozen=True)
@@ -83,10 +83,10 @@ class Brake:
         pressed = np.maximum(0.0, self.piston_area * pressure - self.spring_force)
         return -self.faces * self.radius * mu * pressed * sliding / speed
 
-    def step(self, control: float, pressure: Array, valve: Array, time: float) -> tuple[float, Array, Array]:
+    def step(self, control: float, pressure: Array, valve: Array, time: float, h: float) -> tuple[float, Array, Array]:
         """Control valve, cylinders and what they took [Pa, Pa, m^3 at the ambient] after a step; valve 0 fill, 1 hold, 2 vent."""
         wanted = float(np.interp(time, self.demand[:, 0], self.demand[:, 1]))
-        after = control + STEP * min(self.application_rate, self.follow_rate * (wanted - control))
+        after = control + h * min(self.application_rate, self.follow_rate * (wanted - control))
         supply = 0.5 * (control + after) + self.ambient
         half = pressure
         for part in (0.5, 1.0):  # midpoint
@@ -94,7 +94,7 @@ class Brake:
             cylinder = middle + self.ambient
             rate = np.where(valve == 0, self.fill_rate * supply * _psi(cylinder / supply), 0.0)
             rate = np.where(valve == 2, -self.vent_rate * cylinder * _psi(self.ambient / cylinder), rate)
-            half = pressure + part * STEP * rate
+            half = pressure + part * h * rate
         found = np.maximum(0.0, np.where(valve == 0, np.minimum(half, np.maximum(after, pressure)), half))
         return after, found, self.volume / self.ambient * np.maximum(0.0, found - pressure)
 
@@ -174,6 +174,27 @@ class SlideProtection:
 
 
 @dataclass(frozen=True)
+class Rig:
+    """Lanes on a rig, with a controller that is sampled at the step of the test.
+
+    Attributes:
+        on_rig: which lanes are on it.
+        inertia, radius: of a roller axle [kg m^2, m].
+        drive_lag: of the first-order drives [s]; 0: ideal ones.
+        lead: of (D20) [s].
+        bandwidth, damping: of the feedback, (D6) [rad/s, -].
+    """
+
+    on_rig: NDArray[np.bool_]
+    inertia: float
+    radius: float
+    drive_lag: Array
+    lead: Array
+    bandwidth: float = 2.0 * np.pi * 0.7
+    damping: float = 0.7
+
+
+@dataclass(frozen=True)
 class BrakeTest:
     """The test.
 
@@ -183,6 +204,7 @@ class BrakeTest:
         transfer: change of each axle's load per acceleration [kg].
         inertia, radius: of a wheelset [kg m^2, m].
         stop: speed at which the test ends [m/s].
+        step: of everything, and the sample of a rig's controller [s].
     """
 
     mass: float
@@ -194,45 +216,84 @@ class BrakeTest:
     rail: Rail
     brake: Brake
     protection: dict[str, float]
+    step: float = 1e-3
 
-    def on_track(self, speeds: Array, dead_times: Array, longest: float = 80.0) -> dict[str, Array]:
-        """Distance [m], ventings and air [l] of tests from `speeds` [m/s] with `dead_times` [s] from sample to valve."""
+    def run(self, speeds: Array, dead_times: Array, rig: Rig | None = None, longest: float = 80.0) -> dict[str, Array]:
+        """Distance [m], ventings and air [l] of tests from `speeds` [m/s] with `dead_times` [s] from sample to valve.
+
+        Without a rig all lanes are on track.
+        """
+        h = self.step
+        controller = None if rig is None else _Controller(self, rig, speeds)
         turning = np.tile(speeds / self.radius, (2, 1))
         train, way, slowing = speeds.copy(), np.zeros_like(speeds), np.zeros_like(speeds)
         control, pressure, air = 0.0, np.zeros_like(turning), np.zeros_like(turning)
         unit = SlideProtection(self.protection, self.radius, self.radius * turning)
-        late = np.rint(dead_times / STEP).astype(int)
+        late = np.rint(dead_times / h).astype(int)
         sent = np.zeros((int(late.max()) + 1, *turning.shape))  # ring of commands
-        every, lanes = round(self.protection["sample_time"] / STEP), np.arange(len(speeds))
+        every, lanes = round(self.protection["sample_time"] / h), np.arange(len(speeds))
         valve, vented, command = np.zeros_like(turning), np.zeros_like(turning), np.zeros_like(turning)
         running = np.ones(len(speeds), bool)
-        for k in range(round(longest / STEP)):
+        for k in range(round(longest / h)):
             if k % every == 0:
                 command = unit.sample(turning).astype(float)
             sent[k % len(sent)] = command
             before, valve = valve, sent[(k - late) % len(sent), :, lanes].T if k > late.max() else 0.0 * valve
             vented += running * ((valve == 2.0) & (before != 2.0))
-            control, pressure, taken = self.brake.step(control, pressure, valve, k * STEP)
+            known = self.brake.torque(pressure, turning)
+            control, pressure, taken = self.brake.step(control, pressure, valve, k * h, h)
             air += running * taken
             load = self.load + self.transfer[:, None] * slowing
-            turning, force = self._axles(turning, train, load, pressure)
+            torque = 0.5 * (known + self.brake.torque(pressure, turning))
+            if controller is None:
+                turning, force = self._axles(turning, train, load, torque)
+            else:
+                turning, force = controller.step(turning, train, load, torque, known)
             slowing = force.sum(axis=0) / self.mass
-            way = way + running * STEP * (train + 0.5 * STEP * slowing)
-            train = np.maximum(train + STEP * slowing, 0.1)
+            way = way + running * h * (train + 0.5 * h * slowing)
+            train = np.maximum(train + h * slowing, 0.1)
             running &= train > self.stop
             if not running.any():
                 break
         return {"distance": way, "ventings": vented.sum(axis=0), "air": 1e3 * air.sum(axis=0)}
 
-    def _axles(self, turning: Array, train: Array, load: Array, pressure: Array) -> tuple[Array, Array]:
+    def _axles(self, turning: Array, train: Array, load: Array, torque: Array) -> tuple[Array, Array]:
         """Angular speeds after a step, exact for a force linear in the slip, and the mean force of the rail in it [N]."""
         slip, small = self.radius * turning - train, 1e-6
         force = self.rail.force(slip, train, load, self.load)
         slope = (self.rail.force(slip + small, train, load, self.load) - force) / small
-        torque = self.brake.torque(pressure, turning)
         rate = -(self.radius**2) * slope / self.inertia
-        z = np.clip(STEP * rate, -50.0, 1.0)
+        z = np.clip(self.step * rate, -50.0, 1.0)
         phi = np.where(np.abs(z) > 1e-6, np.expm1(z) / np.where(z == 0.0, 1.0, z), 1.0 + 0.5 * z)
-        change = STEP * phi * (torque - self.radius * force) / self.inertia
-        mean = (torque - self.inertia * change / STEP) / self.radius  # momentum over the step
+        change = self.step * phi * (torque - self.radius * force) / self.inertia
+        mean = (torque - self.inertia * change / self.step) / self.radius  # momentum over the step
         return np.maximum(turning + change, 0.0), mean
+
+
+class _Controller:
+    """Virtual axles from the torque at the sample, (D5) with feedback and lead, drives, and wheels that roll on their rollers."""
+
+    def __init__(self, test: BrakeTest, rig: Rig, speeds: Array) -> None:
+        self.test, self.rig = test, rig
+        self.virtual = np.tile(speeds / test.radius, (2, 1))
+        self.last, self.drive, self.integral = (np.zeros_like(self.virtual) for _ in range(3))
+        self.decay = np.where(rig.drive_lag > 0.0, np.exp(-test.step / np.maximum(rig.drive_lag, 1e-9)), 0.0)
+
+    def step(self, turning: Array, train: Array, load: Array, torque: Array, known: Array) -> tuple[Array, Array]:
+        """Wheels after a step and the mean force of the rail in it; lanes on track as `_axles` has them."""
+        test, rig, h = self.test, self.rig, self.test.step
+        ratio = test.radius / rig.radius
+        together = test.inertia + rig.inertia * ratio**2
+        axle = np.where(rig.on_rig, self.virtual, turning)
+        after, force = test._axles(axle, train, load, np.where(rig.on_rig, known, torque))
+        wanted = rig.inertia * ratio * (after - axle) / h - rig.radius * force
+        error = after - turning
+        self.integral = self.integral + h * rig.bandwidth**2 * together / ratio * error
+        feedback = 2.0 * rig.damping * rig.bandwidth * together / ratio * error + self.integral
+        command = wanted + feedback + rig.lead * (wanted - self.last) / h
+        before, self.last = self.drive, wanted
+        self.drive = command + (before - command) * self.decay
+        mean = np.where(self.decay > 0.0, 0.5 * (before + self.drive), command)
+        rolled = np.maximum(turning + h * (torque + ratio * mean) / together, 0.0)
+        self.virtual = after
+        return np.where(rig.on_rig, rolled, after), force

@@ -10,7 +10,7 @@ import pytest
 
 from rollerrig.profiles import gauge_point, profile_from_spec
 from rollerrig.profiles.point_file import read_point_file
-from rollerrig.profiles.s1002 import SEGMENTS
+from rollerrig.profiles.analytic import SEGMENTS
 
 mm = 1e-3
 WHEEL, RAIL = "MBench_S1002_v3.prw", "MBench_UIC60_v3.prr"

@@ -7,7 +7,7 @@
 //         at the flange. Both surfaces' curvatures are symmetric tensors; only in common axes may they be added.
 // Source  Johnson, Contact Mechanics (1985), section 4.1; docs/theory/contact_geometry.md, (G7), (G8).
 #pragma once
-#include "rollerrig/geometry/reduction.hpp"
+#include "rollerrig/math/vector.hpp"
 
 namespace rollerrig {
 

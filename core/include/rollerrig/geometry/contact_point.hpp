@@ -1,6 +1,7 @@
 // geometry/contact_point.hpp - one solution of (7)-(8) with everything the contact forces need, with derivatives.
 #pragma once
 #include "rollerrig/geometry/combined_curvature.hpp"
+#include "rollerrig/geometry/reduction.hpp"
 
 namespace rollerrig {
 
@@ -26,15 +27,19 @@ struct ContactPoint {
   }
 };
 
-/// The contact point near the root s of F, as a function of the pose.
-///
-/// @param s         root of F, found in double [m]
-/// @param gradient  dF/ds at the root, for the implicit function theorem: ds = -dF / gradient
+/// A stationary point of the gap in one pose: root of F, with gradient < 0 a minimum, else a maximum.
+struct GapRoot {
+  double s{0.0};         ///< wheel abscissa [m]
+  double gradient{0.0};  ///< dF/ds [1/m]
+  double gap{0.0};       ///< [m]
+};
+
+/// The contact point at a root of F, as a function of the pose: by the implicit function theorem, ds = -dF / gradient.
 template <Scalar T>
-ContactPoint<T> contact_point(WheelRollerPair const& pair, RelativePose<T> const& pose, double s, double gradient) {
+ContactPoint<T> contact_point(WheelRollerPair const& pair, RelativePose<T> const& pose, GapRoot const& found) {
   using std::sqrt;
-  T root(s);
-  if constexpr (!std::same_as<T, double>) root = root - reduce(pair, pose, T(s)).residual / gradient;
+  T root(found.s);
+  if constexpr (!std::same_as<T, double>) root = root - reduce(pair, pose, root).residual / found.gradient;
   auto const at_root = reduce(pair, pose, root);
   auto const& line = at_root.line;
   auto const& rail_point = at_root.rail_point;

@@ -39,8 +39,9 @@ class GapNodes {
 
 /// A minimum or maximum of the gap along the wheel.
 struct GapExtreme {
-  double position{0.0};  ///< along the arc [m]
-  double gap{0.0};       ///< [m]
+  double position{0.0};         ///< along the arc [m]
+  double gap{0.0};              ///< [m]
+  double low{0.0}, high{-1.0};  ///< it lies between [m]; low > high: it is no extreme, the gap ends there
 };
 
 /// Where the gap's sign changes, within a bracket, or where a profile ends.
@@ -69,5 +70,8 @@ struct GapScan {
 
 /// All regions of a wheel; with more than max_regions those at the end are left out.
 GapScan scan_gap(WheelRollerPair const& pair, GapNodes const& nodes, RelativePose<double> const& pose);
+
+/// The same for all stretches where the gap is below `reach`, with every minimum in them, however near they are to each other.
+GapScan scan_minima(WheelRollerPair const& pair, GapNodes const& nodes, RelativePose<double> const& pose, double reach);
 
 }  // namespace rollerrig

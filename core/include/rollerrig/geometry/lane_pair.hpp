@@ -2,7 +2,7 @@
 //
 //   pairs and poses, one per lane -> [LanePair] -> geometry/wheel_circle.hpp
 #pragma once
-#include "rollerrig/geometry/reduction.hpp"
+#include "rollerrig/geometry/pair.hpp"
 #include "rollerrig/math/estimates.hpp"
 #include "rollerrig/math/lane_spline.hpp"
 

@@ -34,7 +34,7 @@ struct WheelRollerPair {
   double rail_origin_y{0.0};            ///< lateral position of the generatrix' highest point in b [m]
   double inverse_radius{0.0};           ///< 1 / crown radius of the roller [1/m]; 0 is a straight rail
   RollerEffects effects{};
-  double size{1.0};  ///< over a full-scale wheel and rail: lengths of the search are in proportion [-]
+  double size{1.0};  ///< over a full-scale wheel and rail: nodes lie in proportion [-]
 
   /// 1 / radius that points and normals are computed with [1/m].
   double geometry_curvature() const { return effects.yaw ? inverse_radius : 0.0; }

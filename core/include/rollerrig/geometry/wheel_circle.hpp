@@ -45,7 +45,7 @@ WheelCircle<T> wheel_circle(LanePair<NumberOf<T>> const& pair, RelativePose<T> c
           pose.o + T(pair.tape_circle_y + s) * pose.R.ey};
 }
 
-/// Where the wheel's normal meets the roller's axis: sine and cosine of the angle of eq. (7), as wheel_normal_line() has it.
+/// Where the wheel's normal meets the roller's axis: sine and cosine of the angle of eq. (7), (G1).
 template <class N, class Pair>
 [[gnu::always_inline]] inline std::array<N, 2> facing_angle(Pair const& pair, RelativePose<N> const& pose,
                                                             WheelCircle<N> const& c) {

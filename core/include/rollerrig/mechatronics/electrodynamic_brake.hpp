@@ -9,7 +9,7 @@
 // machine never drives: its torque is against the turning, and within the characteristic whatever its lag remembers.
 //
 // To add a characteristic: a header in electrodynamic_brake/, its line in AnyElectrodynamicBrake, its table in
-// python/rollerrig/config/schema/electrodynamic_brake.py. Source  ours; docs/theory/adhesion.md.
+// python/rollerrig/config/schema/brakes.py. Source  ours; docs/theory/adhesion.md.
 #pragma once
 #include <cmath>
 #include <tuple>
@@ -33,24 +33,24 @@ enum class OnSlide : int {
 
 struct ElectrodynamicBrake {
   AnyElectrodynamicBrake characteristic{};
-  double wheel_radius{};    ///< r [m]
-  double share{};           ///< s: of the torque asked of the axle, at most [-]
-  double time_constant{};   ///< T of the torque [s]
-  double blending_delay{};  ///< t_b from the machine's torque to the pneumatic demand that takes it into account [s]
-  int on_slide{};           ///< OnSlide
-  double reduction_rate{};  ///< of the factor k while the cylinder is vented [1/s]
-  double restoring_rate{};  ///< of the factor k while it is filled [1/s]
+  double wheel_radius{}, share{}, time_constant{}, blending_delay{};
+  int on_slide{};  ///< OnSlide
+  double reduction_rate{}, restoring_rate{};
 
   static constexpr auto fields() {
     using P = ElectrodynamicBrake;
-    return std::tuple{Member{"characteristic", &P::characteristic},
-                      Member{"wheel_radius", &P::wheel_radius, positive},
-                      Member{"share", &P::share, fraction},
-                      Member{"time_constant", &P::time_constant, positive},
-                      Member{"blending_delay", &P::blending_delay, not_negative},
-                      Member{"on_slide", &P::on_slide, Range{0.0, 2.0, "0 to 2"}},
-                      Member{"reduction_rate", &P::reduction_rate, not_negative},
-                      Member{"restoring_rate", &P::restoring_rate, not_negative}};
+    return std::tuple{
+        Member{"characteristic", &P::characteristic},
+        Member{"wheel_radius", &P::wheel_radius, "m", "radius of the wheels, r", positive},
+        Member{"share", &P::share, "1", "largest share of the axle's torque demand, s", fraction},
+        Member{"time_constant", &P::time_constant, "s", "time constant of the torque, T", positive},
+        Member{"blending_delay", &P::blending_delay, "s",
+               "delay from the machine's torque to the pneumatic demand that takes it into account, t_b", not_negative},
+        Member{"on_slide", &P::on_slide, Range{0.0, 2.0, "0 to 2"}},
+        Member{"reduction_rate", &P::reduction_rate, "1/s",
+               "reduction rate of the factor k while the cylinder is vented", not_negative},
+        Member{"restoring_rate", &P::restoring_rate, "1/s",
+               "restoring rate of the factor k while the cylinder is filled", not_negative}};
   }
 
   /// Largest torque [N m], not negative, at an axle speed [rad/s].

@@ -14,15 +14,17 @@ namespace rollerrig {
 
 /// A force or torque transducer: first-order lag, then noise, resolution and range of its reading.
 struct ForceSensor {
-  std::optional<double> bandwidth{};  ///< [rad/s]; absent: no lag
-  double noise{};                     ///< standard deviation of a reading [N or N m]
-  double resolution{};                ///< of a reading; 0: none
-  std::optional<double> range{};      ///< largest |reading|; absent: no limit
+  std::optional<double> bandwidth{};
+  double noise{}, resolution{};
+  std::optional<double> range{};
 
   static constexpr auto fields() {
     using P = ForceSensor;
-    return std::tuple{Member{"bandwidth", &P::bandwidth, positive}, Member{"noise", &P::noise, not_negative},
-                      Member{"resolution", &P::resolution, not_negative}, Member{"range", &P::range, positive}};
+    return std::tuple{
+        Member{"bandwidth", &P::bandwidth, "rad/s", "bandwidth of the lag; absent: no lag", positive},
+        Member{"noise", &P::noise, "N or N m", "standard deviation of a reading", not_negative},
+        Member{"resolution", &P::resolution, "N or N m", "resolution of a reading; 0: none", not_negative},
+        Member{"range", &P::range, "N or N m", "largest |reading|; absent: no limit", positive}};
   }
 };
 

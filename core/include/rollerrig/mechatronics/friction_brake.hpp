@@ -11,21 +11,23 @@
 namespace rollerrig {
 
 struct FrictionBrake {
-  double piston_area{};        ///< times rigging ratio and efficiency [m^2]
-  double spring_force{};       ///< of the retracting spring, at the pads [N]
-  PiecewiseLinear friction{};  ///< of pad on disc or block on tread, over sliding speed at the friction radius [m/s]
-  double friction_radius{};    ///< [m]; of a tread brake the wheel radius
-  double faces{};              ///< friction faces that the force presses on, per axle
-  double friction_regularisation_speed{};  ///< below it friction turns into viscous drag, at the friction radius [m/s]
+  double piston_area{}, spring_force{};
+  PiecewiseLinear friction{};
+  double friction_radius{}, faces{}, friction_regularisation_speed{};
 
   static constexpr auto fields() {
     using P = FrictionBrake;
-    return std::tuple{Member{"piston_area", &P::piston_area, not_negative},
-                      Member{"spring_force", &P::spring_force},
-                      Member{"friction", &P::friction},
-                      Member{"friction_radius", &P::friction_radius, not_negative},
-                      Member{"faces", &P::faces, not_negative},
-                      Member{"friction_regularisation_speed", &P::friction_regularisation_speed, positive}};
+    return std::tuple{
+        Member{"piston_area", &P::piston_area, "m^2",
+               "piston area of an axle, times ratio and efficiency of the rigging", not_negative},
+        Member{"spring_force", &P::spring_force, "N", "force of the retracting spring, at the pads"},
+        Member{"friction", &P::friction, "1",
+               "friction of pad on disc or block on tread, over sliding speed at the friction radius [m/s]"},
+        Member{"friction_radius", &P::friction_radius, "m",
+               "effective radius of the disc; of a tread brake the wheel radius", not_negative},
+        Member{"faces", &P::faces, "1", "number of friction faces of an axle that the force presses on", not_negative},
+        Member{"friction_regularisation_speed", &P::friction_regularisation_speed, "m/s",
+               "sliding speed below which friction turns into viscous drag", positive}};
   }
 
   /// Torque on the axle [N m], against its turning.

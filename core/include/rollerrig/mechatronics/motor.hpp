@@ -18,20 +18,22 @@ namespace rollerrig {
 enum class DriveLimit : int { none, torque, power, speed };
 
 struct Motor {
-  PiecewiseLinear envelope{};              ///< largest |torque| [N m] over |speed| [rad/s]; empty: no limit
-  double bandwidth{};                      ///< of the torque loop [rad/s]
-  double damping_ratio{};                  ///< of a second-order loop; 0: first order
-  std::optional<double> largest_torque{};  ///< [N m]; absent: no limit
-  std::optional<double> largest_power{};   ///< |torque x speed| [W]; absent: no limit
-  std::optional<double> largest_speed{};   ///< beyond it there is no torque [rad/s]; absent: no limit
+  PiecewiseLinear envelope{};
+  double bandwidth{}, damping_ratio{};
+  std::optional<double> largest_torque{}, largest_power{}, largest_speed{};
 
   static constexpr auto fields() {
-    return std::tuple{Member{"envelope", &Motor::envelope},
-                      Member{"bandwidth", &Motor::bandwidth, positive},
-                      Member{"damping_ratio", &Motor::damping_ratio, not_negative},
-                      Member{"largest_torque", &Motor::largest_torque, not_negative},
-                      Member{"largest_power", &Motor::largest_power, not_negative},
-                      Member{"largest_speed", &Motor::largest_speed, not_negative}};
+    return std::tuple{
+        Member{"envelope", &Motor::envelope, "N m", "largest |torque| over |speed| [rad/s]; empty: no limit"},
+        Member{"bandwidth", &Motor::bandwidth, "rad/s", "bandwidth of the torque loop", positive},
+        Member{"damping_ratio", &Motor::damping_ratio, "1",
+               "damping ratio of a torque loop of second order; 0: first order", not_negative},
+        Member{"largest_torque", &Motor::largest_torque, "N m", "largest torque of the driven axle; absent: no limit",
+               not_negative},
+        Member{"largest_power", &Motor::largest_power, "W",
+               "largest |torque x speed| of the driven axle; absent: no limit", not_negative},
+        Member{"largest_speed", &Motor::largest_speed, "rad/s",
+               "speed of the driven axle beyond which there is no torque; absent: no limit", not_negative}};
   }
 
   /// The command within what the motor can do at this speed.

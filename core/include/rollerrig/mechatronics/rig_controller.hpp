@@ -37,10 +37,10 @@ struct RigController {
   AnyAxleTorque axle_torque{};
   AnyFeedback feedback{};
   AnyDriveCommand drive_command{};
-  double largest{};         ///< torque asked of a roller's drive [N m]
+  double largest{};
   bool commanded_torque{};  ///< the estimator takes the commanded torque for the one that acts
   bool measured_loads{};    ///< the virtual train's axles carry what is measured, in place of (D9)
-  double locked_speed{};    ///< a wheel slower than this on a faster train is locked, (D15) [m/s]
+  double locked_speed{};
   VirtualTrain train{};
   VirtualRail rail{};
 
@@ -51,10 +51,11 @@ struct RigController {
                       Member{"axle_torque", &P::axle_torque},
                       Member{"feedback", &P::feedback},
                       Member{"drive_command", &P::drive_command},
-                      Member{"largest", &P::largest, not_negative},
+                      Member{"largest", &P::largest, "N m", "largest torque command of a roller's drive", not_negative},
                       Member{"commanded_torque", &P::commanded_torque},
                       Member{"measured_loads", &P::measured_loads},
-                      Member{"locked_speed", &P::locked_speed},
+                      Member{"locked_speed", &P::locked_speed, "m/s",
+                             "wheel speed below which a wheel of a faster train is locked, (D15)"},
                       Member{"train", &P::train},
                       Member{"rail", &P::rail}};
   }

@@ -2,7 +2,7 @@
 //
 //   time, distance, sliding axles -> [start, run-on, delay] -> flow in front of each sanding axle -> sanded_rail.hpp
 //
-// To add a start: a header in sanding_start/, its line in AnySandingStart, its table in python/rollerrig/config/schema/sanding.py.
+// To add a start: a header in sanding_start/, its line in AnySandingStart, its table in python/rollerrig/config/schema/brakes.py.
 #pragma once
 #include <cmath>
 #include <tuple>
@@ -19,20 +19,17 @@ using AnySandingStart = OneOf<SandOnSlide, SandFromDistance, SandFromTime>;
 
 struct Sanding {
   AnySandingStart start{};
-  double flow{};         ///< on each rail in front of a sanding axle [kg/s]
-  double delay{};        ///< from the wish to the sand on the rail, and back [s]
-  double run_on{};       ///< it is wanted for so long after its reason has gone [s]
-  double least_speed{};  ///< a slower train gets none [m/s]
-  double kept{};         ///< of the sand on the rail that a wheel leaves behind [-]
+  double flow{}, delay{}, run_on{}, least_speed{}, kept{};
 
   static constexpr auto fields() {
     using P = Sanding;
-    return std::tuple{Member{"start", &P::start},
-                      Member{"flow", &P::flow, not_negative},
-                      Member{"delay", &P::delay, not_negative},
-                      Member{"run_on", &P::run_on, not_negative},
-                      Member{"least_speed", &P::least_speed, not_negative},
-                      Member{"kept", &P::kept, fraction}};
+    return std::tuple{
+        Member{"start", &P::start},
+        Member{"flow", &P::flow, "kg/s", "mass flow on each rail in front of a sanding axle", not_negative},
+        Member{"delay", &P::delay, "s", "delay from the demand to the sand on the rail, and back", not_negative},
+        Member{"run_on", &P::run_on, "s", "duration of sanding after its reason has gone", not_negative},
+        Member{"least_speed", &P::least_speed, "m/s", "train speed below which there is no sanding", not_negative},
+        Member{"kept", &P::kept, "1", "share of the sand on the rail that a wheel leaves behind", fraction}};
   }
 };
 

@@ -3,7 +3,7 @@
 //   true motion and forces -> [sensors] -> measurements
 //
 // To add a speed sensor: a header in speed_sensor/, its line in AnySpeedSensor, its table in
-// python/rollerrig/config/schema/sensors.py.
+// python/rollerrig/config/schema/rig_control.py.
 #pragma once
 #include <cstdint>
 #include <optional>

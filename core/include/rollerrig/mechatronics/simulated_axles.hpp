@@ -26,23 +26,21 @@ namespace rollerrig {
 
 /// Empty lists: every axle of the train is under test.
 struct SimulatedAxles {
-  double wheelset_inertia{};            ///< J_w, with the rotor of the motor [kg m^2]
-  double wheel_radius{};                ///< r [m]
-  double gradient_force{};              ///< g i, per mass [m/s^2]
-  std::vector<double> static_load{};    ///< N_i0 of each axle [N]
-  std::vector<double> load_transfer{};  ///< t_i [kg]
-  std::vector<double> position{};       ///< along the running direction, as that of the axles under test [m]
+  double wheelset_inertia{}, wheel_radius{}, gradient_force{};
+  std::vector<double> static_load{}, load_transfer{}, position{};
 
   std::size_t count() const { return static_load.size(); }
 
   static constexpr auto fields() {
     using P = SimulatedAxles;
-    return std::tuple{Member{"wheelset_inertia", &P::wheelset_inertia, not_negative},
-                      Member{"wheel_radius", &P::wheel_radius, not_negative},
-                      Member{"gradient_force", &P::gradient_force},
-                      Member{"static_load", &P::static_load, positive},
-                      Member{"load_transfer", &P::load_transfer},
-                      Member{"position", &P::position}};
+    return std::tuple{Member{"wheelset_inertia", &P::wheelset_inertia, "kg m^2",
+                             "moment of inertia of a wheelset with the rotor of its motor, J_w", not_negative},
+                      Member{"wheel_radius", &P::wheel_radius, "m", "radius of the wheels, r", not_negative},
+                      Member{"gradient_force", &P::gradient_force, "m/s^2", "downhill force per mass, g i"},
+                      Member{"static_load", &P::static_load, "N", "static load of each axle, N_i0", positive},
+                      Member{"load_transfer", &P::load_transfer, "kg", "load transfer of each axle, t_i in (D9)"},
+                      Member{"position", &P::position, "m",
+                             "position of each axle along the running direction, as of the axles under test"}};
   }
 };
 

@@ -5,7 +5,7 @@
 // On track the force acts on what carries the magnets, in the line of its centre; on a rig there is no rail beside the rollers: it
 // acts on the virtual train alone, by the same law.
 //
-// To add a law: a header in track_brake/, its line in AnyTrackBrake, its table in python/rollerrig/config/schema/track_brake.py.
+// To add a law: a header in track_brake/, its line in AnyTrackBrake, its table in python/rollerrig/config/schema/brakes.py.
 #pragma once
 #include <algorithm>
 #include <tuple>
@@ -20,21 +20,21 @@ namespace rollerrig {
 using AnyTrackBrake = OneOf<MagneticTrackBrake, EddyCurrentTrackBrake>;
 
 struct TrackBrake {
-  AnyTrackBrake law{};     ///< of one bogie
-  double bogies{};         ///< that have it, of those under test
-  TimeTable demand{};      ///< excitation asked for, 0 to 1
-  double delay{};          ///< from the demand to the first force: lowering [s]
-  double rise_time{};      ///< of the excitation, none to full [s]
-  double release_speed{};  ///< a slower train has them lifted [m/s]
+  AnyTrackBrake law{};  ///< of one bogie
+  double bogies{};
+  TimeTable demand{};
+  double delay{}, rise_time{}, release_speed{};
 
   static constexpr auto fields() {
     using P = TrackBrake;
-    return std::tuple{Member{"law", &P::law},
-                      Member{"bogies", &P::bogies, not_negative},
-                      Member{"demand", &P::demand, fraction},
-                      Member{"delay", &P::delay, not_negative},
-                      Member{"rise_time", &P::rise_time, positive},
-                      Member{"release_speed", &P::release_speed, not_negative}};
+    return std::tuple{
+        Member{"law", &P::law},
+        Member{"bogies", &P::bogies, "1", "number of bogies under test that have it", not_negative},
+        Member{"demand", &P::demand, "1", "demanded excitation, 0 to 1", fraction},
+        Member{"delay", &P::delay, "s", "delay from the demand to the first force: lowering", not_negative},
+        Member{"rise_time", &P::rise_time, "s", "rise time of the excitation, from none to full", positive},
+        Member{"release_speed", &P::release_speed, "m/s", "train speed below which the magnets are lifted",
+               not_negative}};
   }
 
   /// Of one bogie in full excitation, against running [N], at a speed over the rail [m/s].

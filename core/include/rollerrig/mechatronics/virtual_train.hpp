@@ -21,31 +21,26 @@
 namespace rollerrig {
 
 struct VirtualTrain {
-  double mass{};                        ///< M: that these axles carry and brake [kg]
-  double wheelset_inertia{};            ///< J_w [kg m^2]
-  double wheel_radius{};                ///< r [m]
-  double resistance_constant{};         ///< R = A + B v + C v^2: A [N]
-  double resistance_linear{};           ///< B [N s/m]
-  double resistance_quadratic{};        ///< C [N s^2/m^2]
-  double gradient{};                    ///< i, positive uphill [-]
-  double gravity{};                     ///< [m/s^2]
-  std::vector<double> static_load{};    ///< N_i0 of each axle [N]
-  std::vector<double> load_transfer{};  ///< t_i [kg]
-  std::vector<double> position{};       ///< of the axles along the train [m]
+  double mass{}, wheelset_inertia{}, wheel_radius{}, resistance_constant{}, resistance_linear{};
+  double resistance_quadratic{}, gradient{}, gravity{};
+  std::vector<double> static_load{}, load_transfer{}, position{};
 
   static constexpr auto fields() {
     using P = VirtualTrain;
-    return std::tuple{Member{"mass", &P::mass, positive},
-                      Member{"wheelset_inertia", &P::wheelset_inertia, positive},
-                      Member{"wheel_radius", &P::wheel_radius, positive},
-                      Member{"resistance_constant", &P::resistance_constant},
-                      Member{"resistance_linear", &P::resistance_linear},
-                      Member{"resistance_quadratic", &P::resistance_quadratic},
-                      Member{"gradient", &P::gradient},
-                      Member{"gravity", &P::gravity},
-                      Member{"static_load", &P::static_load},
-                      Member{"load_transfer", &P::load_transfer},
-                      Member{"position", &P::position}};
+    return std::tuple{
+        Member{"mass", &P::mass, "kg", "mass that these axles carry and brake, M", positive},
+        Member{"wheelset_inertia", &P::wheelset_inertia, "kg m^2",
+               "moment of inertia of a wheelset about its axis, J_w", positive},
+        Member{"wheel_radius", &P::wheel_radius, "m", "radius of the wheels, r", positive},
+        Member{"resistance_constant", &P::resistance_constant, "N", "running resistance R = A + B v + C v^2: A"},
+        Member{"resistance_linear", &P::resistance_linear, "N s/m", "running resistance R = A + B v + C v^2: B"},
+        Member{"resistance_quadratic", &P::resistance_quadratic, "N s^2/m^2",
+               "running resistance R = A + B v + C v^2: C"},
+        Member{"gradient", &P::gradient, "1", "gradient of the line, positive uphill, i"},
+        Member{"gravity", &P::gravity, "m/s^2", "acceleration of free fall, g"},
+        Member{"static_load", &P::static_load, "N", "static load of each axle, N_i0"},
+        Member{"load_transfer", &P::load_transfer, "kg", "load transfer of each axle, t_i in (D9)"},
+        Member{"position", &P::position, "m", "position of each axle along the train"}};
   }
 
   double resistance(double v) const {

@@ -3,7 +3,7 @@
 //   axle speeds (sampled) -> reference speed, slip, acceleration -> [law] -> dump valve of each axle: fill, hold, vent
 //
 // To add a law: a header in slide_protection/, its line in AnySlideProtection, its table in
-// python/rollerrig/config/schema/slide_protection.py.
+// python/rollerrig/config/schema/actuators.py.
 #pragma once
 #include <tuple>
 #include <variant>

@@ -16,39 +16,34 @@ struct WheelSlipControl {
   static constexpr char const* name = "wheel_slip_control";
   static constexpr Command command = Command::torque_factor;
 
-  double wheel_radius{};            ///< assumed [m]
-  double reference_acceleration{};  ///< largest of the reference speed [m/s^2]
-  double slip{};                    ///< relative slip above which torque is reduced [-]
-  double slip_speed{};              ///< and the least such slip as a speed [m/s]
-  double acceleration{};            ///< an axle that gains speed faster loses torque as well [m/s^2]
-  double filter_time{};             ///< of the axles' acceleration [s]
-  double reduction_rate{};          ///< of the factor [1/s]
-  double restoring_rate{};          ///< [1/s]
-  double least_factor{};            ///< [-]
-  double release_interval{};        ///< while axles slip, one is released this often for the reference; 0: never [s]
-  double shortest_release{};        ///< the torque needs some time to fall [s]
-  double longest_release{};         ///< [s]
-  double release_deceleration{};    ///< a released axle that slows less runs at the train's speed [m/s^2]
-  double least_acceleration{};      ///< of the reference between releases [m/s^2]
-  double regained_after{};          ///< without slip for this long, the axles run at the train's speed [s]
+  double wheel_radius{}, reference_acceleration{}, slip{}, slip_speed{}, acceleration{}, filter_time{};
+  double reduction_rate{}, restoring_rate{}, least_factor{}, release_interval{}, shortest_release{};
+  double longest_release{}, release_deceleration{}, least_acceleration{}, regained_after{};
 
   static constexpr auto fields() {
     using P = WheelSlipControl;
-    return std::tuple{Member{"wheel_radius", &P::wheel_radius, positive},
-                      Member{"reference_acceleration", &P::reference_acceleration},
-                      Member{"slip", &P::slip},
-                      Member{"slip_speed", &P::slip_speed},
-                      Member{"acceleration", &P::acceleration},
-                      Member{"filter_time", &P::filter_time, not_negative},
-                      Member{"reduction_rate", &P::reduction_rate},
-                      Member{"restoring_rate", &P::restoring_rate},
-                      Member{"least_factor", &P::least_factor},
-                      Member{"release_interval", &P::release_interval},
-                      Member{"shortest_release", &P::shortest_release},
-                      Member{"longest_release", &P::longest_release},
-                      Member{"release_deceleration", &P::release_deceleration},
-                      Member{"least_acceleration", &P::least_acceleration},
-                      Member{"regained_after", &P::regained_after}};
+    return std::tuple{
+        Member{"wheel_radius", &P::wheel_radius, "m", "radius of the wheels as assumed", positive},
+        Member{"reference_acceleration", &P::reference_acceleration, "m/s^2",
+               "largest acceleration of the reference speed"},
+        Member{"slip", &P::slip, "1", "relative slip above which torque is reduced"},
+        Member{"slip_speed", &P::slip_speed, "m/s", "lower limit of that slip as a speed"},
+        Member{"acceleration", &P::acceleration, "m/s^2", "acceleration above which an axle loses torque as well"},
+        Member{"filter_time", &P::filter_time, "s", "filter time of the axles' acceleration", not_negative},
+        Member{"reduction_rate", &P::reduction_rate, "1/s", "reduction rate of the factor on the torque"},
+        Member{"restoring_rate", &P::restoring_rate, "1/s", "restoring rate of the factor on the torque"},
+        Member{"least_factor", &P::least_factor, "1", "least factor on the torque"},
+        Member{"release_interval", &P::release_interval, "s",
+               "interval at which an axle is released for the reference speed while axles slip; 0: never"},
+        Member{"shortest_release", &P::shortest_release, "s",
+               "shortest duration of such a release: the torque needs some time to fall"},
+        Member{"longest_release", &P::longest_release, "s", "longest duration of such a release"},
+        Member{"release_deceleration", &P::release_deceleration, "m/s^2",
+               "deceleration below which a released axle runs at the train's speed"},
+        Member{"least_acceleration", &P::least_acceleration, "m/s^2",
+               "least acceleration of the reference speed between releases"},
+        Member{"regained_after", &P::regained_after, "s",
+               "duration without slip after which the axles run at the train's speed"}};
   }
 
   struct AxleState {

@@ -17,23 +17,25 @@ namespace rollerrig {
 enum Coordinate : int { coord_x, coord_y, coord_z, coord_roll, coord_pitch, coord_yaw };
 
 struct Body {
-  double mass{0.0};                     ///< [kg]
-  Vec3<double> inertia{};               ///< principal moments Ixx, Iyy, Izz [kg m^2]
-  Vec3<double> position{};              ///< design position of the centre of mass, world [m]
-  bool axisymmetric{false};             ///< surface of revolution about its y axis
-  std::array<bool, 6> locked{};         ///< per Coordinate
-  double speed_controlled_radius{0.0};  ///< of a roller whose pitch rate is prescribed: V over this [m]; 0: it is free
-  bool in_moving_frame{true};           ///< on a track: moves with the vehicle; false: a piece of the track itself
+  double mass{0.0};
+  Vec3<double> inertia{};
+  Vec3<double> position{};
+  bool axisymmetric{false};      ///< surface of revolution about its y axis
+  std::array<bool, 6> locked{};  ///< per Coordinate
+  double speed_controlled_radius{0.0};
+  bool in_moving_frame{true};  ///< on a track: moves with the vehicle; false: a piece of the track itself
 
   static constexpr auto fields() {
     using P = Body;
-    return std::tuple{Member{"mass", &P::mass, positive},
-                      Member{"inertia", &P::inertia, positive},
-                      Member{"position", &P::position},
-                      Member{"axisymmetric", &P::axisymmetric},
-                      Member{"locked", &P::locked},
-                      Member{"speed_controlled_radius", &P::speed_controlled_radius, not_negative},
-                      Member{"in_moving_frame", &P::in_moving_frame}};
+    return std::tuple{
+        Member{"mass", &P::mass, "kg", "mass", positive},
+        Member{"inertia", &P::inertia, "kg m^2", "principal moments of inertia Ixx, Iyy, Izz", positive},
+        Member{"position", &P::position, "m", "design position of the centre of mass, world"},
+        Member{"axisymmetric", &P::axisymmetric},
+        Member{"locked", &P::locked},
+        Member{"speed_controlled_radius", &P::speed_controlled_radius, "m",
+               "radius V over pitch rate of a roller whose pitch rate is prescribed; 0: it is free", not_negative},
+        Member{"in_moving_frame", &P::in_moving_frame}};
   }
 
   /// A roller on rigid bearings: its frame coincides with the world's.

@@ -18,7 +18,7 @@ namespace rollerrig {
 struct ForceElement {
   int body_a{-1};  ///< -1: ground
   int body_b{-1};
-  Vec3<double> r_b{};                 ///< point of action P_b from b's centre of mass, body frame at design [m]
+  Vec3<double> r_b{};
   std::array<DirectionLaw, 6> law{};  ///< per Coordinate
   std::array<int, 7>
       node{};  ///< first inner node of each direction among all elements' and behind the last; set by ModelBuilder
@@ -27,8 +27,10 @@ struct ForceElement {
 
   static constexpr auto fields() {
     using P = ForceElement;
-    return std::tuple{Member{"body_a", &P::body_a, index_or_none}, Member{"body_b", &P::body_b, index_or_none},
-                      Member{"point_on_b", &P::r_b}, Member{"law", &P::law}, Member{"clamped", &P::clamped}};
+    return std::tuple{
+        Member{"body_a", &P::body_a, index_or_none}, Member{"body_b", &P::body_b, index_or_none},
+        Member{"point_on_b", &P::r_b, "m", "point of action P_b from b's centre of mass, body frame at design"},
+        Member{"law", &P::law}, Member{"clamped", &P::clamped}};
   }
 
   int first_node() const { return node.front(); }

@@ -229,7 +229,7 @@ void get(ByteReader& in, Shared& shared, std::shared_ptr<V const>& value) {
 /// What the range says, and that no table is missing.
 template <class Struct, class Field>
 void check_field(Struct const& owner, Member<Struct, Field> const& field) {
-  check_value(owner.*field.member, field.range, "model file", field.name);
+  check_value(owner.*field.member, field.range, "model file", field.label());
   if constexpr (requires { (owner.*field.member) == nullptr; })
     if ((owner.*field.member) == nullptr) throw FormatError(std::string("model file: there is no ") + field.name);
 }
@@ -265,8 +265,8 @@ void get_all(std::span<std::byte const> bytes, V& value) {
 
 // ---------------------------------------------------------------------------------------------------- as a text
 
-/// A line for each field, what it is made of below it. Lists: [ ]; what may be missing: ?; a table that may be shared: @; laws:
-/// each by its name.
+/// A line for each field, with its unit behind a comma, and what it is made of below it. Lists: [ ]; what may be missing: ?; a
+/// table that may be shared: @; laws: each by its name.
 template <class V>
 struct Layout {
   static std::string word() {
@@ -289,8 +289,8 @@ struct Layout {
       auto const line = [&]<class Field>(Field const& field) {
         using Value = std::remove_cvref_t<decltype(std::declval<V&>().*field.member)>;
         std::string const kind = Layout<Value>::word();
-        return indent + field.name + std::string(kind.empty() ? "" : " ") + kind + "\n" +
-               Layout<Value>::below(indent + "  ");
+        return indent + field.name + std::string(kind.empty() ? "" : " ") + kind + (*field.unit == '\0' ? "" : ", ") +
+               field.unit + "\n" + Layout<Value>::below(indent + "  ");
       };
       return std::apply([&](auto const&... field) { return (std::string() + ... + line(field)); }, fields<V>());
     }

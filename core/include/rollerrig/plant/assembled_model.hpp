@@ -2,7 +2,6 @@
 //
 //   model, machines and controllers, starting state, settings of the integrator -> [assembled model] -> Plant
 #pragma once
-#include <array>
 #include <memory>
 #include <optional>
 #include <string>
@@ -11,6 +10,7 @@
 #include "rollerrig/integrate/options.hpp"
 #include "rollerrig/simulate/setup.hpp"
 #include "rollerrig/system/model.hpp"
+#include "rollerrig/system/starting_state.hpp"
 
 namespace rollerrig {
 
@@ -31,10 +31,9 @@ struct AssembledModel {
   std::optional<MechatronicSetup> setup{};
   PartNames names{};
   integrate::Options options{};
-  double start_time{};          ///< [s]
-  std::vector<double> start{};  ///< state there
-  /// Body and coordinate of what the case puts off its equilibrium at the start; all else is in equilibrium with them.
-  std::vector<std::array<int, 2>> disturbed{};
+  double start_time{};                      ///< [s]
+  std::vector<double> start{};              ///< state there, system/starting_state.hpp
+  std::vector<Disturbance> disturbances{};  ///< of it
 };
 
 /// Throws std::invalid_argument for what cannot be run, or lacks a name.

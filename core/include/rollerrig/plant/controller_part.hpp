@@ -17,22 +17,22 @@
 namespace rollerrig {
 
 struct ControllerPart {
-  std::string name{};              ///< of the case
-  double step{};                   ///< sampling step of the case [s]
+  std::string name{};  ///< of the case
+  double step{};
   SampledController controller{};  ///< its delay belongs to the case, and is not part of it
   std::vector<std::string> axles{};
-  double train_speed{};                              ///< at the start [m/s]
-  std::vector<double> axle_speed{}, roller_speed{};  ///< at the start, one per axle [rad/s]
+  double train_speed{};
+  std::vector<double> axle_speed{}, roller_speed{};
 
   static constexpr auto fields() {
     using P = ControllerPart;
     return std::tuple{Member{"name", &P::name},
-                      Member{"step", &P::step, positive},
+                      Member{"step", &P::step, "s", "sampling step of the case", positive},
                       Member{"controller", &P::controller},
                       Member{"axles", &P::axles},
-                      Member{"train_speed", &P::train_speed},
-                      Member{"axle_speed", &P::axle_speed},
-                      Member{"roller_speed", &P::roller_speed}};
+                      Member{"train_speed", &P::train_speed, "m/s", "train speed at the start"},
+                      Member{"axle_speed", &P::axle_speed, "rad/s", "speed of each axle at the start"},
+                      Member{"roller_speed", &P::roller_speed, "rad/s", "speed of each roller axle at the start"}};
   }
 };
 

@@ -4,8 +4,9 @@
 //
 // An input enters the dynamics as a straight line over time: its column is what a slope of 1 adds to the derivative by time.
 #pragma once
-#include "rollerrig/simulate/recorded_rows.hpp"
-#include "rollerrig/system/dynamics.hpp"
+#include <span>
+
+#include "rollerrig/simulate/driver.hpp"
 
 namespace rollerrig {
 
@@ -17,5 +18,15 @@ struct LinearModel {
 
 /// @param inputs  what acts in that state
 LinearModel linear_model(Dynamics& dynamics, double t, double const* x, Inputs inputs);
+
+/// Under the inputs of a run's start, with constant cylinder pressures [Pa] and torques of the rollers [N m] in their place.
+///
+/// @param pressure, roller_torque  one for each brake and each roller torque of the model; empty: those of the start
+LinearModel linear_model(Driver& driver, double t, double const* x, std::span<double const> pressure,
+                         std::span<double const> roller_torque);
+
+/// What one step [s] of a fixed-step method does to a small deviation from x: integrate/amplification.hpp.
+Eigen::MatrixXd step_amplification(Dynamics& dynamics, integrate::Method method, double step, double t,
+                                   double const* x);
 
 }  // namespace rollerrig

@@ -60,66 +60,66 @@ struct Actuators {
   bool motors_stand_in{};                               ///< the traction motors exert the brake's torque
   std::optional<ElectrodynamicBrake> electrodynamic{};  ///< of the axles that have it
   std::optional<TrackBrake> track_brake{};
-  TimeTable brake_demand{};  ///< cylinder pressure over the ambient [Pa]
+  TimeTable brake_demand{};
   Motor motor{};
-  TimeTable torque_demand{};  ///< of the traction motor of each axle, positive forward [N m]
+  TimeTable torque_demand{};
   Motor roller_drive{};
 
   static constexpr auto fields() {
     using P = Actuators;
-    return std::tuple{Member{"brake", &P::brake},
-                      Member{"pneumatics", &P::pneumatics},
-                      Member{"motors_stand_in", &P::motors_stand_in},
-                      Member{"electrodynamic", &P::electrodynamic},
-                      Member{"track_brake", &P::track_brake},
-                      Member{"brake_demand", &P::brake_demand},
-                      Member{"motor", &P::motor},
-                      Member{"torque_demand", &P::torque_demand},
-                      Member{"roller_drive", &P::roller_drive}};
+    return std::tuple{
+        Member{"brake", &P::brake},
+        Member{"pneumatics", &P::pneumatics},
+        Member{"motors_stand_in", &P::motors_stand_in},
+        Member{"electrodynamic", &P::electrodynamic},
+        Member{"track_brake", &P::track_brake},
+        Member{"brake_demand", &P::brake_demand, "Pa", "demanded cylinder pressure over the ambient, over time"},
+        Member{"motor", &P::motor},
+        Member{"torque_demand", &P::torque_demand, "N m",
+               "demanded torque of the traction motor of each axle, positive forward, over time"},
+        Member{"roller_drive", &P::roller_drive}};
   }
 };
 
 /// Ends a test on rollers before real sliding damages them.
 struct RollerProtection {
-  double slip{};  ///< real sliding between wheel and roller [m/s] ...
-  double time{};  ///< ... for longer than this [s]
+  double slip{}, time{};
 
   static constexpr auto fields() {
-    return std::tuple{Member{"slip", &RollerProtection::slip, not_negative},
-                      Member{"time", &RollerProtection::time, not_negative}};
+    return std::tuple{
+        Member{"slip", &RollerProtection::slip, "m/s", "real sliding between wheel and roller that damages them",
+               not_negative},
+        Member{"time", &RollerProtection::time, "s", "duration of such sliding that ends a test", not_negative}};
   }
 };
 
 /// On track the vehicle's frame moves at the train's speed.
 struct TravellingFrame {
-  double train_mass{};  ///< that these axles brake or pull [kg]; 0: on a rig the frame does not move
-  double fixed_mass{};  ///< of it, what is fixed in the frame [kg]
+  double train_mass{}, fixed_mass{};
 
   static constexpr auto fields() {
     using P = TravellingFrame;
-    return std::tuple{Member{"train_mass", &P::train_mass, not_negative},
-                      Member{"fixed_mass", &P::fixed_mass, not_negative}};
+    return std::tuple{
+        Member{"train_mass", &P::train_mass, "kg",
+               "mass that these axles brake or pull; 0: on a rig the frame does not move", not_negative},
+        Member{"fixed_mass", &P::fixed_mass, "kg", "part of it that is fixed in the frame", not_negative}};
   }
 };
 
 struct MechatronicSetup {
-  double step{};        ///< all samples and changes of commands stand on its multiples [s]
-  double speed{};       ///< at the start [m/s]
-  double stop_speed{};  ///< a train slower than this has stopped [m/s]; 0: it starts from rest and runs on
+  double step{}, speed{}, stop_speed{};
   std::vector<AxleParts> axles{};
   Actuators actuators{};
   Sensors sensors{};
   std::vector<SampledController> controllers{};
   RollerProtection protection{};
   TravellingFrame frame{};
-  double rail_cell{};     ///< length of the cells of rail in which dissipated energy is kept [m]
-  double energy_width{};  ///< of rail over which dissipated energy is spread [m]; 0: that of the patches
-  double wheel_memory{};  ///< length rolled over which a wheel's own cleaning fades [m]; 0: it keeps nothing
+  double rail_cell{}, energy_width{}, wheel_memory{};
   std::optional<Sanding> sanding{};
   SimulatedAxles simulated{};         ///< the last ones of `axles`
   std::optional<VirtualRail> rail{};  ///< under them
-  std::vector<double> brake_delay{};  ///< of the demand at each axle, (N3) [s]; empty: none
-  std::vector<int> reservoir{};       ///< number of the reservoir that feeds each axle; empty: one feeds all
+  std::vector<double> brake_delay{};
+  std::vector<int> reservoir{};  ///< number of the reservoir that feeds each axle; empty: one feeds all
 
   /// Axles in the model: the first ones of `axles`.
   std::size_t under_test() const { return axles.size() - simulated.count(); }
@@ -143,23 +143,30 @@ struct MechatronicSetup {
 
   static constexpr auto fields() {
     using P = MechatronicSetup;
-    return std::tuple{Member{"step", &P::step, positive},
-                      Member{"speed", &P::speed},
-                      Member{"stop_speed", &P::stop_speed},
-                      Member{"axles", &P::axles},
-                      Member{"actuators", &P::actuators},
-                      Member{"sensors", &P::sensors},
-                      Member{"controllers", &P::controllers},
-                      Member{"protection", &P::protection},
-                      Member{"frame", &P::frame},
-                      Member{"rail_cell", &P::rail_cell, positive},
-                      Member{"energy_width", &P::energy_width, not_negative},
-                      Member{"wheel_memory", &P::wheel_memory, not_negative},
-                      Member{"sanding", &P::sanding},
-                      Member{"simulated", &P::simulated},
-                      Member{"rail", &P::rail},
-                      Member{"brake_delay", &P::brake_delay, not_negative},
-                      Member{"reservoir", &P::reservoir}};
+    return std::tuple{
+        Member{"step", &P::step, "s", "sampling step: all samples and changes of commands lie on its multiples",
+               positive},
+        Member{"speed", &P::speed, "m/s", "speed at the start"},
+        Member{"stop_speed", &P::stop_speed, "m/s",
+               "speed below which a train has stopped; 0: it starts from rest and runs on"},
+        Member{"axles", &P::axles},
+        Member{"actuators", &P::actuators},
+        Member{"sensors", &P::sensors},
+        Member{"controllers", &P::controllers},
+        Member{"protection", &P::protection},
+        Member{"frame", &P::frame},
+        Member{"rail_cell", &P::rail_cell, "m", "length of the cells of rail in which dissipated energy is kept",
+               positive},
+        Member{"energy_width", &P::energy_width, "m",
+               "width of rail over which dissipated energy is spread; 0: that of the patches", not_negative},
+        Member{"wheel_memory", &P::wheel_memory, "m",
+               "rolling distance over which a wheel's own cleaning fades; 0: it keeps nothing", not_negative},
+        Member{"sanding", &P::sanding},
+        Member{"simulated", &P::simulated},
+        Member{"rail", &P::rail},
+        Member{"brake_delay", &P::brake_delay, "s", "delay of the demand at each axle, (N3); empty: none",
+               not_negative},
+        Member{"reservoir", &P::reservoir}};
   }
 };
 

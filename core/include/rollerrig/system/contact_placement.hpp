@@ -1,6 +1,6 @@
 // system/contact_placement.hpp - how a wheel and the rail or roller under it lie and move, before a contact is looked for.
 //
-//   motion of wheelset and roller, track frame, irregularity -> [placement] -> contact search, contact forces
+//   motion of wheelset and roller, track frame, irregularity -> [placement] -> contact geometry, contact forces
 //
 // Frame b  of geometry/pair.hpp, fixed to the rail or roller where it really lies: displaced by the irregularity and turned
 //          into its direction. The material of a rail stands still in the ground; seen from the wheelset's track frame it

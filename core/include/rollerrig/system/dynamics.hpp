@@ -2,7 +2,7 @@
 //
 //   Model (constant, shared), t, x, inputs -> [dynamics] -> integrate, equilibrium, linearisation, record
 //
-// One evaluation: unpack the bodies' motion; suspension; contact search and contact forces per wheel; actuators; Newton and
+// One evaluation: unpack the bodies' motion; suspension; contact geometry and contact forces per wheel; actuators; Newton and
 // Euler. Everything that changes is in here: each run has its own, and two runs of one model know nothing of each other.
 #pragma once
 #include <limits>
@@ -42,9 +42,6 @@ class Dynamics {
   /// Whether that is what it evaluated last.
   bool evaluated_at(double t, double const* x, Inputs const& inputs) const;
 
-  /// The contact search of every wheel alone, for benchmarks.
-  void search_contacts(double t, double const* x);
-
   Model const& model() const { return *model_; }
   StateMap const& map() const { return model_->map; }
   Evaluation const& evaluation() const { return evaluation_; }
@@ -57,11 +54,6 @@ class Dynamics {
   ContactCounters const& counters() const { return monitor_.counters(); }
   std::vector<ContactLoss> contact_losses() const { return monitor_.losses(); }
   int failed_contact() const { return monitor_.failed_contact(); }
-
-  bool exhaustive_search() const { return evaluation_.exhaustive_search; }
-  void set_exhaustive_search(bool on) { evaluation_.exhaustive_search = on; }
-  /// Evaluations of the reduced contact equation at cell borders, all wheels: what the warm search saves.
-  std::int64_t search_evaluations() const;
 
   /// Everything that changes in a run, for plant/state_archive.hpp.
   template <class Archive>

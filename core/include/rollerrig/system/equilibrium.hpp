@@ -37,4 +37,8 @@ Equilibrium solve_equilibrium(Dynamics& dynamics, double speed, double t,
                               std::vector<FixedCoordinate> const& fixed = {}, std::vector<double> const& near = {},
                               bool only_near = false);
 
+/// Lowers or lifts a body in the state x to where what carries it balances what presses on it, within `reach` [m] and to a
+/// `resolution` [m]; whether there is such a place.
+bool set_down(Dynamics& dynamics, double t, std::vector<double>& x, int body, double reach, double resolution);
+
 }  // namespace rollerrig

@@ -29,7 +29,7 @@ Travel<T> travel_now(Model const& model, Inputs const& inputs, T const& t) {
 template <Scalar T>
 class ForceAssembly {
  public:
-  /// @param evaluation  the one in double: its contact search is warm, and gets its results where T is double
+  /// @param evaluation  the one in double; gets its results where T is double
   ForceAssembly(Model const& model, Inputs const& inputs, Evaluation& evaluation, Workspace<T>& work)
       : model_{model}, inputs_{inputs}, evaluation_{evaluation}, w_{work} {}
 
@@ -39,7 +39,6 @@ class ForceAssembly {
   void see_from_common(std::size_t body) const {
     see_from_common_frame(model_.bodies[body], w_.frame[body], w_.travel.speed, w_.motion[body], w_.common[body]);
   }
-  void search_contact(std::size_t contact, RelativePose<T> const& pose) const;
   ContactPlacement<T> placement(std::size_t contact) const;
 
   /// Everything from the motion to the accelerations; of a selection only what it names.

@@ -45,35 +45,39 @@ struct WheelContact {
 struct AxleTorque {
   int wheelset{0};
   int reaction{ground};  ///< body that takes the opposite
-  TimeTable torque{};    ///< [N m], beside that of the inputs
-  /// Axle-hung motor: x of the link by which it hangs on the reaction body, from the axle [m]; 0: the reaction is a moment.
-  double link{0.0};
-  double gear_ratio{1.0};        ///< rotor over axle; negative: they turn against each other
-  double rotor_inertia{0.0};     ///< [kg m^2]
+  TimeTable torque{};
+  double link{0.0}, gear_ratio{1.0}, rotor_inertia{0.0};
   double link_on_reaction{0.0};  ///< x of the link from the reaction body's centre of mass [m]; set by ModelBuilder
 
   static constexpr auto fields() {
     using P = AxleTorque;
     return std::tuple{Member{"wheelset", &P::wheelset, an_index},
                       Member{"reaction", &P::reaction, index_or_none},
-                      Member{"torque", &P::torque},
-                      Member{"link", &P::link},
-                      Member{"gear_ratio", &P::gear_ratio},
-                      Member{"rotor_inertia", &P::rotor_inertia, not_negative}};
+                      Member{"torque", &P::torque, "N m", "torque over time, beside that of the inputs"},
+                      Member{"link", &P::link, "m",
+                             "x of the link by which an axle-hung motor hangs on the reaction body, from the axle; 0: "
+                             "the reaction is a moment"},
+                      Member{"gear_ratio", &P::gear_ratio, "1",
+                             "speed of the rotor over that of the axle; negative: they turn against each other"},
+                      Member{"rotor_inertia", &P::rotor_inertia, "kg m^2",
+                             "moment of inertia of the rotor about its shaft", not_negative}};
   }
 };
 
 /// Torque on a roller about its axle, positive when it drives the wheel forward (turns the roller backwards).
 struct RollerTorque {
   int roller{0};
-  TimeTable torque{};         ///< [N m], beside that of the inputs
-  double gear_ratio{1.0};     ///< of the drive's rotor over the roller
-  double rotor_inertia{0.0};  ///< [kg m^2]
+  TimeTable torque{};
+  double gear_ratio{1.0}, rotor_inertia{0.0};
 
   static constexpr auto fields() {
     using P = RollerTorque;
-    return std::tuple{Member{"roller", &P::roller, an_index}, Member{"torque", &P::torque},
-                      Member{"gear_ratio", &P::gear_ratio}, Member{"rotor_inertia", &P::rotor_inertia, not_negative}};
+    return std::tuple{Member{"roller", &P::roller, an_index},
+                      Member{"torque", &P::torque, "N m", "torque over time, beside that of the inputs"},
+                      Member{"gear_ratio", &P::gear_ratio, "1",
+                             "speed of the rotor over that of the axle; negative: they turn against each other"},
+                      Member{"rotor_inertia", &P::rotor_inertia, "kg m^2",
+                             "moment of inertia of the rotor about its shaft", not_negative}};
   }
 };
 
@@ -92,17 +96,16 @@ struct AxleBrake {
 
 /// Running resistance by Davis' formula on one body, and the gradient on all bodies in moving track frames.
 struct RunningResistance {
-  int body{ground};       ///< on which it acts; ground: on none
-  double constant{0.0};   ///< [N]
-  double linear{0.0};     ///< [N s/m]
-  double quadratic{0.0};  ///< [N s^2/m^2]
-  double gradient{0.0};   ///< positive uphill [-]
+  int body{ground};  ///< on which it acts; ground: on none
+  double constant{0.0}, linear{0.0}, quadratic{0.0}, gradient{0.0};
 
   static constexpr auto fields() {
     using P = RunningResistance;
-    return std::tuple{Member{"body", &P::body, index_or_none}, Member{"constant", &P::constant},
-                      Member{"linear", &P::linear}, Member{"quadratic", &P::quadratic},
-                      Member{"gradient", &P::gradient}};
+    return std::tuple{Member{"body", &P::body, index_or_none},
+                      Member{"constant", &P::constant, "N", "running resistance R = A + B v + C v^2: A"},
+                      Member{"linear", &P::linear, "N s/m", "running resistance R = A + B v + C v^2: B"},
+                      Member{"quadratic", &P::quadratic, "N s^2/m^2", "running resistance R = A + B v + C v^2: C"},
+                      Member{"gradient", &P::gradient, "1", "gradient of the line, positive uphill"}};
   }
 
   template <Scalar T>

@@ -14,35 +14,34 @@
 
 namespace rollerrig {
 
-/// Of a model over full scale; the contact search divides a profile into cells in proportion to it.
+/// Of a model over full scale; nodes lie along a wheel profile in proportion to it.
 inline constexpr Range contact_size{1e-3, 1e3, "between 0.001 and 1000"};
 
 /// One wheel on one roller or rail. Where they lie follows from the bodies: the crown is at z = 0, below the wheelset's centre.
 struct ContactDescription {
   int wheelset{0};
-  int roller{ground};         ///< body of the roller or of an elastic rail; ground: a rigid rail
-  double roller_radius{0.0};  ///< at the crown [m]; 0: a rail
+  int roller{ground};  ///< body of the roller or of an elastic rail; ground: a rigid rail
+  double roller_radius{0.0};
   bool right{false};
   int wheel_profile{0}, rail_profile{0};
-  double wheel_radius{0.0};   ///< at the tape circle [m]
-  double tape_circle_y{0.0};  ///< lateral position of the tape circle on the wheelset [m]
-  double rail_origin_y{0.0};  ///< lateral position of the highest point of the left roller or rail [m]
-  double size{1.0};           ///< over a full-scale wheel and rail [-]
-  ContactLaws laws{};         ///< without the tables that follow from them
+  double wheel_radius{0.0}, tape_circle_y{0.0}, rail_origin_y{0.0}, size{1.0};
+  ContactLaws laws{};  ///< without the tables that follow from them
 
   static constexpr auto fields() {
     using P = ContactDescription;
-    return std::tuple{Member{"wheelset", &P::wheelset, an_index},
-                      Member{"roller", &P::roller, index_or_none},
-                      Member{"roller_radius", &P::roller_radius, not_negative},
-                      Member{"right", &P::right},
-                      Member{"wheel_profile", &P::wheel_profile, an_index},
-                      Member{"rail_profile", &P::rail_profile, an_index},
-                      Member{"wheel_radius", &P::wheel_radius, positive},
-                      Member{"tape_circle_y", &P::tape_circle_y},
-                      Member{"rail_origin_y", &P::rail_origin_y},
-                      Member{"size", &P::size, contact_size},
-                      Member{"laws", &P::laws}};
+    return std::tuple{
+        Member{"wheelset", &P::wheelset, an_index},
+        Member{"roller", &P::roller, index_or_none},
+        Member{"roller_radius", &P::roller_radius, "m", "radius of the roller at the crown; 0: a rail", not_negative},
+        Member{"right", &P::right},
+        Member{"wheel_profile", &P::wheel_profile, an_index},
+        Member{"rail_profile", &P::rail_profile, an_index},
+        Member{"wheel_radius", &P::wheel_radius, "m", "radius of the wheel at the tape circle", positive},
+        Member{"tape_circle_y", &P::tape_circle_y, "m", "lateral position of the tape circle on the wheelset"},
+        Member{"rail_origin_y", &P::rail_origin_y, "m",
+               "lateral position of the highest point of the left roller or rail"},
+        Member{"size", &P::size, "1", "size over a full-scale wheel and rail", contact_size},
+        Member{"laws", &P::laws}};
   }
 };
 

@@ -12,7 +12,7 @@ namespace rollerrig {
 
 /// In the order of the model's indices.
 struct ModelParts {
-  double gravity{};  ///< [m/s^2]
+  double gravity{};
   std::vector<Body> bodies{};
   std::vector<ForceElement> elements{};
   std::vector<UniformSpline> profiles{};
@@ -23,16 +23,16 @@ struct ModelParts {
   std::vector<BodyTrackBrake> track_brakes{};
   std::vector<int> rolling_wheelsets{};  ///< bodies that roll on their rollers without slip
   RunningResistance resistance{};
-  TimeTable speed{};  ///< [m/s]
+  TimeTable speed{};
   Line line{};
-  double start{};  ///< arc length of the vehicle's reference point at time 0 [m]
+  double start{};
   std::optional<Irregularity> irregularity{};
   RailHeads left_heads{}, right_heads{};
-  double contact_loss_limit{};  ///< [s]
+  double contact_loss_limit{};
 
   static constexpr auto fields() {
     using P = ModelParts;
-    return std::tuple{Member{"gravity", &P::gravity},
+    return std::tuple{Member{"gravity", &P::gravity, "m/s^2", "acceleration of free fall"},
                       Member{"bodies", &P::bodies},
                       Member{"elements", &P::elements},
                       Member{"profiles", &P::profiles},
@@ -43,13 +43,14 @@ struct ModelParts {
                       Member{"track_brakes", &P::track_brakes},
                       Member{"rolling_wheelsets", &P::rolling_wheelsets, an_index},
                       Member{"resistance", &P::resistance},
-                      Member{"speed", &P::speed},
+                      Member{"speed", &P::speed, "m/s", "running speed over time"},
                       Member{"line", &P::line},
-                      Member{"start", &P::start},
+                      Member{"start", &P::start, "m", "arc length of the vehicle's reference point at time 0"},
                       Member{"irregularity", &P::irregularity},
                       Member{"left_heads", &P::left_heads},
                       Member{"right_heads", &P::right_heads},
-                      Member{"contact_loss_limit", &P::contact_loss_limit, positive}};
+                      Member{"contact_loss_limit", &P::contact_loss_limit, "s",
+                             "duration without contact that ends a run", positive}};
   }
 };
 

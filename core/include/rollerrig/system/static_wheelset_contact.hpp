@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "rollerrig/contact/patch.hpp"
-#include "rollerrig/geometry/search.hpp"
 #include "rollerrig/system/model.hpp"
 
 namespace rollerrig {
@@ -51,20 +50,20 @@ class StaticWheelsetContact {
   StaticWheelsetContact(std::shared_ptr<Model const> model, int left, int right);
 
   /// The equilibrium under `load` [N]; free to roll, or at position.roll.
-  LoadedWheelset solve(WheelsetPosition position, double load, bool free_to_roll);
+  LoadedWheelset solve(WheelsetPosition position, double load, bool free_to_roll) const;
 
   /// Height z at which the wheel of one side just touches, all else as given [m].
-  double touch_height(WheelsetPosition position, bool right);
+  double touch_height(WheelsetPosition position, bool right) const;
 
   /// The patches of one side with the normal contact the case asks for.
-  std::vector<StaticPatch> patches(WheelsetPosition const& position, bool right);
+  std::vector<StaticPatch> patches(WheelsetPosition const& position, bool right) const;
 
   /// Creep force on one wheel [N] and its moment about the crown point [N m], b frame, by the case's laws; of friction alone, the
   /// normal damper counts. A right wheel in its mirror image.
-  PointWrench<double> creep(WheelsetPosition const& position, bool right, ContactMotion<double> const& motion);
+  PointWrench<double> creep(WheelsetPosition const& position, bool right, ContactMotion<double> const& motion) const;
 
   /// All minima of the gap closer than `reach` in one side, as Hertz patches with negative approach where open.
-  std::vector<StaticPatch> minima(WheelsetPosition const& position, bool right, double reach);
+  std::vector<StaticPatch> minima(WheelsetPosition const& position, bool right, double reach) const;
 
  private:
   friend class WheelBatch;
@@ -72,24 +71,22 @@ class StaticWheelsetContact {
     double vertical, roll_moment;
   };
   RelativePose<double> pose(WheelsetPosition const& p, bool right) const;
-  Load load_at(WheelsetPosition const& p);
-  double height_for(WheelsetPosition p, double load);
+  Load load_at(WheelsetPosition const& p) const;
+  double height_for(WheelsetPosition p, double load) const;
 
   std::shared_ptr<Model const> model_;
   std::array<WheelContact const*, 2> contact_;
-  std::array<ContactSearch, 2> search_;
 };
 
 /// Wheels of one side of a wheelset, 0.1 mm apart across, whose normal contacts are evaluated in one call: for timing.
 class WheelBatch {
  public:
-  WheelBatch(StaticWheelsetContact& wheelset, WheelsetPosition position, bool right, int wheels);
+  WheelBatch(StaticWheelsetContact const& wheelset, WheelsetPosition position, bool right, int wheels);
   void evaluate();
 
  private:
   NormalLaw const& law_;
   std::vector<RelativePose<double>> pose_;
-  std::vector<ContactSearch> search_;
   std::vector<PatchList<NormalPatch<double>>> patches_;
   std::vector<int> count_;
   std::vector<NormalContact<double, NormalPatch<double>>> contacts_;

@@ -12,13 +12,14 @@ namespace rollerrig {
 
 /// A body of a vehicle at rest.
 struct StandingBody {
-  double mass{0.0};         ///< [kg]
-  Vec3<double> position{};  ///< of its centre of mass [m]
-  bool on_wheels{false};    ///< a wheelset: whatever presses on it, the track carries
+  double mass{0.0};
+  Vec3<double> position{};
+  bool on_wheels{false};  ///< a wheelset: whatever presses on it, the track carries
 
   static constexpr auto fields() {
     using P = StandingBody;
-    return std::tuple{Member{"mass", &P::mass, not_negative}, Member{"position", &P::position},
+    return std::tuple{Member{"mass", &P::mass, "kg", "mass", not_negative},
+                      Member{"position", &P::position, "m", "position of the centre of mass"},
                       Member{"on_wheels", &P::on_wheels}};
   }
 };
@@ -26,12 +27,12 @@ struct StandingBody {
 /// An element that carries load in the design position.
 struct LoadSpring {
   int body_a{0}, body_b{0};
-  Vec3<double> point{};  ///< where its force acts [m]
+  Vec3<double> point{};
 
   static constexpr auto fields() {
     using P = LoadSpring;
     return std::tuple{Member{"body_a", &P::body_a, an_index}, Member{"body_b", &P::body_b, an_index},
-                      Member{"point", &P::point}};
+                      Member{"point", &P::point, "m", "point of action of its force"}};
   }
 };
 

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "rollerrig/contact/patch_lanes.hpp"
-#include "rollerrig/geometry/search.hpp"
 #include "rollerrig/multibody/moving_frame.hpp"
 #include "rollerrig/system/contact_placement.hpp"
 #include "rollerrig/system/model.hpp"
@@ -61,7 +60,7 @@ struct Workspace {
         common_wrench(model.bodies.size()) {
     update_motion(Body{}, ground_motion);
     wheels.reserve(model.contacts.size());
-    under_load.reserve(model.contacts.size() * ContactSearch::max_minima);
+    under_load.reserve(model.contacts.size() * GapScan::most_minima);
     for (auto const& contact : model.contacts)
       if (follows_strips(contact.laws.creep)) strips.resize(model.contacts.size());
   }
@@ -78,9 +77,7 @@ struct Workspace {
 /// An evaluation in double, with what outputs, controllers and the Jacobian read from it.
 struct Evaluation {
   Workspace<double> work;
-  std::vector<ContactSearch> search;  ///< per contact: it starts from the minima of the evaluation before
-  std::vector<HeadUnderWheel> head;   ///< per contact; follows from the time
-  bool exhaustive_search{false};      ///< look at every cell in every evaluation (verification)
+  std::vector<HeadUnderWheel> head;                       ///< per contact; follows from the time
   std::vector<std::array<double, 6>> element_force;       ///< on body b along its direction [N, N m]
   std::vector<std::array<double, 6>> element_deflection;  ///< [m, rad]
   std::vector<double> brake_torque;                       ///< per brake [N m]
@@ -95,14 +92,13 @@ struct Evaluation {
         rolling_force(model.rolling_constraints.size(), 0.0) {
     for (auto const& c : model.contacts) {
       RailHeads const& heads = c.right ? model.right_heads : model.left_heads;
-      search.emplace_back(c.pair);
       head.emplace_back(heads.empty() ? 0 : model.profiles[static_cast<std::size_t>(heads.profiles[0])]->pieces.size());
     }
   }
 
   template <class Archive>
   void state(Archive& archive) {
-    archive(work, search, element_force, element_deflection, brake_torque, rolling_force, longitudinal_force);
+    archive(work, element_force, element_deflection, brake_torque, rolling_force, longitudinal_force);
   }
 
   int patch_count(int contact) const { return work.patch_count[static_cast<std::size_t>(contact)]; }

@@ -17,9 +17,8 @@ from rollerrig.config.load.case import (
     load_vehicle,
 )
 from rollerrig.config.load.plan import resolve_plan
-from rollerrig.config.read.document import read_document
-from rollerrig.config.read.library import CatalogKind, catalog_names
-from rollerrig.config.schema.material import Material
+from rollerrig.config.read import CatalogKind, catalog_names, read_document
+from rollerrig.config.schema.contact import Material
 from rollerrig.config.schema.plan import Plan
 from rollerrig.config.schema.profile import ProfileSpec
 from rollerrig.config.schema.programme import Programme

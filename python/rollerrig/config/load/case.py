@@ -12,11 +12,10 @@ from pathlib import Path
 from typing import Any, Literal, TypeVar, get_args
 
 from rollerrig.config.errors import ConfigError, ConfigProblem, show_value
-from rollerrig.config.load.change import apply_changes
-from rollerrig.config.load.changed import BASE, OWN_KEYS, WITHOUT, changed_tables, changes_in
+from rollerrig.config.load.change import BASE, OWN_KEYS, WITHOUT, apply_changes, changed_tables, changes_in
 from rollerrig.config.load.code import place_code
-from rollerrig.config.load.placed import placed
 from rollerrig.config.load.resolve import (
+    placed,
     refer,
     relative_to,
     resolve_material,
@@ -25,11 +24,10 @@ from rollerrig.config.load.resolve import (
     resolve_support,
     resolve_vehicle,
 )
-from rollerrig.config.read.document import Document, parse_document, read_document
-from rollerrig.config.read.library import CatalogKind, catalog_names
+from rollerrig.config.read import CatalogKind, Document, catalog_names, parse_document, read_document
 from rollerrig.config.schema.base import Table
 from rollerrig.config.schema.case import CaseTables
-from rollerrig.config.schema.material import Material
+from rollerrig.config.schema.contact import Material
 from rollerrig.config.schema.profile import ProfileRoot, ProfileSpec
 from rollerrig.config.schema.programme import Programme
 from rollerrig.config.schema.support import Rig
@@ -38,8 +36,7 @@ from rollerrig.config.schema.vehicle import Vehicle
 from rollerrig.config.validate.check_case import check_case, check_case_names, check_drive
 from rollerrig.config.validate.check_profile import check_profile
 from rollerrig.config.validate.messages import validate
-from rollerrig.config.write.differences import Differences, differences, tables_of, text_from_base
-from rollerrig.config.write.in_words import in_html, in_words
+from rollerrig.config.write.differences import Differences, differences, in_html, in_words, tables_of, text_from_base
 from rollerrig.config.write.toml import plain, to_short_toml, to_toml
 
 T = TypeVar("T")

@@ -1,6 +1,7 @@
 """Code that a case brings: controllers of the user's own and FMUs, named by the case and run with it.
 
 raw tables + the folder of their file -> [place_code] -> absolute paths, and a problem per piece of code from elsewhere
+changes of a case by another file -> [check_new_code] -> the code that they bring, and a problem per piece from elsewhere
 
 A case may come from a stranger. What it brings in its own folder came with it and is named before it is run; a file elsewhere,
 also one that a link leads to, or an installed module runs only where the user says so.
@@ -8,12 +9,14 @@ also one that a link leads to, or an installed module runs only where the user s
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
 
 from pydantic import BaseModel
 
 from rollerrig.config.errors import ConfigProblem
+from rollerrig.config.load.change import leaves, parts_of
 from rollerrig.config.schema.case import CaseTables
 
 
@@ -49,6 +52,36 @@ def code_of(case: CaseTables) -> tuple[Code, ...]:
     return (*found, *(Code(f"{key}.fmu", table.fmu.file, "") for key, table in tables.items() if _has_fmu(table)))
 
 
+def check_new_code(
+    changes: Mapping[str, object], file: str, at: str, own_folder: Path | None, *, allow: bool
+) -> tuple[tuple[Code, ...], list[ConfigProblem]]:
+    """Code that changes of a case bring, whatever else they say, and a problem for each piece that may not run.
+
+    Args:
+        changes: dotted key -> value, with absolute paths.
+        file: in which they stand, as messages name it.
+        at: where in that file.
+        own_folder: of the file; None: it has none.
+        allow: whether code from elsewhere may run.
+    """
+    found = []
+    for key, value in leaves(changes):
+        table, *rest = parts_of(key)
+        if isinstance(value, str) and ":" in value and _match(["user"], rest):
+            found.append(_code(table, value))
+        elif isinstance(value, str) and (_match(["fmu"], rest) or _match(["fmu", "file"], rest)):
+            found.append(Code(f"{table}.fmu", value, ""))
+    return tuple(found), [
+        _elsewhere(file, f"{at}.{code.key}", repr(code.source), _kind(code), own_folder, "file")
+        for code in found
+        if not allow and not (code.is_file and _is_below(own_folder, code.source))
+    ]
+
+
+def _match(names: list[str], patterns: list[str]) -> bool:
+    return len(names) == len(patterns) and all(map(fnmatchcase, names, patterns))
+
+
 def place_code(
     raw: dict[str, Any], file: str, folder: Path, own_folder: Path | None, *, allow: bool
 ) -> list[ConfigProblem]:
@@ -72,8 +105,7 @@ def place_code(
                 table["user"] = f"{(folder / code.source).absolute()}:{code.name}"
                 code = _code(key, table["user"])
             if ":" in user and not allow and not (code.is_file and _is_below(own_folder, code.source)):
-                what = "a file" if code.is_file else "a module of Python,"
-                problems.append(_elsewhere(file, code.key, repr(table["user"]), what, own_folder))
+                problems.append(_elsewhere(file, code.key, repr(table["user"]), _kind(code), own_folder))
     return problems
 
 
@@ -96,8 +128,14 @@ def _place_fmus(
     return problems
 
 
-def _elsewhere(file: str, key: str, value: str, what: str, own_folder: Path | None) -> ConfigProblem:
-    where = "the case's own folder" if own_folder is None else f"the case's own folder, {own_folder.absolute()}"
+def _kind(code: Code) -> str:
+    return "a file" if code.is_file else "a module of Python,"
+
+
+def _elsewhere(
+    file: str, key: str, value: str, what: str, own_folder: Path | None, whose: str = "case"
+) -> ConfigProblem:
+    where = f"the {whose}'s own folder" + ("" if own_folder is None else f", {own_folder.absolute()}")
     allowed = f"code from elsewhere: {what} outside {where}; runs only with --allow-code, or allow_code=True"
     return ConfigProblem(file, key, value, allowed)
 

@@ -5,6 +5,7 @@ TOML -> plan -> its case, with the changes of the plan -> [varied_keys] -> the q
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -12,10 +13,10 @@ from pydantic import BaseModel
 
 from rollerrig.config.errors import ConfigError, ConfigProblem, nearest, one_of, show_value
 from rollerrig.config.load.case import Case, build_case
-from rollerrig.config.load.change import matching_paths, parts_of
-from rollerrig.config.load.changed import leaves, whole_key
+from rollerrig.config.load.change import leaves, matching_paths, parts_of, whole_key
+from rollerrig.config.load.code import Code, check_new_code, code_of
 from rollerrig.config.load.resolve import Problems, refer, relative_to
-from rollerrig.config.read.document import Document, read_document
+from rollerrig.config.read import Document, read_document
 from rollerrig.config.schema.base import quantity_of
 from rollerrig.config.schema.plan import Plan
 from rollerrig.config.schema.units import Quantity
@@ -32,12 +33,19 @@ class WholePlan:
         case: with the changes of the plan.
         file: that messages name.
         quantities: of the varied keys, in their order; None where words or lists stand.
+        varied_code: code that varied values name.
     """
 
     plan: Plan
     case: Case
     file: str
     quantities: tuple[Quantity | None, ...]
+    varied_code: tuple[Code, ...] = ()
+
+    @property
+    def code(self) -> tuple[Code, ...]:
+        """All code that runs with the plan."""
+        return (*code_of(self.case), *self.varied_code)
 
 
 def load_plan(
@@ -47,7 +55,8 @@ def load_plan(
 
     Args:
         source: name in the catalogue, or path of a TOML file.
-        allow_code: whether controllers of its case may lie outside the case's folder.
+        allow_code: whether controllers of its case, and those that it brings itself, may lie outside the folder of the file
+            that names them.
         changes: of the case, beyond those of the plan.
 
     Raises:
@@ -71,8 +80,36 @@ def resolve_plan(
         raise ConfigError(problems)
     case = build_case(found, own_folder=found.folder, allow_code=allow_code)
     own = {key: relative_to(document.folder, key, value) for key, value in leaves(plan.changes)}
+    plan, code = _with_code(plan, own, document, allow=allow_code)
     case = _changed(case, own, document.file)
-    return plan_of_case(plan, case.with_changes(changes) if changes else case, document.file)
+    whole = plan_of_case(plan, case.with_changes(changes) if changes else case, document.file)
+    return replace(whole, varied_code=code)
+
+
+def _with_code(
+    plan: Plan, changes: Mapping[str, object], document: Document, *, allow: bool
+) -> tuple[Plan, tuple[Code, ...]]:
+    """The plan with absolute paths of the code that its varied values name, and that code.
+
+    Raises:
+        ConfigError: its changes or its varied values bring code from elsewhere.
+    """
+    gate = partial(check_new_code, file=document.file, own_folder=document.folder, allow=allow)
+    problems = gate(changes, at="changes")[1]
+    code: dict[Code, None] = {}
+    vary = []
+    for number, one in enumerate(plan.vary):
+        values = []
+        for value in one.values or ():
+            absolute = relative_to(document.folder, one.key, value)
+            found, mistakes = gate({one.key: absolute}, at=f"vary[{number}].values")
+            code |= dict.fromkeys(found)
+            problems += mistakes
+            values.append(absolute if found else value)
+        vary.append(one if one.values is None else one.model_copy(update={"values": tuple(values)}))
+    if problems:
+        raise ConfigError(problems)
+    return plan.model_copy(update={"vary": tuple(vary)}), tuple(code)
 
 
 def plan_of_case(plan: Plan, case: Case, file: str) -> WholePlan:
@@ -111,6 +148,17 @@ def varied_keys(plan: Plan, case: Case, file: str) -> tuple[tuple[Quantity | Non
             found = None
         quantities.append(found)
     return tuple(quantities), problems
+
+
+def numbers_below(case: Case, key: str) -> list[str]:
+    """Dotted keys of the numbers in the table at a key; none where no table stands."""
+    holder: Any = case
+    for part in parts_of(whole_key(key)):
+        holder = _inside(holder).get(part)
+    if not isinstance(holder, BaseModel):
+        return []
+    fields = type(holder).model_fields.items()
+    return [f"{key}.{name}" for name, field in fields if quantity_of(field.annotation, field.metadata)]
 
 
 def _quantity_at(case: Case, raw: dict[str, Any], key: str, file: str) -> Quantity | ConfigProblem | None:

@@ -1,15 +1,65 @@
-"""Actuators of a vehicle under test: friction brake, traction drive, and what protects the wheels."""
+"""Tables of what acts on the axles, and of the controllers that drive it: brakes, traction, slide protection.
 
-from typing import Annotated, Literal
+Wheel slide protection: dump valves by slip and acceleration, after published principles; not certified.
+"""
 
-from pydantic import AfterValidator, Field, StrictBool, model_validator
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal
+
+from pydantic import (
+    AfterValidator,
+    BeforeValidator,
+    Discriminator,
+    Field,
+    PlainValidator,
+    StrictBool,
+    WithJsonSchema,
+    model_validator,
+)
 from pydantic_core import PydanticCustomError
 
-from rollerrig.config.schema.base import Table, in_order, refused
-from rollerrig.config.schema.controller_fmu import AnyControllerFmu
-from rollerrig.config.schema.electrodynamic_brake import AnyElectrodynamicBrake
-from rollerrig.config.schema.pneumatics import AnyAir, Pressure, Rate, UnlimitedAir, Volume
+from rollerrig.config.schema.base import OrShort, Table, by_kind, in_order, refused
+from rollerrig.config.schema.brakes import AnyAir, AnyElectrodynamicBrake, Pressure, Rate, UnlimitedAir, Volume
 from rollerrig.config.schema.units import Quantity, Time, Torque
+
+_LARGEST = 1e18
+"""Largest value of a parameter: any unit has room below it."""
+
+
+def _parameter(value: Any) -> Any:
+    """A number, true or false, or a text; its type and limits are those of the FMU, and checked with it."""
+    fits = isinstance(value, bool | str) or (isinstance(value, int | float) and -_LARGEST <= value <= _LARGEST)
+    if not fits:
+        allowed = "allowed: a number, true, false or a text"
+        raise PydanticCustomError("parameter", "{allowed}", {"allowed": allowed})
+    return value
+
+
+Parameter = Annotated[
+    Any, PlainValidator(_parameter), WithJsonSchema({"type": ["number", "boolean", "string"]}, mode="validation")
+]
+
+
+class ControllerFmu(Table):
+    """An FMU for co-simulation, version 2.0 or 3.0, in place of our own controller."""
+
+    file: Annotated[str, Field(min_length=1)] = Field(description="FMU file, relative to the file that names it")
+    names: dict[str, str | tuple[str, ...]] = Field(
+        default={},
+        description="measured quantity or command -> variable of the FMU: a name in which `{axle}` stands for the axle's name "
+        "and `{number}` for 1, 2, ..., or a list with a name for each axle; absent: `{axle}.axle_speed`, and so on, as "
+        "`rollerrig export-fmu --part` writes them",
+    )
+    parameters: dict[str, Parameter] = Field(default={}, description="parameter of the FMU -> value, in the FMU's unit")
+
+
+def _from_file(value: Any) -> Any:
+    """A file alone is a table with that file."""
+    return {"file": value} if isinstance(value, str) else dict(value) if isinstance(value, Mapping) else value
+
+
+AnyControllerFmu = Annotated[ControllerFmu, BeforeValidator(_from_file), OrShort({"type": "string"})]
+
 
 PressureTable = Annotated[tuple[tuple[Time, Pressure], ...], AfterValidator(in_order)]
 TorqueOverTime = Annotated[tuple[tuple[Time, Torque], ...], AfterValidator(in_order)]
@@ -197,3 +247,110 @@ class WheelSlipControl(Controller):
         default=0.05, description="least acceleration of the reference speed between releases"
     )
     regained_after: Phase = Field(default=3.0, description="without slip for so long the axles count as gripping")
+
+
+Entry = Literal["fill", "hold", "vent", "vent_in_steps"]
+
+
+class ReferencedProtection(Controller):
+    """What every law of slide protection has: reference speed, stepwise filling, watchdog."""
+
+    reference_deceleration: Deceleration = Field(
+        default=1.6, description="the reference speed falls at most this fast: no train brakes harder"
+    )
+    release_interval: Pause = Field(
+        default=3.0, description="while all axles slide one is released this often for the reference speed; 0: never"
+    )
+    shortest_release: Pause = Field(
+        default=0.3, description="shortest duration of such a release: valve and cylinder need some time"
+    )
+    longest_release: Phase = Field(default=1.2, description="longest duration of such a release")
+    least_deceleration: Deceleration = Field(
+        default=0.2,
+        description="least deceleration of the reference speed between releases: a braked train slows at least so",
+    )
+    regained_after: Phase = Field(default=2.0, description="an axle without slip for so long counts as gripping")
+    filter_time: Phase = Field(default=0.04, description="filter time of the axles' deceleration")
+    recovery_acceleration: Deceleration = Field(
+        default=0.5, description="an axle that gains speed faster is left alone"
+    )
+    pulse_time: Phase = Field(default=0.06, description="after a slide filling is stepwise: open for so long ...")
+    pulse_pause: Phase = Field(default=0.14, description="... closed for so long")
+    longest_vent: Phase = Field(default=5.0, description="after this the watchdog fills")
+    least_speed: PositiveSpeed = Field(default=5.0 / 3.6, description="below it all valves fill")
+
+
+class SlideProtection(ReferencedProtection):
+    """Our law: two slips, a deceleration, written after EN 15595's principles."""
+
+    kind: Literal["slip_and_deceleration"] = Field(
+        default="slip_and_deceleration", description="two slips and a deceleration; written after EN 15595's principles"
+    )
+    vent_slip: Ratio = Field(default=0.12, description="relative slip above which a cylinder is vented")
+    vent_slip_speed: PositiveSpeed = Field(default=1.0, description="lower limit of that slip as a speed")
+    vent_deceleration: Deceleration = Field(default=4.0, description="a slipping axle that slows faster is vented")
+    fill_slip: Ratio = Field(default=0.06, description="relative slip below which a cylinder is filled")
+    fill_slip_speed: PositiveSpeed = Field(default=0.5, description="lower limit of that slip as a speed")
+
+
+class TableSlideProtection(ReferencedProtection):
+    """Bands of slip and acceleration, an entry for each: the phases of an anti-lock cycle (Kiencke and Nielsen); numbers ours."""
+
+    kind: Literal["threshold_table"] = Field(
+        description="a table over bands of slip and acceleration: the phases of an anti-lock cycle"
+    )
+    least_slip_reference: PositiveSpeed = Field(
+        default=30.0 / 3.6, description="below this reference speed slip is over it, not over the reference"
+    )
+    slip_thresholds: tuple[Ratio, ...] = Field(
+        default=(0.05, 0.1, 0.2), description="relative slips between the rows of `entries`, ascending"
+    )
+    acceleration_thresholds: tuple[Annotated[float, Quantity("m/s^2", -1e3, 1e3)], ...] = Field(
+        default=(-4.0, -1.5, 0.5),
+        description="limits of the axle's acceleration, between the columns of `entries`, ascending",
+    )
+    entries: tuple[tuple[Entry, ...], ...] = Field(
+        default=(
+            ("hold", "fill", "fill", "fill"),
+            ("vent", "hold", "hold", "hold"),
+            ("vent", "vent_in_steps", "vent_in_steps", "hold"),
+            ("vent", "vent", "vent", "hold"),
+        ),
+        description="what an axle's valve does: a row for each band of slip, least first, with an entry for each band of "
+        "acceleration, strongest deceleration first; after a slide filling is stepwise",
+    )
+
+    @property
+    def fill_slip(self) -> float:
+        """Relative slip below which an axle counts as gripping."""
+        return self.slip_thresholds[0] if self.slip_thresholds else 1.0
+
+    @property
+    def vent_slip(self) -> float:
+        """Relative slip above which a cylinder is vented that does not regain speed."""
+        return self.slip_thresholds[-1] if self.slip_thresholds else 1.0
+
+    @model_validator(mode="after")
+    def _an_entry_for_each_band(self) -> "TableSlideProtection":
+        for key in ("slip_thresholds", "acceleration_thresholds"):
+            values = getattr(self, key)
+            if list(values) != sorted(set(values)):
+                raise refused(key, "allowed: ascending thresholds, each once")
+        rows, columns = len(self.slip_thresholds) + 1, len(self.acceleration_thresholds) + 1
+        if len(self.entries) != rows or any(len(row) != columns for row in self.entries):
+            allowed = (
+                f"allowed: {rows} rows of {columns} entries, one for each band between slip_thresholds and between "
+            )
+            raise refused("entries", f"{allowed}acceleration_thresholds")
+        return self
+
+
+AnySlideProtection = Annotated[
+    SlideProtection | TableSlideProtection, Discriminator("kind"), by_kind("slip_and_deceleration")
+]
+
+
+def entry_numbers(table: TableSlideProtection) -> list[int]:
+    """Entries row by row, as the core counts them."""
+    order: tuple[Any, ...] = ("fill", "hold", "vent", "vent_in_steps")
+    return [order.index(entry) for row in table.entries for entry in row]

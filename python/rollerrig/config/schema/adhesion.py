@@ -8,7 +8,7 @@ from pydantic_core import PydanticCustomError
 
 from rollerrig.config.errors import nearest, show_value
 from rollerrig.config.schema.base import OrShort, Table, refused
-from rollerrig.config.schema.contact_law import AnyFriction, FallingFriction, Share
+from rollerrig.config.schema.contact import AnyFriction, FallingFriction, Share
 from rollerrig.config.schema.units import Quantity
 
 CONDITIONS: Mapping[str, Mapping[str, Any]] = {
@@ -29,10 +29,12 @@ class Condition(Table):
     friction: AnyFriction = Field(description="a number, or a law over slip velocity")
     k_A: Share = Field(
         default=1.0,
-        description="reduction factor of the creep curve's stiffness on the area of adhesion, in place of [contact]'s own",
+        description="reduction factor of the creep curve's stiffness on the area of adhesion, in place of polach's own",
     )
     k_S: Share = Field(
-        default=1.0, description="on the area of slip, at most k_A; laws without k_A and k_S take their mean"
+        default=1.0,
+        description="on the area of slip, at most k_A; the stiffness of laws without k_A and k_S is times their mean, beside k_0 "
+        "of modified_fastsim",
     )
 
     @model_validator(mode="after")

@@ -1,32 +1,50 @@
-"""A case: one vehicle (or a part of it) on one support, how it is driven, and how time is integrated."""
+"""Tables of a case: what runs on what, how it moves, what is computed."""
 
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Any, Literal, NamedTuple, get_args
 
 from pydantic import ConfigDict, Field, StrictBool, model_validator
 
-from rollerrig.config.schema.actuators import Brake, BrakeUnit, Traction, WheelSlipControl
+from rollerrig.config.schema.actuators import AnySlideProtection, Brake, BrakeUnit, Traction, WheelSlipControl
 from rollerrig.config.schema.adhesion import Adhesion
 from rollerrig.config.schema.base import SpeedTable, Table, TorqueTable, instead_of, refused
-from rollerrig.config.schema.contact_law import (
+from rollerrig.config.schema.brakes import AnyTrackBrake, Sanding, Train
+from rollerrig.config.schema.contact import (
     AnyCreep,
     AnyFriction,
     AnyNormal,
     ConstantFriction,
     ExactTable,
     Friction,
+    Material,
     Strips,
 )
-from rollerrig.config.schema.material import Material
-from rollerrig.config.schema.rig_control import RigControl
-from rollerrig.config.schema.sanding import Sanding
-from rollerrig.config.schema.sensors import Sensors
-from rollerrig.config.schema.similitude import ScaledFrom
-from rollerrig.config.schema.slide_protection import AnySlideProtection
+from rollerrig.config.schema.ensemble import Ensemble
+from rollerrig.config.schema.rig_control import RigControl, Sensors
 from rollerrig.config.schema.support import AnySupport
-from rollerrig.config.schema.track_brake import AnyTrackBrake
-from rollerrig.config.schema.train import Train
 from rollerrig.config.schema.units import Damping, Quantity, RollerRadius, RunningSpeed, Torque
 from rollerrig.config.schema.vehicle import Cut, Name, Vehicle
+
+StrategyName = Literal["mmu", "dlr", "inrets"]
+Kept = Literal["gravity", "material", "clock", "drives"]
+KEPT: tuple[Kept, ...] = get_args(Kept)
+
+Factor = Annotated[float, Quantity("1", 1e-4, 1e4)]
+
+
+class ScaledFrom(Table):
+    """What a scaled case is a model of. Its other tables are at the model's own scale: this one changes nothing in a run."""
+
+    case: Name = Field(description="name of the full-scale case")
+    strategy: StrategyName = Field(description="choice of the factors of time and density for a length")
+    length: Factor = Field(description="a length at full scale over that of the model")
+    time: Factor = Field(description="a time at full scale over that of the model")
+    density: Factor = Field(description="a density at full scale over that of the model")
+    keep: tuple[Kept, ...] = Field(
+        default=(),
+        description="what a real model cannot scale, or does not: gravity; material of wheels and rollers; clock, sample times "
+        "and delays of the controllers; drives, bandwidth of the motors",
+    )
+
 
 GRAVITY = 9.81
 """Standard acceleration of gravity, that of a case which gives none [m/s^2]."""
@@ -342,6 +360,9 @@ class CaseTables(Table):
     sensors: Sensors = Field(default=Sensors(), description="what the controllers see")
     rig_control: RigControl | None = Field(default=None, description="controller of the roller drives")
 
+    ensemble: Ensemble = Field(
+        default=Ensemble(), description="what differs between the tests of an ensemble, as adhesion and wsp make them"
+    )
     similitude: ScaledFrom | None = Field(
         default=None, description="the full-scale case of which this one is a model; absent: at full scale"
     )

@@ -9,7 +9,7 @@ from pydantic_core import PydanticCustomError
 
 from rollerrig.config.schema.adhesion import Adhesion, AnyCondition, Piece
 from rollerrig.config.schema.base import Table, refused
-from rollerrig.config.schema.pneumatics import Pressure
+from rollerrig.config.schema.brakes import Pressure
 from rollerrig.config.schema.units import Quantity, RunningSpeed
 from rollerrig.config.schema.vehicle import Name
 

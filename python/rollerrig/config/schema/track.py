@@ -1,17 +1,242 @@
-"""A track: rails, the line they follow, what they deviate from it, and what they lie on."""
+"""Tables of a line: its layout, irregularities, and what carries rails and rollers."""
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Annotated, Literal, TypeVar
 
-from pydantic import Discriminator, Field, model_validator
+from pydantic import Discriminator, Field, StrictInt, model_validator
 
 from rollerrig.config.schema.base import Table, refused
-from rollerrig.config.schema.irregularity import AnyIrregularity
-from rollerrig.config.schema.mounting import Foundation
 from rollerrig.config.schema.profile import AnyProfile, Inclination
-from rollerrig.config.schema.units import Quantity
+from rollerrig.config.schema.units import (
+    Angle,
+    AngularDamping,
+    Damping,
+    Mass,
+    Position,
+    PositiveAngularStiffness,
+    PositiveStiffness,
+    Quantity,
+)
 from rollerrig.config.schema.vehicle import Name
+from rollerrig.irregularity import RailIrregularity, generate, measured_irregularity, read_measured_track
 from rollerrig.track import Line, Segment, build_line
+
+
+class Deviation(Table):
+    """What every irregularity may say about itself."""
+
+    length_scale: Annotated[float, Quantity("1", 1e-3, 10.0)] = Field(
+        default=1.0,
+        description="factor on all lengths, along the track and of the displacements: 0.2 are the rails of a 1:5 model; every "
+        "other key is that of the full-scale track",
+    )
+
+    fade_in: Annotated[float, Quantity("m", 0.0, 1e4)] = Field(
+        default=20.0,
+        description="length from where the foremost wheelset starts, over which it grows from nothing to its full size",
+    )
+    scale: Annotated[float, Quantity("1", 0.0, 10.0)] = Field(
+        default=1.0, description="factor on all displacements; 1.414 reads a published spectrum as a two-sided one"
+    )
+
+
+class SpectrumIrregularity(Deviation):
+    """Rails with a published spectrum, random phases: alignment, vertical, cross level and gauge."""
+
+    kind: Literal["ore_b176"] = Field(description="the spectra of ORE B 176, generated; repeats after `period`")
+    level: Literal["low", "high"] = Field(description="level of the spectra")
+    seed: Annotated[StrictInt, Field(ge=0, le=2**32 - 1)] = Field(
+        default=1, description="another number, other rails of the same spectrum"
+    )
+    shortest_wavelength: Annotated[float, Quantity("m", 0.5, 1e3)] = Field(default=3.0, description="shortest wave")
+    longest_wavelength: Annotated[float, Quantity("m", 0.5, 1e4)] = Field(default=100.0, description="longest wave")
+    period: Annotated[float, Quantity("m", 1.0, 1e5)] = Field(
+        default=2000.0,
+        description="distance after which the rails repeat; not tied to the run, so that a seed always means the same rails",
+    )
+
+    @model_validator(mode="after")
+    def _ordered(self) -> "SpectrumIrregularity":
+        for key, value, name, least in (
+            ("longest_wavelength", self.longest_wavelength, "shortest_wavelength", self.shortest_wavelength),
+            ("period", self.period, "longest_wavelength", self.longest_wavelength),
+        ):
+            if value < least:
+                raise refused(key, f"allowed: at least {name}, {least:g} m")
+        return self
+
+
+class MeasuredIrregularity(Deviation):
+    """Rails from a measured file."""
+
+    kind: Literal["file"] = Field(description="a CSV file of measured rails, columns with units")
+    path: str = Field(min_length=1, description="the file, relative to the file that names it")
+    start: Annotated[float, Quantity("m", -1e6, 1e6)] | None = Field(
+        default=None,
+        description="distance in the file at which the middle of the vehicle (or of its cut) starts; absent: the "
+        "foremost wheelset starts at the first row",
+    )
+
+
+AnyIrregularity = Annotated[SpectrumIrregularity | MeasuredIrregularity, Discriminator("kind")]
+
+
+def rails_of_run(
+    irregularity: SpectrumIrregularity | MeasuredIrregularity, foremost: float, distance: float
+) -> RailIrregularity:
+    """The rails of a run.
+
+    Args:
+        irregularity: what the configuration says.
+        foremost: how far ahead of the middle of the vehicle its foremost wheelset stands [m].
+        distance: length of the run [m].
+
+    Raises:
+        IrregularityError: a measured file cannot be used, or is shorter than the run.
+    """
+    scale = irregularity.length_scale
+    rails = _full_scale_rails(irregularity, foremost / scale, distance / scale)
+    return rails if scale == 1.0 else rails.scaled(scale)
+
+
+def _full_scale_rails(
+    irregularity: SpectrumIrregularity | MeasuredIrregularity, foremost: float, distance: float
+) -> RailIrregularity:
+    if isinstance(irregularity, SpectrumIrregularity):
+        return generate(
+            irregularity.level,
+            irregularity.seed,
+            shortest=irregularity.shortest_wavelength,
+            longest=irregularity.longest_wavelength,
+            period=irregularity.period,
+            fade_in=irregularity.fade_in,
+            scale=irregularity.scale,
+        )
+    track = read_measured_track(Path(irregularity.path))
+    start = float(track.distance[0]) - foremost if irregularity.start is None else irregularity.start
+    return measured_irregularity(
+        track,
+        start=start,
+        needed=(foremost, foremost + distance),
+        fade_in=irregularity.fade_in,
+        scale=irregularity.scale,
+    )
+
+
+class LinearSupport(Table):
+    """Elastic support along one axis."""
+
+    stiffness: PositiveStiffness = Field(description="stiffness")
+    damping: Damping = Field(default=0.0, description="damping")
+
+
+class AngularSupport(Table):
+    """Elastic support about one axis."""
+
+    stiffness: PositiveAngularStiffness = Field(description="stiffness")
+    damping: AngularDamping = Field(default=0.0, description="damping")
+
+
+class Mounting(Table):
+    """How a roller axle is mounted; what is absent is rigid."""
+
+    lateral: LinearSupport | None = Field(default=None, description="elastic support along y")
+    vertical: LinearSupport | None = Field(default=None, description="elastic support along z")
+    yaw: AngularSupport | None = Field(default=None, description="elastic support about z")
+    misalignment: tuple[Angle, ...] = Field(
+        default=(),
+        max_length=64,
+        description="angle about z at which the roller axles of the first, second, ... wheelset are mounted, positive to the "
+        "left; those not named stand square; needs `yaw`",
+    )
+
+    @model_validator(mode="after")
+    def _can_turn(self) -> "Mounting":
+        if any(self.misalignment) and self.yaw is None:
+            raise refused("yaw", "needed: the support about z of a roller axle with a yaw misalignment")
+        return self
+
+    @property
+    def laws(self) -> dict[str, LinearSupport | AngularSupport]:
+        """The supports that are given, by direction."""
+        given = {"y": self.lateral, "z": self.vertical, "yaw": self.yaw}
+        return {direction: support for direction, support in given.items() if support is not None}
+
+
+class Restraint(Table):
+    """A coupler rod from a vehicle to the ground: spring and damper along the track, which hold it on top of the rollers."""
+
+    height: Position = Field(description="height of the rod above the crowns")
+    stiffness: PositiveStiffness = Field(description="stiffness of the rod with its anchorage, along the track")
+    damping: Damping = Field(default=0.0, description="damping of the same")
+    body: Name | None = Field(default=None, description="that it holds; absent: the heaviest that is no wheelset")
+
+
+class Sleeper(Table):
+    """Half a sleeper under each piece of rail, on ballast; the supports of the foundation are then those of the rail pad."""
+
+    mass: Mass = Field(default=150.0, description="mass of the moving share of the sleepers under one wheel")
+    lateral: LinearSupport | None = Field(default=None, description="ballast along y; absent: rigid")
+    vertical: LinearSupport | None = Field(default=None, description="ballast along z; absent: rigid")
+
+    @model_validator(mode="after")
+    def _moves(self) -> "Sleeper":
+        if not self.laws:
+            raise refused("vertical", "needed: ballast along y or z; without both leave out the sleeper")
+        return self
+
+    @property
+    def laws(self) -> dict[str, LinearSupport]:
+        """The supports that are given, by direction."""
+        given = {"y": self.lateral, "z": self.vertical}
+        return {direction: support for direction, support in given.items() if support is not None}
+
+
+class Foundation(Table):
+    """Rails on an elastic foundation: under each wheel a piece of rail that moves along with it; what is absent is rigid.
+
+    docs/how_to/flexible_rails.md says when to use it, and where the values of the catalogue's `flexible_track` come from.
+    """
+
+    rail_mass: Mass = Field(
+        default=150.0, description="mass of the piece of rail under one wheel, with what moves with it"
+    )
+    lateral: LinearSupport | None = Field(default=None, description="elastic support of one rail's foot along y")
+    vertical: LinearSupport | None = Field(default=None, description="elastic support of one rail's foot along z")
+    roll: AngularSupport | None = Field(default=None, description="elastic support of one rail about its foot")
+    rail_height: Annotated[float, Quantity("m", 0.01, 1.0)] = Field(
+        default=0.172, description="top of rail over foot: lever arm of the lateral force"
+    )
+    sleeper: Sleeper | None = Field(
+        default=None, description="a second layer between the supports and the ground; absent: none"
+    )
+
+    @model_validator(mode="after")
+    def _moves(self) -> "Foundation":
+        if not self.laws:
+            raise refused(
+                "lateral",
+                "needed: a support along y, z or about the foot, as flexible_track has them; without any leave it out",
+            )
+        return self
+
+    @property
+    def laws(self) -> dict[str, LinearSupport | AngularSupport]:
+        """The supports that are given, by direction."""
+        given = {"y": self.lateral, "z": self.vertical, "roll": self.roll}
+        return {direction: support for direction, support in given.items() if support is not None}
+
+    @property
+    def centre_height(self) -> float:
+        """Height of the rail's centre of mass over its foot [m]: 81 of 172 mm in a 60E1."""
+        return 0.47 * self.rail_height
+
+    @property
+    def roll_inertia(self) -> float:
+        """Inertia of the rail about its centre of mass [kg m^2]: radius of gyration 68 of 172 mm in a 60E1."""
+        return self.rail_mass * (0.395 * self.rail_height) ** 2
+
 
 Gauge = Annotated[float, Quantity("m", 0.01, 5.0)]
 GaugeDepth = Annotated[float, Quantity("m", 1e-5, 0.05)]

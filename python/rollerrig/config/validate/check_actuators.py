@@ -1,17 +1,29 @@
-"""Checks of actuators and controllers: that they fit each other, and that samples are at multiples of the sampling step.
+"""Checks of brakes, drives, sensors and controllers.
 
 Case -> [check_actuators] -> problems
 """
+
+from __future__ import annotations
 
 from collections.abc import Iterator
 
 from rollerrig import _core
 from rollerrig.config.errors import ConfigProblem, nearest, show_value
+from rollerrig.config.schema.brakes import MOST_AXLES, ReservoirAir
 from rollerrig.config.schema.case import CaseTables
-from rollerrig.config.schema.pneumatics import ReservoirAir
 from rollerrig.config.schema.support import Rig
 from rollerrig.config.schema.track import Track
-from rollerrig.config.schema.train import MOST_AXLES
+
+
+def simulated_axles(case: CaseTables, study: str) -> list[ConfigProblem]:
+    """The problem that a case has axles which are only simulated; none if all axles of its train are under test."""
+    axles = case.train.axles
+    if axles is None or len(axles.positions) == len(axles.under_test):
+        return []
+    others = f"{len(axles.positions)} axles, {len(axles.under_test)} of them under test"
+    allowed = f"allowed: all axles under test; {study} knows no others. Leave [train.axles] away"
+    return [ConfigProblem(case.name, "train.axles", others, allowed)]
+
 
 _PLACED = 1e-3
 """To which places of axles must agree [m]."""

@@ -1,17 +1,97 @@
-"""Checks of a case across its tables: what it drives, disturbs and stands on must fit the chosen part of the vehicle."""
+"""Checks across the tables of a case or programme, and of its size.
 
-from collections.abc import Iterable, Mapping
-from typing import Any
+Checks that a run ends: numbers kept, steps integrated, rail remembered. Each key may be in its range and their product not.
 
+    Case -> [check_size] -> problems that say which key to change, before anything is computed
+    Programme -> [check_programme] -> ConfigProblem, one per mistake
+"""
+
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Any, get_args
+
+from rollerrig import _core
 from rollerrig.config.errors import ConfigProblem, nearest, one_of, show_value
 from rollerrig.config.schema.case import CaseTables, Disturbance
+from rollerrig.config.schema.programme import CRITERIA, CriterionName, Limit, Programme
 from rollerrig.config.schema.vehicle import DIRECTIONS, Vehicle
 from rollerrig.config.validate.check_actuators import DRIVE_OF_RIG_CONTROL, check_actuators
-from rollerrig.config.validate.check_patch import check_patch
-from rollerrig.config.validate.check_profile import check_flange_clearance, check_reach, check_scales
-from rollerrig.config.validate.check_size import check_size
+from rollerrig.config.validate.check_profile import check_flange_clearance, check_patch, check_reach, check_scales
 from rollerrig.config.validate.check_track import check_heads, check_track
 from rollerrig.config.validate.check_vehicle import labelled, unknown_names
+
+MOST_NUMBERS = 2e9
+"""Results of one run: 16 GB."""
+MOST_STEPS = 1e9
+"""Largest number of steps of a fixed-step method: hours for a wheelset, days for a vehicle."""
+
+
+def check_size(case: CaseTables, file: str) -> Iterator[ConfigProblem]:
+    """Runs that would not fit into memory, or not end within days; rail that is forgotten before all wheels have passed."""
+    yield from _results(case, file)
+    yield from _steps(case, file)
+    yield from _rail(case, file)
+
+
+def numbers_per_sample(case: CaseTables) -> int:
+    """About how many numbers a run keeps at each output time."""
+    part = case.vehicle.part
+    bodies = case.vehicle.data.bodies_in(part)
+    axles = sum(body.kind == "wheelset" for body in bodies)
+    of_a_wheel = len(_core.wheel_fields) + _core.patches_recorded * len(_core.patch_fields)
+    return (
+        (len(bodies) + len(part.fixed) + 2 * axles) * len(_core.body_fields)
+        + 2 * axles * of_a_wheel
+        + len(case.vehicle.data.elements_in(part)) * len(_core.element_fields)
+        + (max(axles, _train_axles(case)) * len(_core.axle_fields) if case.sampled else 0)
+    )
+
+
+def _train_axles(case: CaseTables) -> int:
+    return len(case.train.axles.positions) if case.train.axles else 0
+
+
+def _results(case: CaseTables, file: str) -> Iterator[ConfigProblem]:
+    duration, step = case.time.duration, case.time.output_step
+    width = numbers_per_sample(case)
+    if width * duration / step > MOST_NUMBERS:
+        least = width * duration / MOST_NUMBERS
+        allowed = (
+            f"too many results: {duration / step:.3g} samples of {width} numbers are {8e-9 * width * duration / step:.3g} GB; "
+            f"allowed for {duration:g} s: at least {1e3 * least:.3g} ms, or a shorter time.duration"
+        )
+        yield ConfigProblem(file, "time.output_step", f"{1e3 * step:g} ms", allowed)
+
+
+def _steps(case: CaseTables, file: str) -> Iterator[ConfigProblem]:
+    duration, own = case.time.duration, case.integration
+    asked = {
+        "step": own.step if own.fixed else None,
+        "maximum_step": case.time.maximum_step,
+        "sampling_step": case.time.sampling_step if case.sampled else None,
+    }
+    for key, step in asked.items():
+        if step is not None and duration / step > MOST_STEPS:
+            allowed = (
+                f"{duration / step:.3g} steps would take days; allowed for {duration:g} s: at least "
+                f"{1e3 * duration / MOST_STEPS:.3g} ms, or a shorter time.duration"
+            )
+            yield ConfigProblem(file, f"time.{key}", f"{1e3 * step:g} ms", allowed)
+
+
+def _rail(case: CaseTables, file: str) -> Iterator[ConfigProblem]:
+    """The rail that is remembered must reach from the first wheelset to the last, or the following wheels find it as it was."""
+    adhesion = case.adhesion
+    if adhesion is None or not adhesion.recovery_constant:
+        return
+    places = [b.position[0] for b in case.vehicle.data.bodies_in(case.vehicle.part) if b.kind == "wheelset"]
+    least = (max(places) - min(places)) / (_core.rail_cells - 2)
+    if adhesion.cell_length < least:
+        allowed = (
+            f"allowed: at least {1e3 * least:.3g} mm: {_core.rail_cells} cells are kept, and the wheelsets stand "
+            f"{max(places) - min(places):.4g} m apart"
+        )
+        yield ConfigProblem(file, "adhesion.cell_length", f"{1e3 * adhesion.cell_length:g} mm", allowed)
+
 
 _DISTURBANCES = ("longitudinal", "lateral", "vertical", "roll", "pitch", "yaw")
 
@@ -91,3 +171,44 @@ def _disturbance(case: CaseTables, disturbance: Disturbance, file: str) -> Itera
     if disturbance.pitch and body.kind == "wheelset":
         allowed = "allowed: no pitch of a wheelset, a body of revolution"
         yield ConfigProblem(file, f"disturbance.{body.name}.pitch", show_value(disturbance.pitch), allowed)
+
+
+def check_programme(programme: Programme, file: str) -> list[ConfigProblem]:
+    """All mistakes."""
+    names = [stop.name for stop in programme.stop]
+    found = [
+        ConfigProblem(file, f"stop[{number}].name", show_value(name), "allowed: each name once")
+        for number, name in enumerate(names)
+        if name in names[:number]
+    ]
+    for number, limit in enumerate(programme.limit):
+        mistakes = [*_names(programme, limit, file, f"limit[{number}]")]
+        found += mistakes or [*_reach(programme, number, file)]
+    return found
+
+
+def _names(programme: Programme, limit: Limit, file: str, key: str) -> Iterator[ConfigProblem]:
+    """Stops that there are not, or in which the train does not stop where it should."""
+    stops = {stop.name: stop for stop in programme.stop}
+    for name in limit.stops:
+        if name not in stops:
+            yield ConfigProblem(file, f"{key}.stops", show_value(name), one_of(stops), nearest(name, tuple(stops)))
+        elif not limit.holds_for(stops[name]):
+            others = ", ".join(other for other in get_args(CriterionName) if not CRITERIA[other].of_a_stop)
+            allowed = f"allowed for {limit.criterion}: stops in which the train stops; without that only {others} may be limited"
+            yield ConfigProblem(file, f"{key}.stops", show_value(name), allowed)
+
+
+def _reach(programme: Programme, number: int, file: str) -> Iterator[ConfigProblem]:
+    """A limit for no stop, or a second one for the same."""
+    limit, key = programme.limit[number], f"limit[{number}].criterion"
+    own = [stop for stop in programme.stop if limit.holds_for(stop)]
+    if not own:
+        allowed = "allowed here: a criterion that does not need a train that stops; no stop of this programme is such"
+        yield ConfigProblem(file, key, show_value(limit.criterion), allowed)
+    for other in programme.limit[:number]:
+        twice = [stop.name for stop in own if other.criterion == limit.criterion and other.holds_for(stop)]
+        if twice:
+            allowed = f"allowed: one limit of it for {twice[0]}; name in `stops` what each of them holds for"
+            yield ConfigProblem(file, key, show_value(limit.criterion), allowed)
+            return

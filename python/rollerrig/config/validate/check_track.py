@@ -11,11 +11,18 @@ import numpy as np
 
 from rollerrig.config.errors import ConfigProblem, show_value
 from rollerrig.config.schema.case import CaseTables, Motion
-from rollerrig.config.schema.irregularity import MeasuredIrregularity, rails_of_run
-from rollerrig.config.schema.mounting import AngularSupport, Foundation, LinearSupport
-from rollerrig.config.schema.rail_layout import changes_rails, place, rail_heads
-from rollerrig.config.schema.support import Rig, heads
-from rollerrig.config.schema.track import Curve, Track, Transition, layout
+from rollerrig.config.schema.support import Rig, changes_rails, heads, place, rail_heads
+from rollerrig.config.schema.track import (
+    AngularSupport,
+    Curve,
+    Foundation,
+    LinearSupport,
+    MeasuredIrregularity,
+    Track,
+    Transition,
+    layout,
+    rails_of_run,
+)
 from rollerrig.config.schema.vehicle import Body
 from rollerrig.config.validate.check_profile import check_profile, flange_clearance
 from rollerrig.irregularity import IrregularityError, read_measured_track
@@ -108,7 +115,7 @@ def check_spot(support: Rig | Track, file: str) -> list[ConfigProblem]:
 
 
 def check_heads(case: CaseTables, file: str) -> Iterator[ConfigProblem]:
-    """Heads that change need a contact that looks at them in every call, and on rollers a known way of the crown."""
+    """Heads that change are followed by strips alone, and on rollers need a known way of the crown."""
     support, name = case.support.data, case.contact.normal.kind
     heads_change = bool(rail_heads(support))
     if heads_change and name != "strips":

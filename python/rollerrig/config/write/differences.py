@@ -1,22 +1,25 @@
-"""What is different between two cases, as dotted keys, and as the short TOML text of one that starts from the other.
+"""Differences between two cases, and a case in words.
 
     two cases -> [differences] -> {"motion.speed": (41.7, 33.3)} -> [text_from_base] -> TOML text with `base`
 
 A key that one of them does not have is None there. Items of a list are identified by their names while both lists have the same
 ones; else the whole list is one value.
+
+    Case -> [rows] -> (what, words) -> text, HTML
 """
 
 from collections.abc import Iterator
 from html import escape
 from typing import Any
 
+from rollerrig.common.formatting import number
 from rollerrig.config.errors import show_value
-from rollerrig.config.schema.case import CaseTables, SupportChoice, VehicleChoice
+from rollerrig.config.schema.case import CaseTables, Contact, SupportChoice, VehicleChoice
+from rollerrig.config.schema.support import Rig
 from rollerrig.config.schema.units import AS_WRITTEN
 from rollerrig.config.validate.messages import item_label
 from rollerrig.config.write.explain import unit_of
 from rollerrig.config.write.toml import plain, text_of
-from rollerrig.wording import number
 
 Raw = dict[str, Any]
 
@@ -106,3 +109,58 @@ def _put(tables: Raw, path: list[str], value: Any) -> None:
     for part in path[:-1]:
         tables = tables.setdefault(part, {})
     tables[path[-1]] = value
+
+
+ACTING = (
+    "adhesion", "brake", "track_brake", "sanding", "traction", "slide_protection", "wheel_slip_control", "brake_unit",
+    "rig_control", "axle_torque", "disturbance",
+)  # fmt: skip
+
+
+def rows(case: CaseTables) -> list[tuple[str, str]]:
+    """What the case is made of, a row each."""
+    vehicle, support, contact, time = case.vehicle, case.support.data, case.contact, case.time
+    part = "" if vehicle.cut == "vehicle" else f", {vehicle.cut}"
+    bodies = [body.name for body in vehicle.data.bodies_in(vehicle.part)]
+    method, step = case.integration
+    acting = [name for name in ACTING if getattr(case, name)]
+    found = [
+        ("vehicle", f"{vehicle.data.name}{part}: {_few(bodies)}"),
+        ("support", support.name + (f", rollers of {1e3 * support.roller_radius:g} mm" if isinstance(support, Rig) else "")),
+        ("motion", f"{3.6 * case.motion.speed:.4g} km/h at the start, {case.motion.drive.replace('_', ' ')}"),
+        ("contact", ", ".join((contact.material.name, f"friction {_friction(contact)}", contact.normal.kind,
+                               contact.creep.kind))),
+        ("time", f"{time.duration:g} s, kept every {1e3 * time.output_step:g} ms; {method}"
+                 + (f", step {1e3 * step:g} ms" if step else "")),
+    ]  # fmt: skip
+    return [*found, *([("acting", ", ".join(acting))] if acting else [])]
+
+
+def _few(names: list[str], most: int = 4) -> str:
+    return (
+        ", ".join(names) if len(names) <= most else f"{', '.join(names[: most - 1])} and {len(names) - most + 1} more"
+    )
+
+
+def _friction(contact: Contact) -> str:
+    law, face = contact.friction, contact.gauge_face_friction
+    top = f"{law.mu_0:g}" if law.kind == "constant" else law.kind
+    return top if face is None else f"{top} ({face:g} on the gauge face)"
+
+
+def in_words(case: CaseTables) -> str:
+    """A headline and a line per row."""
+    return "\n".join([_headline(case), *(f"  {what:8} {words}" for what, words in rows(case))])
+
+
+def in_html(case: CaseTables) -> str:
+    """The same as a table."""
+    body = "".join(
+        f"<tr><th style='text-align:left'>{what}</th><td style='text-align:left'>{escape(words)}</td></tr>"
+        for what, words in rows(case)
+    )
+    return f"<p>{escape(_headline(case))}</p><table>{body}</table>"
+
+
+def _headline(case: CaseTables) -> str:
+    return f"Case {case.name}" + (f": {case.description}" if case.description else "")

@@ -5,24 +5,24 @@ pydantic models -> [key_places] -> every dotted key with its table -> [explain] 
 
 import re
 import tomllib
+import types
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
-from typing import Any, get_args, get_origin
+from textwrap import shorten
+from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from rollerrig.config.errors import nearest
-from rollerrig.config.read.library import CatalogKind, catalog_file, catalog_names
-from rollerrig.config.schema.base import OrShort, by_kind, quantity_of
+from rollerrig.config.read import CatalogKind, catalog_file, catalog_names
+from rollerrig.config.schema.base import INSTEAD_OF, OrShort, by_kind, quantity_of
 from rollerrig.config.schema.case import CaseTables, SupportChoice, VehicleChoice
 from rollerrig.config.schema.plan import Plan
 from rollerrig.config.schema.programme import Programme
 from rollerrig.config.schema.units import Quantity
-from rollerrig.config.validate.former_names import divided, meant
-from rollerrig.config.validate.messages import tables_in, tag_of
-from rollerrig.config.write.reference import default_text, type_text, unit_text
+from rollerrig.config.validate.messages import divided, meant, tables_in, tag_of
 
 _ROOTS: tuple[tuple[str, type[BaseModel]], ...] = (
     ("case", CaseTables),
@@ -31,6 +31,7 @@ _ROOTS: tuple[tuple[str, type[BaseModel]], ...] = (
 )
 _MOST_CASES = 4
 _MOST_GUESSES = 4
+_MOST_ROWS = 12
 _WORD = re.compile(r"[._\s]+")
 
 
@@ -101,8 +102,11 @@ def explain(key: str) -> str:
     Args:
         key: dotted (`motion.speed`, `vehicle.element.primary_1_left.x.stiffness`), or its last part alone.
 
+    Returns:
+        The explanation; of words that are no key, the keys whose names or texts have them all, the best first.
+
     Raises:
-        KeyError: there is no such key; the text has the nearest one.
+        KeyError: there is neither; the text has the nearest key.
 
     Example:
         >>> explain("time.duration").splitlines()[2].split()
@@ -118,7 +122,7 @@ def explain(key: str) -> str:
     if not found:
         found = [place for place in key_places() if place.key.endswith(f".{parts}")]
     if not found:
-        raise KeyError(_unknown(key))
+        return _unknown(key)
     texts = _texts(found)
     different = dict.fromkeys(place.key for place in found)
     if len(texts) > 3 and len(different) > 1:
@@ -142,19 +146,42 @@ def _first(found: list[KeyPlace], key: str) -> str:
 
 
 def _unknown(key: str) -> str:
+    """Keys that speak of the words of what is no key.
+
+    Raises:
+        KeyError: none does.
+    """
     last = key.rpartition(".")[2]
     if where := divided(key) or divided(last):
-        return f"{key}: {where}"
+        raise KeyError(f"{key}: {where}")
     keys = tuple(dict.fromkeys(place.key for place in key_places()))
     lasts = tuple(dict.fromkeys(name.rpartition(".")[2] for name in keys))
     words = _WORD.split(key)
     holding = [name for name in keys if set(words) <= set(_WORD.split(name))]
     holding = [name for name in holding if name.rpartition(".")[2] in words] or holding
+    if not holding and (rows := search(words)):
+        return "\n".join([f"no key is called '{key}'; these speak of it:", *rows])
     if not holding and (guess := nearest(key, keys) or meant(last, lasts)):
         ending = [name for name in keys if name == guess or name.endswith(f".{guess}")]
         holding = ending if len(ending) <= _MOST_GUESSES else [guess]
     hint = f"; did you mean {_listed(holding)}?" if holding else ""
-    return f"{key}: no such key{hint or '; rollerrig schema prints all keys'}"
+    raise KeyError(f"{key}: no such key{hint or '; rollerrig schema prints all keys'}")
+
+
+def search(words: list[str]) -> list[str]:
+    """Keys with their meanings, a line each, that have all words in their names or texts; the best first."""
+    patterns = [re.compile(rf"(?<![a-z]){re.escape(word.lower())}") for word in words if word]
+    scores: dict[str, tuple[int, str]] = {}
+    for place in key_places():
+        tags = " ".join(tag for table in _below(place.field.annotation)[0] if (tag := tag_of(table)))
+        text = place.field.description or ""
+        weighted = ((8, place.key.rpartition(".")[2]), (4, place.key), (3, tags), (2, text), (1, _summary(place.table)))
+        hits = [sum(w for w, where in weighted if one.search(where.lower())) for one in patterns]
+        if patterns and all(hits) and sum(hits) > scores.get(place.key, (0, ""))[0]:
+            scores[place.key] = sum(hits), text
+    ranked = sorted(scores.items(), key=lambda item: (-item[1][0], item[0].count("."), item[0]))[:_MOST_ROWS]
+    width = max((len(name) for name, _ in ranked), default=0)
+    return [f"  {name:<{width}}  {shorten(text, 100, placeholder=' ...')}" for name, (_, text) in ranked]
 
 
 def _listed(names: list[str]) -> str:
@@ -279,3 +306,86 @@ def _keys_of(value: Any, above: str) -> Iterator[str]:
         for item in items:
             if isinstance(item, dict):
                 yield from _keys_of(item, here)
+
+
+# ------------------------------------------------------------------------------------------------ one field in words
+
+
+def _alternatives(annotation: Any) -> tuple[Any, ...]:
+    while get_origin(annotation) is Annotated:
+        annotation = get_args(annotation)[0]
+    if get_origin(annotation) in (Union, types.UnionType):
+        return tuple(a for member in get_args(annotation) if member is not type(None) for a in _alternatives(member))
+    return (annotation,)
+
+
+def unit_text(field: FieldInfo, unit: str) -> str:
+    """Both units of a table of pairs, else the one unit."""
+    for part in _alternatives(field.annotation):
+        row = get_args(part)[:1]
+        if row and get_origin(row[0]) is tuple and len(get_args(row[0])) == 2:
+            first, second = (quantity_of(item) or quantity_of(None, getattr(item, "__metadata__", ()))
+                             for item in get_args(row[0]))  # fmt: skip
+            return f"{first.unit if first else ''}, {second.unit if second else ''}"
+    return unit
+
+
+def type_text(field: FieldInfo) -> str:
+    """What may stand at a field, in words."""
+    is_quantity = not _below(field.annotation)[0] and quantity_of(field.annotation, field.metadata) is not None
+    names: list[str] = []
+    for part in _alternatives(field.annotation):
+        origin, arguments = get_origin(part), get_args(part)
+        if origin is Literal:
+            names.append(" or ".join(f'`"{choice}"`' for choice in arguments))
+        elif isinstance(part, type) and issubclass(part, BaseModel):
+            names.append("table")
+        elif origin is tuple:
+            names.append(_tuple_type(arguments))
+        elif origin is dict:
+            names.append("tables by name")
+        else:
+            plain = {
+                str: "text",
+                bool: "true or false",
+                int: "whole number",
+                float: "quantity" if is_quantity else "number",
+            }
+            names.append(plain.get(part, "value"))
+    return " or ".join(dict.fromkeys(names))
+
+
+def _tuple_type(arguments: tuple[Any, ...]) -> str:
+    if len(arguments) == 2 and arguments[1] is Ellipsis:
+        first = _alternatives(arguments[0])[0]
+        if isinstance(first, type) and issubclass(first, BaseModel):
+            return "array of tables"
+        if get_origin(first) is tuple:
+            return "rows of two numbers"
+        return "list of texts" if first is str or get_origin(first) is Literal else "list of numbers"
+    inner = "points" if get_origin(_alternatives(arguments[0])[0]) is tuple else "values"
+    return f"list of {len(arguments)} {inner}"
+
+
+def _number(value: object) -> str:
+    return f"{value:g}" if isinstance(value, float) else str(value)
+
+
+def _list(row: tuple[object, ...]) -> str:
+    return f"[{', '.join(map(_number, row))}]"
+
+
+def default_text(field: FieldInfo) -> str:
+    """The default as a file would have it, "required", or "" where absence is the default."""
+    if isinstance(field.json_schema_extra, dict) and INSTEAD_OF in field.json_schema_extra:
+        return f"this or `{field.json_schema_extra[INSTEAD_OF]}`"
+    if field.is_required():
+        return "required"
+    default = field.default
+    if default is None or default in ((), {}, "") or isinstance(default, BaseModel):
+        return ""
+    if isinstance(default, bool):
+        return "true" if default else "false"
+    if isinstance(default, tuple):
+        return ", ".join(_list(row) if isinstance(row, tuple) else _number(row) for row in default)
+    return f'"{default}"' if isinstance(default, str) else f"{default:g}"

@@ -10,10 +10,10 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from rollerrig.config.read.library import CatalogKind
+from rollerrig.config.read import CatalogKind
 from rollerrig.config.schema.base import INSTEAD_OF, USUAL_KIND
 from rollerrig.config.schema.case import CaseTables
-from rollerrig.config.schema.material import Material
+from rollerrig.config.schema.contact import Material
 from rollerrig.config.schema.plan import Plan
 from rollerrig.config.schema.profile import ProfileRoot
 from rollerrig.config.schema.programme import Programme

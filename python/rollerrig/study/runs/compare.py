@@ -13,14 +13,13 @@ import numpy as np
 import xarray as xr
 
 from rollerrig.analysis import HuntingSettings, filtered, wheel_forces
-from rollerrig.analysis.contact_state import RollingState
+from rollerrig.analysis.control_loop import RollingState
 from rollerrig.analysis.hunting import hunting_case
 from rollerrig.cases import CATALOG_RIG, CATALOG_TRACK, leading_wheelset, restrained_along_track, with_head_of
 from rollerrig.config import Case, ConfigError, ConfigProblem, Rig, Track, Vehicle, load_any, load_support
 from rollerrig.config.errors import nearest
 from rollerrig.config.load.case import build_case
-from rollerrig.config.read.document import Document
-from rollerrig.config.read.library import catalog_names
+from rollerrig.config.read import Document, catalog_names
 from rollerrig.config.write.toml import plain
 from rollerrig.study.jobs import Progress, whole_run
 

@@ -14,10 +14,9 @@ from typing import Any, Literal
 import numpy as np
 import xarray as xr
 
-from rollerrig.actuators import assemble_with_actuators
 from rollerrig.analysis.control_loop import Wheel, wheel_of
-from rollerrig.analysis.torque_ripple import torque_ripple
-from rollerrig.analysis.tracking import following, largest, slip, under_test
+from rollerrig.analysis.slide_statistics import following, largest, slip, torque_ripple, under_test
+from rollerrig.assembly.actuators import assemble_with_actuators
 from rollerrig.config import Case
 from rollerrig.config.schema.rig_control import (
     BandwidthEstimator,
@@ -31,9 +30,9 @@ from rollerrig.config.schema.rig_control import (
     ProportionalIntegral,
     SlidingMode,
 )
-from rollerrig.mechatronics.setup import feedback_gains
 from rollerrig.results.dataset import COMPLETED
 from rollerrig.similitude.scale_case import factors_of, scaled_table
+from rollerrig.simulation.mechatronics import feedback_gains
 from rollerrig.study.jobs import Progress, whole_run
 
 Changes = Mapping[str, object]

@@ -19,24 +19,25 @@ import numpy as np
 import xarray as xr
 
 from rollerrig import __version__
-from rollerrig.actuators import friction_brake
 from rollerrig.analysis.rig_limits import (
     LINES,
-    Patch,
+    NUMBERS,
+    REGIONS,
+    Record,
     RigLimits,
+    assess_limits,
     closed_forms,
-    grip_slip,
-    patch_of,
-    rail_shape,
+    failed,
     rig_limits,
 )
-from rollerrig.analysis.run_limits import NUMBERS, REGIONS, Record, assess_limits, failed
-from rollerrig.assembly import assemble
+from rollerrig.analysis.virtual_rail import Patch, grip_slip, patch_of, rail_shape
+from rollerrig.assembly.actuators import friction_brake
+from rollerrig.assembly.model import assemble
 from rollerrig.config import Brake, Case, ConfigError, ConfigProblem, Traction
-from rollerrig.mechatronics.setup import full_brake_torque
-from rollerrig.mechatronics.virtual_train import load_transfer
 from rollerrig.results import variable
-from rollerrig.starting_state import StartError
+from rollerrig.simulation.mechatronics import full_brake_torque
+from rollerrig.simulation.starting_state import StartError
+from rollerrig.simulation.virtual_train import load_transfer
 from rollerrig.study.jobs import Progress, whole_run
 
 BEGIN, RISE = 0.1, 0.2

@@ -24,10 +24,9 @@ from rollerrig.analysis import (
     hunting_table,
     ramp_run,
 )
-from rollerrig.analysis.contact_state import ContactState, contact_state
-from rollerrig.analysis.critical_speed import scan_linear
+from rollerrig.analysis.control_loop import ContactState, contact_state
+from rollerrig.analysis.critical_speed import RADII, CriticalSpeedOverRadius, EffectSplit, scan_linear
 from rollerrig.analysis.hunting import HuntingRun
-from rollerrig.analysis.roller_effects import RADII, CriticalSpeedOverRadius, EffectSplit
 from rollerrig.analysis.traction import asymmetry, carried_weight, sliding_course, spin_balance, with_theory
 from rollerrig.cases import restrained_along_track
 from rollerrig.config import Case, load_case
@@ -124,7 +123,7 @@ QUICK = PaperPlan(
     runs_kmh={"steel": (100.0, 200.0), "paper": (100.0, 160.0)},
     bracket_kmh=1000.0,
     ramps={"steel": _kmh(140, 180, 40, 20), "paper": _kmh(100, 140, 40, 20)},
-    hunting=HuntingSettings(duration=1.0, output_step=1e-2),
+    hunting=HuntingSettings(duration=1.0, output_step=1e-2, longest=4.0),
     criteria=(0.0, 0.01),
     sensitivity_kmh=(100.0, 200.0),
     radii=(0.725,),

@@ -22,6 +22,7 @@ from rollerrig import __version__
 from rollerrig.analysis.distributions import quantile_function
 from rollerrig.config import ConfigError, ConfigProblem, Plan, WholePlan
 from rollerrig.config.errors import show_value
+from rollerrig.config.load.plan import numbers_below
 from rollerrig.config.schema.plan import Design, Lognormal, Normal, Variation
 from rollerrig.config.schema.units import Quantity
 from rollerrig.config.validate.messages import validate
@@ -152,9 +153,7 @@ class Points:
                 return np.asarray(qmc.Sobol(width, seed=generator).random(count))
         both = np.asarray(qmc.Sobol(2 * width, seed=generator).random(count))
         a, b = both[:, :width], both[:, width:]
-        blocks = np.repeat(
-            a[:, None, :], width + 2, axis=1
-        )  # of each sample: A, A with one column of B after the other, B
+        blocks = np.repeat(a[:, None, :], width + 2, axis=1)  # A, A with one column of B after the other, B
         for k in range(width):
             blocks[:, k + 1, k] = b[:, k]
         blocks[:, -1] = b
@@ -170,20 +169,22 @@ def _axis(variation: Variation, quantity: Quantity | None, whole: WholePlan, at:
     file, design = whole.file, whole.plan.design
     reader = _Reader(file, at, quantity)
     if variation.values is not None:
-        values = reader.all(variation.values)
+        values = tuple(reader.one(f"values[{number}]", value) for number, value in enumerate(variation.values))
         _try_out(whole, variation, values, at)
         return Axis(variation.label, variation.key, quantity, values)
     if quantity is None:
-        raise reader.problem("key", variation.key, "needed: `values`; this key holds no quantity that has a range")
+        numbers = numbers_below(whole.case, variation.key)
+        hint = f"; its numbers are {', '.join(numbers)}" if numbers else ""
+        needed = f"needed: `values`; this key holds no number, which alone has a range{hint}"
+        raise reader.problem("key", variation.key, needed)
     in_grid = design.kind in ("grid", "list")
     if in_grid and (variation.distribution is not None or variation.count is None):
         needed = f"needed in a {design.kind}: `values`, or `least`, `most` and `count`"
         raise reader.problem("distribution" if variation.distribution else "count", "missing", needed)
     if not in_grid and variation.count is not None:
         raise reader.problem("count", variation.count, "allowed: in a grid or list; samples have [design] samples")
-    least, most = (
-        None if v is None else reader.one(k, v) for k, v in (("least", variation.least), ("most", variation.most))
-    )
+    ends = (("least", variation.least), ("most", variation.most))
+    least, most = (None if value is None else reader.one(key, value) for key, value in ends)
     if least is not None and most is not None and not least < most:
         raise reader.problem("most", variation.most, f"allowed: more than `least`, {variation.least}")
     if variation.scale == "logarithmic" and not (least is not None and least > 0.0):
@@ -206,10 +207,10 @@ def _axis(variation: Variation, quantity: Quantity | None, whole: WholePlan, at:
         if not numbers[key] > 0.0:
             raise reader.problem(f"distribution.{key}", getattr(spread, key), "allowed: positive")
     try:
-        quantile, ends = quantile_function(spread.kind if spread else variation.scale, numbers, least, most, quantity)
+        quantile, tried = quantile_function(spread.kind if spread else variation.scale, numbers, least, most, quantity)
     except ValueError as error:
         raise reader.problem("distribution", spread.kind if spread else "range", str(error)) from None
-    _try_out(whole, variation, ends, at)
+    _try_out(whole, variation, tried, at)
     return Axis(variation.label, variation.key, quantity, (), quantile)
 
 
@@ -223,10 +224,6 @@ class _Reader:
         """One mistake."""
         shown = value if isinstance(value, str) else show_value(value)
         return ConfigError([ConfigProblem(self._file, f"{self._at}.{key}", shown, allowed)])
-
-    def all(self, values: Sequence[Any]) -> tuple[Any, ...]:
-        """A list of values."""
-        return tuple(self.one(f"values[{number}]", value) for number, value in enumerate(values))
 
     def one(self, key: str, value: Any) -> Any:
         """A value that the key may have; words and lists as they are."""
@@ -260,12 +257,10 @@ def _try_out(whole: WholePlan, variation: Variation, values: Sequence[Any], at: 
         try:
             whole.case.with_changes({variation.key: written})
         except ConfigError as error:
-            last = variation.key.split(".")[-1]
-            own = [problem for problem in error.problems if problem.key.split(".")[-1] == last]
+            last, place = variation.key.split(".")[-1], (whole.file, f"{at}.values")
+            own = [p for p in error.problems if p.key.split(".")[-1] == last]
             if own:
-                raise ConfigError(
-                    [ConfigProblem(whole.file, f"{at}.values", p.value, p.allowed, p.hint) for p in own]
-                ) from None
+                raise ConfigError([ConfigProblem(*place, p.value, p.allowed, p.hint) for p in own]) from None
 
 
 def resized(whole: WholePlan, samples: int) -> WholePlan:
@@ -305,13 +300,12 @@ def sweep_dataset(
         cases, finished, failed, plan, case, design.
     """
     grid = points.design.kind == "grid"
-    names = [axis.name for axis in points.axes]
-    dims = tuple(names) if grid else (SAMPLE,)
+    dims = tuple(axis.name for axis in points.axes) if grid else (SAMPLE,)
     shape = points.shape if grid else (len(points),)
-    coordinates: dict[str, Any] = {}
-    for axis, column in zip(points.axes, points.columns, strict=True):
-        values = list(axis.values) if grid else column
-        coordinates[axis.name] = _coordinate(axis, values, axis.name if grid else SAMPLE)
+    coordinates: dict[str, Any] = {
+        axis.name: _coordinate(axis, axis.values if grid else column, axis.name if grid else SAMPLE)
+        for axis, column in zip(points.axes, points.columns, strict=True)
+    }
     variables: dict[str, Any] = {}
     for name, (unit, meaning) in units.items():
         values = [math.nan if one is None else one["numbers"].get(name, math.nan) for one in records]
@@ -319,22 +313,11 @@ def sweep_dataset(
     reasons = ["" if one is None else one[FAILED] for one in records]
     variables[FAILED] = variable(dims, np.array(reasons, dtype=object).reshape(shape), "", "why a case failed")
     failed = sum(bool(reason) for reason in reasons)
-    done = sum(one is not None for one in records)
-    return xr.Dataset(
-        variables,
-        coordinates,
-        {
-            "title": f"Sweep {whole.plan.name}",
-            "plan": whole.plan.name,
-            "case": whole.case.name,
-            "design": points.design.kind,
-            "cases": len(points),
-            "finished": done - failed,
-            "failed": failed,
-            "config_toml": whole.case.to_toml(),
-            "rollerrig_version": __version__,
-        },
-    )
+    names = {"title": f"Sweep {whole.plan.name}", "plan": whole.plan.name, "case": whole.case.name}
+    finished = sum(one is not None for one in records) - failed
+    counts = {"design": points.design.kind, "cases": len(points), "finished": finished, "failed": failed}
+    origin = {"config_toml": whole.case.to_toml(), "rollerrig_version": __version__}
+    return xr.Dataset(variables, coordinates, {**names, **counts, **origin})
 
 
 def _coordinate(axis: Axis, values: Sequence[Any], dim: str) -> Any:
@@ -354,11 +337,11 @@ def sweep_rows(data: xr.Dataset, points: Points) -> list[list[object]]:
         for axis, column in zip(points.axes, points.columns, strict=True)
     ]
     columns += [data[name].to_numpy().ravel().tolist() for name in (*numbers, FAILED)]
-    header: list[object] = [
-        *(f"{axis.name} [{axis.unit}]" if axis.unit not in ("", "1") else axis.name for axis in points.axes),
-        *(f"{name} [{u}]" if (u := data[name].attrs["units"]) not in ("", "1") else name for name in numbers),
-        FAILED,
+    heads = [
+        *((axis.name, axis.unit) for axis in points.axes),
+        *((name, data[name].attrs["units"]) for name in numbers),
     ]
+    header: list[object] = [*(name if unit in ("", "1") else f"{name} [{unit}]" for name, unit in heads), FAILED]
     return [header, *map(list, zip(*columns, strict=True))]
 
 
@@ -409,9 +392,8 @@ def statistics(data: xr.Dataset, points: Points) -> dict[str, Statistics]:
         values = data[name].to_numpy().ravel()
         sampled = points.design.kind not in ("grid", "list")
         known = values[np.isfinite(values)]
-        quantiles = (
-            {f"{100 * q:g} %": float(np.quantile(known, q)) for q in QUANTILES} if sampled and known.size else {}
-        )
+        asked = QUANTILES if sampled and known.size else ()
+        quantiles = {f"{100 * q:g} %": float(np.quantile(known, q)) for q in asked}
         tornado = {key: _ends(column, values, sampled=sampled) for key, column in columns.items()}
         sobol = sobol_indices(values, [axis.name for axis in points.axes]) if points.design.kind == "saltelli" else {}
         found[name] = Statistics(values, tornado, quantiles, sobol)

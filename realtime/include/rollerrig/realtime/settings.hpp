@@ -9,17 +9,16 @@
 namespace rollerrig::realtime {
 
 struct ServerSettings {
-  double period{1e-3};   ///< [s]
-  int periods{};         ///< of the run
-  int session{};         ///< told to the controller
-  int oldest{3};         ///< periods that the sensors may be old that a command answers
-  int patience{10};      ///< periods without a command until the watchdog acts
-  int ramp{200};         ///< periods from there to the safe state
-  bool lock_step{};      ///< wait for each command
-  bool at_once{};        ///< begin without a controller, and go on without one
-  double give_up{10.0};  ///< lock-step: after so long without a command the run ends [s]
-  double spin{5e-5};     ///< before each deadline [s]
-  bool record{};         ///< keep what acted and what was sent
+  double period{1e-3};
+  int periods{};     ///< of the run
+  int session{};     ///< told to the controller
+  int oldest{3};     ///< periods that the sensors may be old that a command answers
+  int patience{10};  ///< periods without a command until the watchdog acts
+  int ramp{200};     ///< periods from there to the safe state
+  bool lock_step{};  ///< wait for each command
+  bool at_once{};    ///< begin without a controller, and go on without one
+  double give_up{10.0}, spin{5e-5};
+  bool record{};  ///< keep what acted and what was sent
 
   static constexpr auto fields() {
     using P = ServerSettings;
@@ -28,7 +27,7 @@ struct ServerSettings {
     constexpr Range from_zero{0.0, 1e9, "a count from 0 to 1e9"};
     constexpr Range patience_range{1e-3, 1e6, "from 0.001 to 1e6 s"};
     constexpr Range spin_range{0.0, 1.0, "from 0 to 1 s"};
-    return std::tuple{Member{"period", &P::period, a_period},
+    return std::tuple{Member{"period", &P::period, "s", "period of the loop", a_period},
                       Member{"periods", &P::periods, count},
                       Member{"session", &P::session, count},
                       Member{"oldest", &P::oldest, from_zero},
@@ -36,8 +35,9 @@ struct ServerSettings {
                       Member{"ramp", &P::ramp, from_zero},
                       Member{"lock_step", &P::lock_step},
                       Member{"at_once", &P::at_once},
-                      Member{"give_up", &P::give_up, patience_range},
-                      Member{"spin", &P::spin, spin_range},
+                      Member{"give_up", &P::give_up, "s",
+                             "duration without a command after which a run in lock-step ends", patience_range},
+                      Member{"spin", &P::spin, "s", "busy waiting before each deadline", spin_range},
                       Member{"record", &P::record}};
   }
 

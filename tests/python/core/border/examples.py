@@ -16,16 +16,14 @@ from recipes import recipes
 
 import rollerrig as rr
 from rollerrig import _core
-from rollerrig.actuators import electrodynamic_brake, pneumatics, track_brake
-from rollerrig.assembly import assemble
+from rollerrig.assembly.actuators import electrodynamic_brake, pneumatics, track_brake
+from rollerrig.assembly.creep_table import shipped_table
+from rollerrig.assembly.laws import core_struct
+from rollerrig.assembly.model import assemble
 from rollerrig.config import Brake
-from rollerrig.config.schema.electrodynamic_brake import ConstantPowerBrake
-from rollerrig.config.schema.pneumatics import ReservoirAir
-from rollerrig.config.schema.slide_protection import TableSlideProtection
-from rollerrig.config.schema.track_brake import MagneticTrackBrake
-from rollerrig.contact_laws import shipped_table
-from rollerrig.core_struct import core_struct
-from rollerrig.mechatronics.setup import slide_protection
+from rollerrig.config.schema.actuators import TableSlideProtection
+from rollerrig.config.schema.brakes import ConstantPowerBrake, MagneticTrackBrake, ReservoirAir
+from rollerrig.simulation.mechatronics import slide_protection
 
 Arguments = dict[str, Any]
 
@@ -164,6 +162,7 @@ class Examples:
             _core.TableBrake(forces=[(1.0, 0.0), (3.0, 1e4)]),
             track_brake(magnets, 1),
             eddies,
+            _core.Disturbance(body=1, coordinate=1, offset=1e-3),
             _core.BodyTrackBrake(body=0, brake=track_brake(magnets, 1)),
             _core.Sanding(start=_core.OnSlideSanding(), flow=0.01, delay=0.5, run_on=1.0, least_speed=2.0, kept=0.7),
             _core.FromDistanceSanding(begin=10.0, end=20.0),
@@ -340,6 +339,10 @@ class Examples:
                 upon("brake", "add_track_brake"), {"brake": objects["BodyTrackBrake"]}
             ),
             "Model.with_speed": Call(self.plain.with_speed, {"speed": [(0.0, 30.0), (1.0, 20.0)]}),
+            "coasting_model": Call(_core.coasting_model, {"model": self.models["brake"]}),
+            "starting_state": Call(
+                _core.starting_state, {"model": self.plain, "t": 0.0, "disturbances": [objects["Disturbance"]]}
+            ),
             "static_loads": Call(
                 _core.static_loads, {"bodies": bodies, "springs": [objects["LoadSpring"]], "gravity": 9.81}
             ),
@@ -376,7 +379,11 @@ class Examples:
         names = _core.PartNames(bodies=bodies, elements=elements, axles=["axle_1", "axle_2"])
         start = {name: value for name, value in start_arguments(brake.state, 0).items() if name != "output_step"}
         given = {"name": "brake", "model": self.models["brake"], "setup": brake.setup, "names": names}
-        return given | start | {"disturbed": [(brake.setup.axles[0].wheelset, 1)]}
+        return (
+            given
+            | start
+            | {"disturbances": [_core.Disturbance(body=brake.setup.axles[0].wheelset, coordinate=1, offset=0.0)]}
+        )
 
     def _server_calls(self) -> dict[str, Call]:
         assembled = _core.AssembledModel(**self._assembled())
@@ -525,13 +532,9 @@ class Examples:
             ),
             "Simulation.record": Call(fresh("record"), {"t": 0.0, "x": x, "z": quadratures}),
             "Simulation.derivatives": Call(fresh("derivatives"), {"t": 0.0, "states": states}),
-            "Simulation.search_along": Call(fresh("search_along"), {"t": 0.0, "states": states}),
             "Simulation.statistics": Call(fresh("statistics"), {}),
             "Simulation.counters": Call(fresh("counters"), {}),
             "Simulation.contact_losses": Call(fresh("contact_losses"), {}),
-            "Simulation.exhaustive_search": Call(
-                lambda value: setattr(self.simulation(), "exhaustive_search", value), {"value": True}
-            ),
             "status_sentence": Call(_core.status_sentence, {"status": 0}),
         }
 

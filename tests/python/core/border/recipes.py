@@ -13,10 +13,10 @@ import numpy as np
 
 import rollerrig as rr
 from rollerrig import _core
-from rollerrig.actuators import assemble_with_actuators
-from rollerrig.assembly import assemble
+from rollerrig.assembly.actuators import assemble_with_actuators
+from rollerrig.assembly.model import assemble
 from rollerrig.cases import on_track
-from rollerrig.mechatronics import mechatronic_setup
+from rollerrig.simulation.mechatronics import mechatronic_setup
 
 
 @dataclasses.dataclass(frozen=True)

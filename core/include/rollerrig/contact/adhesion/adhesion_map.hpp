@@ -21,11 +21,13 @@ namespace rollerrig {
 /// What lies on a rail.
 struct RailCondition {
   FrictionLaw friction{};
-  double k_A{1.0};  ///< [-]; k_A = k_S = 1: as the creep law on a clean surface
-  double k_S{1.0};  ///< at most k_A [-]
+  double k_A{1.0}, k_S{1.0};
   static constexpr auto fields() {
-    return std::tuple{Member{"friction", &RailCondition::friction}, Member{"k_A", &RailCondition::k_A, fraction},
-                      Member{"k_S", &RailCondition::k_S, fraction}};
+    return std::tuple{Member{"friction", &RailCondition::friction},
+                      Member{"k_A", &RailCondition::k_A, "1",
+                             "stiffness of the creep curve on the area of adhesion; k_A = k_S = 1: clean", fraction},
+                      Member{"k_S", &RailCondition::k_S, "1",
+                             "stiffness of the creep curve on the area of slip, at most k_A", fraction}};
   }
 
   template <Scalar T>
@@ -46,14 +48,16 @@ struct RailCondition {
 struct RailAdhesion {
   RailCondition degraded{};
   RailCondition recovered{};
-  double recovery_constant{0.0};  ///< tau [m^2/J], or [m/J] of energy per metre run; 0: no recovery
+  double recovery_constant{0.0};
   RailCondition sanded{};
-  double sand_constant{0.0};  ///< 1/q_0 [m/kg]; 0: sand does nothing
+  double sand_constant{0.0};
   static constexpr auto fields() {
     return std::tuple{Member{"degraded", &RailAdhesion::degraded}, Member{"recovered", &RailAdhesion::recovered},
-                      Member{"recovery_constant", &RailAdhesion::recovery_constant, not_negative},
+                      Member{"recovery_constant", &RailAdhesion::recovery_constant, "m^2/J",
+                             "recovery by dissipated energy per area, tau; 0: none", not_negative},
                       Member{"sanded", &RailAdhesion::sanded},
-                      Member{"sand_constant", &RailAdhesion::sand_constant, not_negative}};
+                      Member{"sand_constant", &RailAdhesion::sand_constant, "m/kg",
+                             "effect of sand by mass per length of rail, 1/q_0; 0: none", not_negative}};
   }
 
   /// @param sand  mass per length on the rail [kg/m]
@@ -71,12 +75,16 @@ struct RailAdhesion {
 /// From one piece to the next the surface changes smoothly, t^2 (3 - 2 t), over `blend` behind the border.
 struct AdhesionMap {
   std::vector<RailAdhesion> pieces{RailAdhesion{}};
-  std::vector<double> borders{};  ///< where piece k + 1 begins, ascending; one less than pieces
-  double blend{0.0};              ///< [m] or [s]; 0: a step
-  bool over_time{false};          ///< borders are times
+  std::vector<double> borders{};
+  double blend{0.0};
+  bool over_time{false};  ///< borders are times
   static constexpr auto fields() {
-    return std::tuple{Member{"pieces", &AdhesionMap::pieces}, Member{"borders", &AdhesionMap::borders},
-                      Member{"blend", &AdhesionMap::blend, not_negative}, Member{"over_time", &AdhesionMap::over_time}};
+    return std::tuple{
+        Member{"pieces", &AdhesionMap::pieces},
+        Member{"borders", &AdhesionMap::borders, "m or s", "begin of piece k + 1, ascending; one less than pieces"},
+        Member{"blend", &AdhesionMap::blend, "m or s", "length of the transition behind a border; 0: a step",
+               not_negative},
+        Member{"over_time", &AdhesionMap::over_time}};
   }
 
   void check() const {

@@ -26,10 +26,11 @@ T share_of_gauge_face(Vec3<T> const& n) {
 struct Friction {
   FrictionLaw law{};
   std::shared_ptr<AdhesionMap const> map{};  ///< in place of the law
-  double gauge_face{-1.0};                   ///< coefficient there [-]; -1: as on top of the rail
+  double gauge_face{-1.0};
   static constexpr auto fields() {
     return std::tuple{Member{"law", &Friction::law}, OptionalMember{"map", &Friction::map},
-                      Member{"gauge_face", &Friction::gauge_face}};
+                      Member{"gauge_face", &Friction::gauge_face, "1",
+                             "friction coefficient on the gauge face; -1: as on top of the rail"}};
   }
 
   /// @param top  friction on top of the rail

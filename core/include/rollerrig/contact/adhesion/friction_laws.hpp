@@ -14,8 +14,10 @@ namespace rollerrig {
 /// Coulomb's.
 struct ConstantFriction {
   static constexpr char const* name = "constant";
-  double mu_0{0.3};  ///< [-]
-  static constexpr auto fields() { return std::tuple{Member{"mu_0", &ConstantFriction::mu_0, not_negative}}; }
+  double mu_0{0.3};
+  static constexpr auto fields() {
+    return std::tuple{Member{"mu_0", &ConstantFriction::mu_0, "1", "friction coefficient", not_negative}};
+  }
 
   template <Scalar T>
   T operator()(T const& /*slip*/) const {
@@ -26,12 +28,11 @@ struct ConstantFriction {
 /// Polach's, that falls with slip velocity w: mu(w) = mu_0 [(1 - A) exp(-B w) + A]   (A1)
 struct FallingFriction {
   static constexpr char const* name = "falling";
-  double mu_0{0.3};  ///< at no slip [-]
-  double A{1.0};     ///< friction at large slip over mu_0 [-]
-  double B{0.0};     ///< [s/m]
+  double mu_0{0.3}, A{1.0}, B{0.0};
   static constexpr auto fields() {
-    return std::tuple{Member{"mu_0", &FallingFriction::mu_0, not_negative}, Member{"A", &FallingFriction::A},
-                      Member{"B", &FallingFriction::B}};
+    return std::tuple{Member{"mu_0", &FallingFriction::mu_0, "1", "friction coefficient at no slip", not_negative},
+                      Member{"A", &FallingFriction::A, "1", "friction at large slip over mu_0"},
+                      Member{"B", &FallingFriction::B, "s/m", "rate at which friction falls with slip velocity"}};
   }
 
   /// @param slip  slip velocity, not negative [m/s]

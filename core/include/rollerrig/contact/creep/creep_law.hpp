@@ -45,9 +45,9 @@ CreepForce<T> creep_force(CreepLaw const& law, CreepQuery<T> const& query) {
       law);
 }
 
-/// The law on a rail whose condition reduces the creep curve's stiffness, in place of the law's own reductions. A law with
-/// k_A and k_S, or with reductions of its own, takes the rail's by a second operator(); any other law gets the same slope at
-/// the origin, (k_A + k_S)/2 of Kalker's (A4): its surfaces are so much more compliant everywhere.
+/// The law on a rail whose condition reduces the creep curve's stiffness. A law with k_A and k_S takes the rail's in place of
+/// its own by a second operator(); any other law gets the same slope at the origin, (k_A + k_S)/2 of Kalker's (A4): its surfaces
+/// are so much more compliant everywhere, beside what it reduces itself.
 template <Scalar T>
 CreepForce<T> creep_force(CreepLaw const& law, CreepQuery<T> const& query, RailSurface<T> const& rail) {
   return std::visit(

@@ -14,7 +14,6 @@
 #pragma once
 #include <array>
 
-#include "rollerrig/contact/adhesion/rail_surface.hpp"
 #include "rollerrig/contact/creep/creep_query.hpp"
 #include "rollerrig/fields.hpp"
 #include "rollerrig/math/dual.hpp"
@@ -157,26 +156,23 @@ struct Fastsim {
 };
 
 /// Flexibilities of their own for spin, and a surface that gets more flexible with slip: k_0 (k_inf + (1 - k_inf)/(1 + beta
-/// tau)) multiplies Kalker's stiffness; 1, 1, 0: clean.
+/// epsilon)) multiplies Kalker's stiffness, epsilon = (pi/4) k_0 tau being Polach's gradient of the tangential stress; 1, 1,
+/// 0: clean.
 struct ModifiedFastsim {
   static constexpr char const* name = "modified_fastsim";
-  double k_0{1.0};    ///< of roughness and contamination at small creepage [-]
-  double k_inf{1.0};  ///< part of k_0 that is left at large creepage [-]
-  double beta{0.0};   ///< per unit of tau = linear force over mu N [-]
+  double k_0{1.0}, k_inf{1.0}, beta{0.0};
   static constexpr auto fields() {
-    return std::tuple{Member{"k_0", &ModifiedFastsim::k_0}, Member{"k_inf", &ModifiedFastsim::k_inf},
-                      Member{"beta", &ModifiedFastsim::beta}};
+    return std::tuple{
+        Member{"k_0", &ModifiedFastsim::k_0, "1",
+               "factor of roughness and contamination on Kalker's stiffness at small creepage"},
+        Member{"k_inf", &ModifiedFastsim::k_inf, "1", "part of k_0 that is left at large creepage"},
+        Member{"beta", &ModifiedFastsim::beta, "1", "decrease of the factor with eps = pi/4 k_0 times linear force over mu N"}};
   }
 
   template <Scalar T>
   CreepForce<T> operator()(CreepQuery<T> const& query) const {
     T const tau = demand(linear_creep_force(query.creepage, query.stiffness), query.adhesion);
-    return fastsim_force(query, tau, true, k_0 * (k_inf + (1.0 - k_inf) / (1.0 + beta * tau)));
-  }
-  /// The rail's reductions take the place of its own.
-  template <Scalar T>
-  CreepForce<T> operator()(CreepQuery<T> const& query, RailSurface<T> const& rail) const {
-    return ModifiedFastsim{}(with_reduced_stiffness(query, mean_reduction(rail)));
+    return fastsim_force(query, tau, true, k_0 * (k_inf + (1.0 - k_inf) / (1.0 + (0.25 * pi * beta * k_0) * tau)));
   }
 };
 

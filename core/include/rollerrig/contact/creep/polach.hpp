@@ -59,10 +59,11 @@ CreepForce<T> polach_force(CreepQuery<T> const& query, Factor const& k_A, Factor
 struct Polach {
   static constexpr char const* name = "polach";
   static constexpr bool in_lanes = true;
-  double k_A{1.0};  ///< of the area of adhesion [-]; k_A = k_S = 1: clean
-  double k_S{1.0};  ///< of the area of slip, at most k_A [-]
+  double k_A{1.0}, k_S{1.0};
   static constexpr auto fields() {
-    return std::tuple{Member{"k_A", &Polach::k_A, fraction}, Member{"k_S", &Polach::k_S, fraction}};
+    return std::tuple{
+        Member{"k_A", &Polach::k_A, "1", "stiffness on the area of adhesion; k_A = k_S = 1: clean", fraction},
+        Member{"k_S", &Polach::k_S, "1", "stiffness on the area of slip, at most k_A", fraction}};
   }
 
   template <Scalar T>

@@ -15,29 +15,26 @@
 #include <array>
 
 #include "rollerrig/geometry/contact_point.hpp"
-#include "rollerrig/geometry/search.hpp"
+#include "rollerrig/geometry/gap_minima.hpp"
 
 namespace rollerrig {
 
 template <Scalar T>
-using BlendingWeights = std::array<T, ContactSearch::max_minima>;
+using BlendingWeights = std::array<T, GapMinima::capacity>;
 
-/// @param points             contact points of the search's minima, in order
+/// @param points             contact points of the minima, in order
 /// @param merging_criterion  [-]; 0: every patch counts in full
 template <Scalar T>
-BlendingWeights<T> blending_weights(WheelRollerPair const& pair, RelativePose<T> const& pose,
-                                    ContactSearch const& search, ContactPoint<T> const* points,
-                                    double merging_criterion) {
+BlendingWeights<T> blending_weights(WheelRollerPair const& pair, RelativePose<T> const& pose, GapMinima const& minima,
+                                    ContactPoint<T> const* points, double merging_criterion) {
   BlendingWeights<T> weight;
-  auto const n = static_cast<std::size_t>(search.count());
+  std::size_t const n = minima.count;
   for (std::size_t k = 0; k < n; ++k) weight[k] = T(1.0);
   for (std::size_t k = 0; k + 1 < n; ++k) {
-    auto const& top = search.barrier(static_cast<int>(k));
-    double const left = search[static_cast<int>(k)].gap;
-    double const right = search[static_cast<int>(k) + 1].gap;
-    double const shallower = std::min(-left, -right);
+    auto const& top = minima.barrier[k];
+    double const shallower = std::min(-minima.minimum[k].gap, -minima.minimum[k + 1].gap);
     if (!(top.gap + shallower < merging_criterion * shallower)) continue;  // a barrier in full: both count
-    T const top_gap = contact_point(pair, pose, top.s, top.gradient).gap;
+    T const top_gap = contact_point(pair, pose, top).gap;
     for (std::size_t side : {k, k + 1}) {
       T const t = (top_gap - points[side].gap) / (merging_criterion * -points[side].gap);
       T const s = select(t < 1.0, t * t * (3.0 - 2.0 * t), T(1.0));

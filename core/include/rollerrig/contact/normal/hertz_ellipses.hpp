@@ -1,6 +1,6 @@
 // contact/normal/hertz_ellipses.hpp - the paper's normal contact: Hertz' ellipse at each indented minimum of the gap.
 //
-//   minima of the search -> contact points -> Hertz (12)-(19) -> patches, weighted by (F4) where two merge
+//   minima of the gap -> contact points -> Hertz (12)-(19) -> patches, weighted by (F4) where two merge
 #pragma once
 #include "rollerrig/contact/normal/blending_weight.hpp"
 #include "rollerrig/contact/normal/hertz.hpp"
@@ -28,28 +28,26 @@ void hertz_patch(Material const& material, NormalPatch<T>& patch) {
 
 struct HertzEllipses {
   static constexpr char const* name = "hertz";
-  double merging_criterion{0.01};  ///< normal/blending_weight.hpp [-]; 0: patches appear and vanish at full force
+  double merging_criterion{0.01};
   static constexpr auto fields() {
-    return std::tuple{Member{"merging_criterion", &HertzEllipses::merging_criterion, not_negative}};
+    return std::tuple{Member{"merging_criterion", &HertzEllipses::merging_criterion, "1",
+                             "criterion of normal/blending_weight.hpp; 0: patches appear and vanish at full force",
+                             not_negative}};
   }
 
   template <Scalar T, std::derived_from<NormalPatch<T>> P>
-  int operator()(NormalSetting const& wheel, RelativePose<T> const& pose, ContactSearch const& search,
-                 PatchList<P>& patches) const {
-    auto const n = static_cast<std::size_t>(search.count());
-    std::array<ContactPoint<T>, ContactSearch::max_minima> points;
-    for (std::size_t k = 0; k < n; ++k) {
-      auto const& minimum = search[static_cast<int>(k)];
-      points[k] = contact_point(wheel.pair, pose, minimum.s, minimum.gradient);
-    }
-    auto const weight = blending_weights(wheel.pair, pose, search, points.data(), merging_criterion);
-    for (std::size_t k = 0; k < n; ++k) {
+  int operator()(NormalSetting const& wheel, RelativePose<T> const& pose, PatchList<P>& patches) const {
+    auto const minima = find_minima(wheel.pair, *wheel.nodes, numbers_of(pose));
+    std::array<ContactPoint<T>, GapMinima::capacity> points;
+    for (std::size_t k = 0; k < minima.count; ++k) points[k] = contact_point(wheel.pair, pose, minima.minimum[k]);
+    auto const weight = blending_weights(wheel.pair, pose, minima, points.data(), merging_criterion);
+    for (std::size_t k = 0; k < minima.count; ++k) {
       NormalPatch<T>& patch = patches[k];
       patch.point = points[k];
       patch.weight = weight[k];
       hertz_patch(wheel.material, patch);
     }
-    return search.count();
+    return static_cast<int>(minima.count);
   }
 };
 

@@ -10,11 +10,12 @@ namespace rollerrig {
 
 /// Damping of eq. (12): acts while the surfaces approach.
 struct NormalDamping {
-  double damping{1e5};           ///< k_v [N s/m]
-  double smoothing_speed{1e-4};  ///< [m/s]
+  double damping{1e5}, smoothing_speed{1e-4};
   static constexpr auto fields() {
-    return std::tuple{Member{"damping", &NormalDamping::damping, not_negative},
-                      Member{"smoothing_speed", &NormalDamping::smoothing_speed, not_negative}};
+    return std::tuple{
+        Member{"damping", &NormalDamping::damping, "N s/m", "damping while the surfaces approach, k_v", not_negative},
+        Member{"smoothing_speed", &NormalDamping::smoothing_speed, "m/s",
+               "approach speed over which the damping sets in", not_negative}};
   }
 
   /// k_v max(0, -gap_rate) with its corner rounded: departs from (12) by at most k_v smoothing_speed / 2 (5 N), so that

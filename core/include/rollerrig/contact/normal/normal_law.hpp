@@ -1,12 +1,11 @@
 // contact/normal/normal_law.hpp - the laws of normal contact a configuration can name: how the surfaces carry load.
 //
-//   indented minima of the gap -> [normal law] -> patches of one wheel: load, centre, ellipse
+//   pose over rail or roller -> [normal law] -> patches of one wheel: load, centre, ellipse
 //
 // To add a law: a struct in a header of its own, with its name, its fields and
-// `int operator()(NormalSetting const&, RelativePose<T> const&, ContactSearch const&, PatchList<P>&) const`, which returns
-// the number of patches, and its line below: docs/how_to/contact_law.md. A law that is cheaper for several wheels at once has
-// `void operator()(std::span<NormalContact<T, P> const>) const` instead, and one that needs no minima of the gap says
-// `static constexpr bool follows_minima = false`.
+// `int operator()(NormalSetting const&, RelativePose<T> const&, PatchList<P>&) const`, which returns the number of patches, and
+// its line below: docs/how_to/contact_law.md. Where the surfaces overlap, geometry/gap_nodes.hpp and gap_minima.hpp say. A law
+// that is cheaper for several wheels at once has `void operator()(std::span<NormalContact<T, P> const>) const` instead.
 #pragma once
 #include <span>
 
@@ -19,18 +18,6 @@ namespace rollerrig {
 using NormalLaw = OneOf<HertzEllipses,  // the paper's
                         ElasticStrips>;
 
-/// Whether the search of each wheel must have been done.
-inline bool follows_minima(NormalLaw const& law) {
-  return std::visit(
-      []<class L>(L const&) {
-        if constexpr (requires { L::follows_minima; })
-          return L::follows_minima;
-        else
-          return true;
-      },
-      law);
-}
-
 /// The patches of several wheels.
 template <Scalar T, std::derived_from<NormalPatch<T>> P>
 void normal_patches(NormalLaw const& law, std::span<NormalContact<T, P> const> wheels) {
@@ -39,7 +26,7 @@ void normal_patches(NormalLaw const& law, std::span<NormalContact<T, P> const> w
         if constexpr (requires { chosen(wheels); })
           chosen(wheels);
         else
-          for (auto const& w : wheels) *w.count = chosen(w.wheel, *w.pose, *w.search, *w.patches);
+          for (auto const& w : wheels) *w.count = chosen(w.wheel, *w.pose, *w.patches);
       },
       law);
 }

@@ -7,7 +7,6 @@
 #include "rollerrig/contact/patch_strips.hpp"
 #include "rollerrig/geometry/contact_point.hpp"
 #include "rollerrig/geometry/gap_nodes.hpp"
-#include "rollerrig/geometry/search.hpp"
 
 namespace rollerrig {
 
@@ -30,17 +29,17 @@ struct NormalPatch {
 
 /// Patches of one wheel: NormalPatch, or what is derived from it.
 template <class P>
-using PatchList = std::array<P, ContactSearch::max_minima>;
+using PatchList = std::array<P, GapScan::most_minima>;
 
 /// Strips of the patches of one wheel.
 template <Scalar T>
-using WheelStrips = std::array<PatchStrips<T>, ContactSearch::max_minima>;
+using WheelStrips = std::array<PatchStrips<T>, GapScan::most_minima>;
 
 /// One wheel on its roller or rail, as a law of normal contact sees it.
 struct NormalSetting {
   WheelRollerPair const& pair;
   Material const& material;
-  GapNodes const* nodes{nullptr};  ///< of the wheel, for laws that follow the profile
+  GapNodes const* nodes{nullptr};  ///< of the wheel
 };
 
 /// One of several wheels whose normal contacts are computed in one call.
@@ -48,7 +47,6 @@ template <Scalar T, std::derived_from<NormalPatch<T>> P>
 struct NormalContact {
   NormalSetting wheel;
   RelativePose<T> const* pose;
-  ContactSearch const* search;      ///< its minima are those of the pose; not set for a law that follows none
   PatchList<P>* patches;            ///< result
   int* count;                       ///< result: of them
   WheelStrips<T>* strips{nullptr};  ///< result, if asked for: of each patch; of none by a law that knows no strips

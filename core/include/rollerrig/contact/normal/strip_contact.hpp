@@ -38,7 +38,7 @@ struct StripPatch {
 
 template <Scalar T>
 struct StripSolution {
-  static constexpr int capacity = ContactSearch::max_minima;
+  static constexpr int capacity = GapScan::most_minima;
   int count{0};
   int refined{0};  ///< regions that were solved again with many strips, because a few had not settled
   std::array<StripPatch<T>, capacity> patch;
@@ -142,8 +142,6 @@ StripSolution<T> strip_contact(NormalSetting const& wheel, RelativePose<T> const
 struct ElasticStrips {
   static constexpr char const* name = "strips";
   static constexpr auto fields() { return std::tuple{}; }
-
-  static constexpr bool follows_minima = false;  // every overlap is seen by itself
 
   template <Scalar T, std::derived_from<NormalPatch<T>> P>
   void operator()(std::span<NormalContact<T, P> const> contacts) const {

@@ -37,18 +37,18 @@ struct AirSupply {
 };
 
 struct ControlValve {
-  double application_rate{};  ///< rise of its pressure [Pa/s]
-  double release_rate{};      ///< its fall [Pa/s]
-  double follow_rate{};       ///< once within reach [1/s]
-  double ambient_pressure{};  ///< of the air around [Pa]
-  double volume{};            ///< of a cylinder and its pipe [m^3]
+  double application_rate{}, release_rate{}, follow_rate{}, ambient_pressure{}, volume{};
 
   static constexpr auto fields() {
     using P = ControlValve;
     return std::tuple{
-        Member{"application_rate", &P::application_rate, not_negative},
-        Member{"release_rate", &P::release_rate, not_negative}, Member{"follow_rate", &P::follow_rate, not_negative},
-        Member{"ambient_pressure", &P::ambient_pressure, positive}, Member{"volume", &P::volume, positive}};
+        Member{"application_rate", &P::application_rate, "Pa/s", "largest rise of the control valve's pressure",
+               not_negative},
+        Member{"release_rate", &P::release_rate, "Pa/s", "largest fall of the control valve's pressure", not_negative},
+        Member{"follow_rate", &P::follow_rate, "1/s", "rate at which the control valve closes in on the demand",
+               not_negative},
+        Member{"ambient_pressure", &P::ambient_pressure, "Pa", "absolute pressure of the ambient air", positive},
+        Member{"volume", &P::volume, "m^3", "volume of an axle's cylinder and its pipe", positive}};
   }
 
   double rate(double control, double demand) const {

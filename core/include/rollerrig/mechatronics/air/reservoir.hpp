@@ -22,33 +22,34 @@ namespace rollerrig {
 struct ReservoirAir {
   static constexpr char const* name = "reservoir";
 
-  double fill_conductance{};      ///< C from the reservoir to a cylinder [m^3/(s Pa)]
-  double vent_conductance{};      ///< C from a cylinder to the ambient [m^3/(s Pa)]
-  double critical_ratio{};        ///< b of all orifices [-]
-  double relay_band{};            ///< missing pressure from which the relay valve is wide open [Pa]
-  double opening_time{};          ///< dead time of a magnet valve [s]
-  double closing_time{};          ///< [s]
-  double least_pulse{};           ///< that a magnet valve's command stays at least [s]
-  double reservoir_volume{};      ///< for all cylinders together [m^3]
-  double reservoir_pressure{};    ///< at the start [Pa]
-  double main_pipe_pressure{};    ///< [Pa]
-  double charging_conductance{};  ///< C of the choke between main pipe and reservoir [m^3/(s Pa)]
-  double reference_pressure{};    ///< p_0, at which conductances are stated [Pa]
+  double fill_conductance{}, vent_conductance{}, critical_ratio{}, relay_band{}, opening_time{}, closing_time{};
+  double least_pulse{}, reservoir_volume{}, reservoir_pressure{}, main_pipe_pressure{}, charging_conductance{};
+  double reference_pressure{};
 
   static constexpr auto fields() {
     using P = ReservoirAir;
-    return std::tuple{Member{"fill_conductance", &P::fill_conductance, not_negative},
-                      Member{"vent_conductance", &P::vent_conductance, not_negative},
-                      Member{"critical_ratio", &P::critical_ratio, Range{0.0, 0.99, "0 to 0.99"}},
-                      Member{"relay_band", &P::relay_band, positive},
-                      Member{"opening_time", &P::opening_time, not_negative},
-                      Member{"closing_time", &P::closing_time, not_negative},
-                      Member{"least_pulse", &P::least_pulse, not_negative},
-                      Member{"reservoir_volume", &P::reservoir_volume, positive},
-                      Member{"reservoir_pressure", &P::reservoir_pressure, positive},
-                      Member{"main_pipe_pressure", &P::main_pipe_pressure, not_negative},
-                      Member{"charging_conductance", &P::charging_conductance, not_negative},
-                      Member{"reference_pressure", &P::reference_pressure, positive}};
+    return std::tuple{
+        Member{"fill_conductance", &P::fill_conductance, "m^3/(s Pa)",
+               "sonic conductance from the reservoir to a cylinder, C", not_negative},
+        Member{"vent_conductance", &P::vent_conductance, "m^3/(s Pa)",
+               "sonic conductance from a cylinder to the ambient, C", not_negative},
+        Member{"critical_ratio", &P::critical_ratio, "1", "critical pressure ratio of all orifices, b",
+               Range{0.0, 0.99, "0 to 0.99"}},
+        Member{"relay_band", &P::relay_band, "Pa", "missing pressure from which the relay valve is wide open",
+               positive},
+        Member{"opening_time", &P::opening_time, "s", "dead time of a magnet valve that opens", not_negative},
+        Member{"closing_time", &P::closing_time, "s", "dead time of a magnet valve that closes", not_negative},
+        Member{"least_pulse", &P::least_pulse, "s", "least duration of a magnet valve's command", not_negative},
+        Member{"reservoir_volume", &P::reservoir_volume, "m^3",
+               "volume of the reservoir, for all its cylinders together", positive},
+        Member{"reservoir_pressure", &P::reservoir_pressure, "Pa",
+               "pressure of the reservoir at the start, over the ambient", positive},
+        Member{"main_pipe_pressure", &P::main_pipe_pressure, "Pa", "pressure of the main pipe, over the ambient",
+               not_negative},
+        Member{"charging_conductance", &P::charging_conductance, "m^3/(s Pa)",
+               "sonic conductance of the choke between main pipe and reservoir, C", not_negative},
+        Member{"reference_pressure", &P::reference_pressure, "Pa",
+               "absolute pressure at which conductances are stated, p_0", positive}};
   }
 
   AirSupply start() const { return {.reservoir = reservoir_pressure, .drawn = 0.0}; }

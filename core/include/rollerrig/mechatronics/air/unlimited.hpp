@@ -17,12 +17,13 @@ struct UnlimitedAir {
   static constexpr char const* name = "unlimited";
   static constexpr double critical_ratio = 0.4;  ///< b of (A12), of pneumatic valves 0.2 to 0.5
 
-  double fill_rate{};  ///< of the cylinder through the inlet, choked: p'/p_supply [1/s]
-  double vent_rate{};  ///< of the cylinder through the outlet, choked: -p'/p_cylinder [1/s]
+  double fill_rate{}, vent_rate{};
 
   static constexpr auto fields() {
-    return std::tuple{Member{"fill_rate", &UnlimitedAir::fill_rate, not_negative},
-                      Member{"vent_rate", &UnlimitedAir::vent_rate, not_negative}};
+    return std::tuple{Member{"fill_rate", &UnlimitedAir::fill_rate, "1/s",
+                             "filling rate of the cylinder through the choked inlet, p'/p_supply", not_negative},
+                      Member{"vent_rate", &UnlimitedAir::vent_rate, "1/s",
+                             "venting rate of the cylinder through the choked outlet, -p'/p_cylinder", not_negative}};
   }
 
   AirSupply start() const { return {}; }

@@ -15,12 +15,12 @@ namespace rollerrig {
 
 struct ExtrapolatedTorque {
   static constexpr char const* name = "extrapolated";
-  double ahead{};      ///< a [s]
-  double bandwidth{};  ///< of G [rad/s]
+  double ahead{}, bandwidth{};
 
   static constexpr auto fields() {
-    return std::tuple{Member{"ahead", &ExtrapolatedTorque::ahead, not_negative},
-                      Member{"bandwidth", &ExtrapolatedTorque::bandwidth, positive}};
+    return std::tuple{Member{"ahead", &ExtrapolatedTorque::ahead, "s", "lead of the estimate, a", not_negative},
+                      Member{"bandwidth", &ExtrapolatedTorque::bandwidth, "rad/s",
+                             "bandwidth of the low-pass on its slope, G", positive}};
   }
 
   struct State {

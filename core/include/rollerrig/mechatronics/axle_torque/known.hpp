@@ -18,12 +18,13 @@ namespace rollerrig {
 
 struct KnownTorque {
   static constexpr char const* name = "known";
-  double bandwidth{};       ///< of G_c [rad/s]
-  double brake_friction{};  ///< f: friction of the pads as assumed, over the real one [-]
+  double bandwidth{}, brake_friction{};
 
   static constexpr auto fields() {
-    return std::tuple{Member{"bandwidth", &KnownTorque::bandwidth, positive},
-                      Member{"brake_friction", &KnownTorque::brake_friction, not_negative}};
+    return std::tuple{Member{"bandwidth", &KnownTorque::bandwidth, "rad/s",
+                             "bandwidth of the correction by the estimate, G_c", positive},
+                      Member{"brake_friction", &KnownTorque::brake_friction, "1",
+                             "friction of the pads as assumed, over the real one, f", not_negative}};
   }
 
   struct State {

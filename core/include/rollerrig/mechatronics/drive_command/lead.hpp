@@ -14,9 +14,11 @@ namespace rollerrig {
 
 struct LeadCommand {
   static constexpr char const* name = "lead";
-  double ahead{};  ///< a [s]
+  double ahead{};
 
-  static constexpr auto fields() { return std::tuple{Member{"ahead", &LeadCommand::ahead, not_negative}}; }
+  static constexpr auto fields() {
+    return std::tuple{Member{"ahead", &LeadCommand::ahead, "s", "lead of the feed-forward, a", not_negative}};
+  }
 
   struct State {
     double last{};  ///< feed-forward [N m]

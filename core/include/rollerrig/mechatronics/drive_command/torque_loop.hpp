@@ -14,9 +14,11 @@ namespace rollerrig {
 
 struct TorqueLoop {
   static constexpr char const* name = "torque_loop";
-  double gain{};  ///< g [-]
+  double gain{};
 
-  static constexpr auto fields() { return std::tuple{Member{"gain", &TorqueLoop::gain, not_negative}}; }
+  static constexpr auto fields() {
+    return std::tuple{Member{"gain", &TorqueLoop::gain, "1", "gain on demanded less measured torque, g", not_negative}};
+  }
 
   struct State {};
 

@@ -13,16 +13,16 @@ namespace rollerrig {
 struct ConstantPowerBrake {
   static constexpr char const* name = "constant_power";
 
-  double largest_force{};  ///< F_max of one axle at the wheels' circumference [N]
-  double largest_power{};  ///< P of one axle [W]
-  double fade_from{};      ///< v_1: below it the force fades [m/s]
-  double fade_to{};        ///< v_0: from here down there is none [m/s]
+  double largest_force{}, largest_power{}, fade_from{}, fade_to{};
 
   static constexpr auto fields() {
     using P = ConstantPowerBrake;
-    return std::tuple{Member{"largest_force", &P::largest_force, not_negative},
-                      Member{"largest_power", &P::largest_power, not_negative},
-                      Member{"fade_from", &P::fade_from, positive}, Member{"fade_to", &P::fade_to, not_negative}};
+    return std::tuple{
+        Member{"largest_force", &P::largest_force, "N", "largest force of one axle at the wheels' circumference, F_max",
+               not_negative},
+        Member{"largest_power", &P::largest_power, "W", "largest power of one axle, P", not_negative},
+        Member{"fade_from", &P::fade_from, "m/s", "speed below which the force fades, v_1", positive},
+        Member{"fade_to", &P::fade_to, "m/s", "speed from which down there is no force, v_0", not_negative}};
   }
 
   /// Largest force [N] at a speed of the wheels' circumference, not negative [m/s].

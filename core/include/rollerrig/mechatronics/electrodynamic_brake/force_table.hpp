@@ -10,9 +10,12 @@ namespace rollerrig {
 struct ForceTableBrake {
   static constexpr char const* name = "table";
 
-  TimeTable forces{};  ///< largest force of one axle [N] over the speed of the wheels' circumference [m/s]
+  TimeTable forces{};
 
-  static constexpr auto fields() { return std::tuple{Member{"forces", &ForceTableBrake::forces}}; }
+  static constexpr auto fields() {
+    return std::tuple{Member{"forces", &ForceTableBrake::forces, "N",
+                             "largest force of one axle over the speed of the wheels' circumference [m/s]"}};
+  }
 
   /// Largest force [N] at a speed of the wheels' circumference, not negative [m/s]; constant beyond the ends of the table.
   template <Scalar T>

@@ -13,16 +13,16 @@ namespace rollerrig {
 
 /// Wheel and roller as the controller assumes them; they may differ from the rig's.
 struct AssumedParameters {
-  double roller_inertia{};    ///< J_r [kg m^2]
-  double roller_radius{};     ///< R [m]
-  double wheelset_inertia{};  ///< J_w [kg m^2]
-  double wheel_radius{};      ///< r [m]
+  double roller_inertia{}, roller_radius{}, wheelset_inertia{}, wheel_radius{};
 
   static constexpr auto fields() {
     using P = AssumedParameters;
-    return std::tuple{
-        Member{"roller_inertia", &P::roller_inertia, positive}, Member{"roller_radius", &P::roller_radius, positive},
-        Member{"wheelset_inertia", &P::wheelset_inertia, positive}, Member{"wheel_radius", &P::wheel_radius, positive}};
+    return std::tuple{Member{"roller_inertia", &P::roller_inertia, "kg m^2",
+                             "moment of inertia of a roller axle about its axis as assumed, J_r", positive},
+                      Member{"roller_radius", &P::roller_radius, "m", "radius of the rollers as assumed, R", positive},
+                      Member{"wheelset_inertia", &P::wheelset_inertia, "kg m^2",
+                             "moment of inertia of a wheelset about its axis as assumed, J_w", positive},
+                      Member{"wheel_radius", &P::wheel_radius, "m", "radius of the wheels as assumed, r", positive}};
   }
 };
 

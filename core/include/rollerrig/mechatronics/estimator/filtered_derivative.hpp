@@ -13,9 +13,11 @@ namespace rollerrig {
 
 struct FilteredDerivative {
   static constexpr char const* name = "filtered_derivative";
-  double bandwidth{};  ///< pole of the filter [rad/s]
+  double bandwidth{};
 
-  static constexpr auto fields() { return std::tuple{Member{"bandwidth", &FilteredDerivative::bandwidth, positive}}; }
+  static constexpr auto fields() {
+    return std::tuple{Member{"bandwidth", &FilteredDerivative::bandwidth, "rad/s", "pole of the filter", positive}};
+  }
 
   struct State {
     double last_roller_speed{}, force{};

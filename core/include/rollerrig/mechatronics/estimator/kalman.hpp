@@ -13,17 +13,18 @@ namespace rollerrig {
 
 struct KalmanFilter {
   static constexpr char const* name = "kalman";
-  double bandwidth{};                     ///< from which changes that are absent follow, (D12) [rad/s]
-  double speed_noise{};                   ///< standard deviation of a measured speed [rad/s]
-  std::optional<double> force_change{};   ///< standard deviation of T's change over 1 s [N]
-  std::optional<double> torque_change{};  ///< of C's [N m]
+  double bandwidth{}, speed_noise{};
+  std::optional<double> force_change{}, torque_change{};
 
   static constexpr auto fields() {
     using P = KalmanFilter;
-    return std::tuple{Member{"bandwidth", &P::bandwidth, positive},
-                      Member{"speed_noise", &P::speed_noise, not_negative},
-                      Member{"force_change", &P::force_change, not_negative},
-                      Member{"torque_change", &P::torque_change, not_negative}};
+    return std::tuple{
+        Member{"bandwidth", &P::bandwidth, "rad/s", "bandwidth from which absent changes follow, (D12)", positive},
+        Member{"speed_noise", &P::speed_noise, "rad/s", "standard deviation of a measured speed", not_negative},
+        Member{"force_change", &P::force_change, "N", "standard deviation of the contact force's change over 1 s",
+               not_negative},
+        Member{"torque_change", &P::torque_change, "N m", "standard deviation of the axle torque's change over 1 s",
+               not_negative}};
   }
 
   /// Rows W, w, T, C over the innovations of W and w.

@@ -14,13 +14,13 @@ namespace rollerrig {
 
 struct DisturbanceObserver {
   static constexpr char const* name = "observer";
-  double bandwidth{};      ///< w: natural frequency of the poles [rad/s]
-  double damping_ratio{};  ///< zeta
+  double bandwidth{}, damping_ratio{};
 
   static constexpr auto fields() {
     using P = DisturbanceObserver;
-    return std::tuple{Member{"bandwidth", &P::bandwidth, positive},
-                      Member{"damping_ratio", &P::damping_ratio, positive}};
+    return std::tuple{
+        Member{"bandwidth", &P::bandwidth, "rad/s", "natural frequency of the observer's poles, w", positive},
+        Member{"damping_ratio", &P::damping_ratio, "1", "damping ratio of the observer's poles, zeta", positive}};
   }
 
   struct State {

@@ -16,16 +16,15 @@ namespace rollerrig {
 
 struct ProportionalIntegral {
   static constexpr char const* name = "proportional_integral";
-  double bandwidth{};                    ///< of the loop [rad/s]
-  double damping_ratio{};                ///< of the loop
-  std::optional<double> proportional{};  ///< k_p in place of (D6) [N m s/rad]
-  std::optional<double> integral{};      ///< k_i in place of (D6) [N m/rad]
+  double bandwidth{}, damping_ratio{};
+  std::optional<double> proportional{}, integral{};
 
   static constexpr auto fields() {
     using P = ProportionalIntegral;
-    return std::tuple{Member{"bandwidth", &P::bandwidth, positive},
-                      Member{"damping_ratio", &P::damping_ratio, not_negative},
-                      Member{"proportional", &P::proportional}, Member{"integral", &P::integral}};
+    return std::tuple{Member{"bandwidth", &P::bandwidth, "rad/s", "bandwidth of the loop, w", positive},
+                      Member{"damping_ratio", &P::damping_ratio, "1", "damping ratio of the loop, zeta", not_negative},
+                      Member{"proportional", &P::proportional, "N m s/rad", "proportional gain k_p in place of (D6)"},
+                      Member{"integral", &P::integral, "N m/rad", "integral gain k_i in place of (D6)"}};
   }
 
   struct Gains {

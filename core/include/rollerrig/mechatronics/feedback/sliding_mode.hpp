@@ -9,12 +9,13 @@ namespace rollerrig {
 
 struct SlidingMode {
   static constexpr char const* name = "sliding_mode";
-  double switching{};       ///< largest torque of the feedback [N m]
-  double boundary_layer{};  ///< error at which it is reached [rad/s]
+  double switching{}, boundary_layer{};
 
   static constexpr auto fields() {
     using P = SlidingMode;
-    return std::tuple{Member{"switching", &P::switching}, Member{"boundary_layer", &P::boundary_layer, positive}};
+    return std::tuple{Member{"switching", &P::switching, "N m", "largest torque of the feedback"},
+                      Member{"boundary_layer", &P::boundary_layer, "rad/s",
+                             "speed error at which the largest torque is reached", positive}};
   }
 
   struct State {};

@@ -9,11 +9,12 @@ namespace rollerrig {
 
 struct SandFromDistance {
   static constexpr char const* name = "from_distance";
-  double begin{};  ///< distance of the train since the start [m]
-  double end{};    ///< [m]
+  double begin{}, end{};
 
   static constexpr auto fields() {
-    return std::tuple{Member{"begin", &SandFromDistance::begin}, Member{"end", &SandFromDistance::end}};
+    return std::tuple{
+        Member{"begin", &SandFromDistance::begin, "m", "begin of sanding, distance of the train since the start"},
+        Member{"end", &SandFromDistance::end, "m", "end of sanding"}};
   }
   bool wanted(SandingMoment const& now) const { return now.distance >= begin && now.distance < end; }
 };

@@ -9,11 +9,11 @@ namespace rollerrig {
 
 struct SandFromTime {
   static constexpr char const* name = "from_time";
-  double begin{};  ///< [s]
-  double end{};    ///< [s]
+  double begin{}, end{};
 
   static constexpr auto fields() {
-    return std::tuple{Member{"begin", &SandFromTime::begin}, Member{"end", &SandFromTime::end}};
+    return std::tuple{Member{"begin", &SandFromTime::begin, "s", "begin of sanding"},
+                      Member{"end", &SandFromTime::end, "s", "end of sanding"}};
   }
   bool wanted(SandingMoment const& now) const { return now.time >= begin && now.time < end; }
 };

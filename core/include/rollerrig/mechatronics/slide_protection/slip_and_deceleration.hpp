@@ -16,45 +16,38 @@ namespace rollerrig {
 struct SlipAndDeceleration {
   static constexpr char const* name = "slip_and_deceleration";
 
-  double wheel_radius{};            ///< assumed [m]
-  double reference_deceleration{};  ///< largest of the reference speed [m/s^2]
-  double filter_time{};             ///< of the axles' deceleration [s]
-  double vent_slip{};               ///< relative slip above which a cylinder is vented [-]
-  double vent_slip_speed{};         ///< and the least such slip as a speed [m/s]
-  double vent_deceleration{};       ///< an axle that slows faster, and slips at all, is vented [m/s^2]
-  double fill_slip{};               ///< relative slip below which a cylinder is filled again [-]
-  double fill_slip_speed{};         ///< and the least such slip as a speed [m/s]
-  double recovery_acceleration{};   ///< an axle that regains speed faster is not vented [m/s^2]
-  double pulse_time{};              ///< after a slide filling is stepwise: open for this long ... [s]
-  double pulse_pause{};             ///< ... closed for this long, as long as the axle slips [s]
-  double longest_vent{};            ///< after this the watchdog fills, whatever the criteria say [s]
-  double least_speed{};             ///< below it all valves fill [m/s]
-  double release_interval{};    ///< while all axles slide, one is released this often for the reference; 0: never [s]
-  double shortest_release{};    ///< the valve needs some time to open, the cylinder to empty [s]
-  double longest_release{};     ///< [s]
-  double least_deceleration{};  ///< of the reference between releases [m/s^2]
-  double regained_after{};      ///< without slip for this long, an axle counts as gripping again [s]
+  double wheel_radius{}, reference_deceleration{}, filter_time{}, vent_slip{}, vent_slip_speed{}, vent_deceleration{};
+  double fill_slip{}, fill_slip_speed{}, recovery_acceleration{}, pulse_time{}, pulse_pause{}, longest_vent{};
+  double least_speed{}, release_interval{}, shortest_release{}, longest_release{}, least_deceleration{};
+  double regained_after{};
 
   static constexpr auto fields() {
     using P = SlipAndDeceleration;
-    return std::tuple{Member{"wheel_radius", &P::wheel_radius, positive},
-                      Member{"reference_deceleration", &P::reference_deceleration},
-                      Member{"filter_time", &P::filter_time, not_negative},
-                      Member{"vent_slip", &P::vent_slip},
-                      Member{"vent_slip_speed", &P::vent_slip_speed},
-                      Member{"vent_deceleration", &P::vent_deceleration},
-                      Member{"fill_slip", &P::fill_slip},
-                      Member{"fill_slip_speed", &P::fill_slip_speed},
-                      Member{"recovery_acceleration", &P::recovery_acceleration},
-                      Member{"pulse_time", &P::pulse_time},
-                      Member{"pulse_pause", &P::pulse_pause},
-                      Member{"longest_vent", &P::longest_vent},
-                      Member{"least_speed", &P::least_speed},
-                      Member{"release_interval", &P::release_interval},
-                      Member{"shortest_release", &P::shortest_release},
-                      Member{"longest_release", &P::longest_release},
-                      Member{"least_deceleration", &P::least_deceleration},
-                      Member{"regained_after", &P::regained_after}};
+    return std::tuple{
+        Member{"wheel_radius", &P::wheel_radius, "m", "radius of the wheels as assumed", positive},
+        Member{"reference_deceleration", &P::reference_deceleration, "m/s^2",
+               "largest deceleration of the reference speed"},
+        Member{"filter_time", &P::filter_time, "s", "filter time of the axles' acceleration", not_negative},
+        Member{"vent_slip", &P::vent_slip, "1", "relative slip above which a cylinder is vented"},
+        Member{"vent_slip_speed", &P::vent_slip_speed, "m/s", "lower limit of that slip as a speed"},
+        Member{"vent_deceleration", &P::vent_deceleration, "m/s^2",
+               "deceleration above which a slipping axle is vented"},
+        Member{"fill_slip", &P::fill_slip, "1", "relative slip below which a cylinder is filled again"},
+        Member{"fill_slip_speed", &P::fill_slip_speed, "m/s", "lower limit of that slip as a speed"},
+        Member{"recovery_acceleration", &P::recovery_acceleration, "m/s^2",
+               "acceleration above which a sliding axle regains speed and is not vented"},
+        Member{"pulse_time", &P::pulse_time, "s", "duration for which the valve is open in stepwise filling"},
+        Member{"pulse_pause", &P::pulse_pause, "s", "duration for which the valve is closed in stepwise filling"},
+        Member{"longest_vent", &P::longest_vent, "s", "longest venting, after which the watchdog fills"},
+        Member{"least_speed", &P::least_speed, "m/s", "speed below which all valves fill"},
+        Member{"release_interval", &P::release_interval, "s",
+               "interval at which an axle is released for the reference speed while all slide; 0: never"},
+        Member{"shortest_release", &P::shortest_release, "s", "shortest duration of such a release"},
+        Member{"longest_release", &P::longest_release, "s", "longest duration of such a release"},
+        Member{"least_deceleration", &P::least_deceleration, "m/s^2",
+               "least deceleration of the reference speed between releases"},
+        Member{"regained_after", &P::regained_after, "s",
+               "duration without slip after which an axle counts as gripping again"}};
   }
 
   /// One sample: new valve states.

@@ -23,43 +23,41 @@ struct ThresholdTable {
   /// What an entry of the table says.
   enum class Entry : int { fill, hold, vent, vent_in_steps };
 
-  double wheel_radius{};                  ///< assumed [m]
-  double reference_deceleration{};        ///< largest of the reference speed [m/s^2]
-  double filter_time{};                   ///< of the axles' acceleration [s]
-  double least_slip_reference{};          ///< below this reference speed slip is over it, not over the reference [m/s]
-  std::vector<double> slip_thresholds{};  ///< between the rows, ascending [-]
-  std::vector<double> acceleration_thresholds{};  ///< between the columns, ascending [m/s^2]
-  std::vector<int> entries{};      ///< entries row by row: least slip first, strongest deceleration first
-  double recovery_acceleration{};  ///< a released axle that gains speed slower has come to train speed [m/s^2]
-  double pulse_time{};             ///< stepwise filling after a slide, and venting in steps: open for this long ... [s]
-  double pulse_pause{};            ///< ... closed for this long [s]
-  double longest_vent{};           ///< after this the watchdog fills, whatever the table says [s]
-  double least_speed{};            ///< below it all valves fill [m/s]
-  double release_interval{};    ///< while all axles slide, one is released this often for the reference; 0: never [s]
-  double shortest_release{};    ///< [s]
-  double longest_release{};     ///< [s]
-  double least_deceleration{};  ///< of the reference between releases [m/s^2]
-  double regained_after{};      ///< without slip for this long, an axle counts as gripping again [s]
+  double wheel_radius{}, reference_deceleration{}, filter_time{}, least_slip_reference{};
+  std::vector<double> slip_thresholds{}, acceleration_thresholds{};
+  std::vector<int> entries{};  ///< entries row by row: least slip first, strongest deceleration first
+  double recovery_acceleration{}, pulse_time{}, pulse_pause{}, longest_vent{}, least_speed{}, release_interval{};
+  double shortest_release{}, longest_release{}, least_deceleration{}, regained_after{};
 
   static constexpr auto fields() {
     using P = ThresholdTable;
-    return std::tuple{Member{"wheel_radius", &P::wheel_radius, positive},
-                      Member{"reference_deceleration", &P::reference_deceleration},
-                      Member{"filter_time", &P::filter_time, not_negative},
-                      Member{"least_slip_reference", &P::least_slip_reference, positive},
-                      Member{"slip_thresholds", &P::slip_thresholds, not_negative},
-                      Member{"acceleration_thresholds", &P::acceleration_thresholds},
-                      Member{"entries", &P::entries, Range{0.0, 3.0, "0 to 3"}},
-                      Member{"recovery_acceleration", &P::recovery_acceleration},
-                      Member{"pulse_time", &P::pulse_time},
-                      Member{"pulse_pause", &P::pulse_pause},
-                      Member{"longest_vent", &P::longest_vent},
-                      Member{"least_speed", &P::least_speed},
-                      Member{"release_interval", &P::release_interval},
-                      Member{"shortest_release", &P::shortest_release},
-                      Member{"longest_release", &P::longest_release},
-                      Member{"least_deceleration", &P::least_deceleration},
-                      Member{"regained_after", &P::regained_after}};
+    return std::tuple{
+        Member{"wheel_radius", &P::wheel_radius, "m", "radius of the wheels as assumed", positive},
+        Member{"reference_deceleration", &P::reference_deceleration, "m/s^2",
+               "largest deceleration of the reference speed"},
+        Member{"filter_time", &P::filter_time, "s", "filter time of the axles' acceleration", not_negative},
+        Member{"least_slip_reference", &P::least_slip_reference, "m/s",
+               "reference speed below which slip is over it, not over the reference", positive},
+        Member{"slip_thresholds", &P::slip_thresholds, "1", "relative slips between the rows, ascending", not_negative},
+        Member{"acceleration_thresholds", &P::acceleration_thresholds, "m/s^2",
+               "accelerations between the columns, ascending"},
+        Member{"entries", &P::entries, Range{0.0, 3.0, "0 to 3"}},
+        Member{"recovery_acceleration", &P::recovery_acceleration, "m/s^2",
+               "acceleration below which a released axle has come to train speed"},
+        Member{"pulse_time", &P::pulse_time, "s",
+               "duration for which the valve is open in stepwise filling or venting"},
+        Member{"pulse_pause", &P::pulse_pause, "s",
+               "duration for which the valve is closed in stepwise filling or venting"},
+        Member{"longest_vent", &P::longest_vent, "s", "longest venting, after which the watchdog fills"},
+        Member{"least_speed", &P::least_speed, "m/s", "speed below which all valves fill"},
+        Member{"release_interval", &P::release_interval, "s",
+               "interval at which an axle is released for the reference speed while all slide; 0: never"},
+        Member{"shortest_release", &P::shortest_release, "s", "shortest duration of such a release"},
+        Member{"longest_release", &P::longest_release, "s", "longest duration of such a release"},
+        Member{"least_deceleration", &P::least_deceleration, "m/s^2",
+               "least deceleration of the reference speed between releases"},
+        Member{"regained_after", &P::regained_after, "s",
+               "duration without slip after which an axle counts as gripping again"}};
   }
 
   /// One sample: new valve states.

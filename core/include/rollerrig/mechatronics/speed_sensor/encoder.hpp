@@ -20,14 +20,14 @@ inline constexpr Range window_range{0.0, longest_window, "0 to 16 samples"};
 struct Encoder {
   static constexpr char const* name = "encoder";
 
-  double counts{};  ///< per turn; 0: an ideal sensor
-  double jitter{};  ///< standard deviation of the edges' position [counts]
-  int window{};     ///< samples over which counts are differenced, 1..16
+  double counts{}, jitter{};
+  int window{};  ///< samples over which counts are differenced, 1..16
 
   static constexpr auto fields() {
-    return std::tuple{Member{"counts", &Encoder::counts, not_negative},
-                      Member{"jitter", &Encoder::jitter, not_negative},
-                      Member{"window", &Encoder::window, window_range}};
+    return std::tuple{
+        Member{"counts", &Encoder::counts, "1", "counts per turn; 0: an ideal sensor", not_negative},
+        Member{"jitter", &Encoder::jitter, "1", "standard deviation of the edges' position, in counts", not_negative},
+        Member{"window", &Encoder::window, window_range}};
   }
 
   struct State {

@@ -14,14 +14,15 @@ namespace rollerrig {
 struct PulseFrequency {
   static constexpr char const* name = "pulse_frequency";
 
-  double teeth{};
-  double pitch_error{};  ///< standard deviation of a tooth's place [pitches]
-  double gate_time{};    ///< edges are counted over at least this long [s]
+  double teeth{}, pitch_error{}, gate_time{};
 
   static constexpr auto fields() {
     using P = PulseFrequency;
-    return std::tuple{Member{"teeth", &P::teeth, positive}, Member{"pitch_error", &P::pitch_error, not_negative},
-                      Member{"gate_time", &P::gate_time, not_negative}};
+    return std::tuple{
+        Member{"teeth", &P::teeth, "1", "number of teeth", positive},
+        Member{"pitch_error", &P::pitch_error, "1", "standard deviation of a tooth's position, in pitches",
+               not_negative},
+        Member{"gate_time", &P::gate_time, "s", "least duration over which edges are counted", not_negative}};
   }
 
   struct State {

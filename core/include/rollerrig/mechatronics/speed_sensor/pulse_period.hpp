@@ -18,17 +18,18 @@ namespace rollerrig {
 struct PulsePeriod {
   static constexpr char const* name = "pulse_period";
 
-  double teeth{};
-  double pitch_error{};     ///< standard deviation of a tooth's place [pitches]
-  double averaging_time{};  ///< edges are timed over at least this long [s]; 0: from sample to sample
-  double timeout{};         ///< without an edge for so long the axle stands [s]
-  double clock{};           ///< that times the edges [Hz]; 0: exactly
+  double teeth{}, pitch_error{}, averaging_time{}, timeout{}, clock{};
 
   static constexpr auto fields() {
     using P = PulsePeriod;
-    return std::tuple{Member{"teeth", &P::teeth, positive}, Member{"pitch_error", &P::pitch_error, not_negative},
-                      Member{"averaging_time", &P::averaging_time, not_negative},
-                      Member{"timeout", &P::timeout, positive}, Member{"clock", &P::clock, not_negative}};
+    return std::tuple{
+        Member{"teeth", &P::teeth, "1", "number of teeth", positive},
+        Member{"pitch_error", &P::pitch_error, "1", "standard deviation of a tooth's position, in pitches",
+               not_negative},
+        Member{"averaging_time", &P::averaging_time, "s",
+               "least duration over which edges are timed; 0: from sample to sample", not_negative},
+        Member{"timeout", &P::timeout, "s", "duration without an edge after which the axle stands", positive},
+        Member{"clock", &P::clock, "Hz", "frequency of the clock that times the edges; 0: exact", not_negative}};
   }
 
   struct State {

@@ -14,13 +14,14 @@ namespace rollerrig {
 struct EddyCurrentTrackBrake {
   static constexpr char const* name = "eddy_current";
 
-  double largest_force{};   ///< F_k of all magnets together [N]
-  double critical_speed{};  ///< v_k at which it is reached [m/s]
+  double largest_force{}, critical_speed{};
 
   static constexpr auto fields() {
     using P = EddyCurrentTrackBrake;
-    return std::tuple{Member{"largest_force", &P::largest_force, not_negative},
-                      Member{"critical_speed", &P::critical_speed, positive}};
+    return std::tuple{Member{"largest_force", &P::largest_force, "N",
+                             "largest force of all magnets of a bogie together, F_k", not_negative},
+                      Member{"critical_speed", &P::critical_speed, "m/s",
+                             "speed at which the largest force is reached, v_k", positive}};
   }
 
   /// Against running [N], at a speed over the rail [m/s].

@@ -14,14 +14,17 @@ namespace rollerrig {
 struct MagneticTrackBrake {
   static constexpr char const* name = "magnetic";
 
-  double attraction{};            ///< N of all magnets together [N]
-  FrictionLaw friction{};         ///< mu of pole shoes on the rail, over speed
-  double regularisation_speed{};  ///< v_r: below it friction turns into viscous drag [m/s]
+  double attraction{};
+  FrictionLaw friction{};  ///< mu of pole shoes on the rail, over speed
+  double regularisation_speed{};
 
   static constexpr auto fields() {
     using P = MagneticTrackBrake;
-    return std::tuple{Member{"attraction", &P::attraction, not_negative}, Member{"friction", &P::friction},
-                      Member{"regularisation_speed", &P::regularisation_speed, positive}};
+    return std::tuple{
+        Member{"attraction", &P::attraction, "N", "attraction of all magnets of a bogie together, N", not_negative},
+        Member{"friction", &P::friction},
+        Member{"regularisation_speed", &P::regularisation_speed, "m/s",
+               "speed below which friction turns into viscous drag, v_r", positive}};
   }
 
   /// Against running [N], at a speed over the rail [m/s].

@@ -10,8 +10,10 @@ namespace rollerrig {
 
 struct LinearDamper {
   static constexpr char const* name = "damping";
-  double damping{0.0};  ///< [N s/m or N m s/rad]
-  static constexpr auto fields() { return std::tuple{Member{"damping", &LinearDamper::damping}}; }
+  double damping{0.0};
+  static constexpr auto fields() {
+    return std::tuple{Member{"damping", &LinearDamper::damping, "N s/m or N m s/rad", "damping"}};
+  }
 
   template <Scalar T>
   void operator()(DirectionState<T> const& at, DirectionForce<T>& on_b) const {
@@ -23,8 +25,10 @@ struct LinearDamper {
 
 struct TabulatedDamper {
   static constexpr char const* name = "damping_table";
-  PiecewiseLinear damping_table{};  ///< force over rate
-  static constexpr auto fields() { return std::tuple{Member{"damping_table", &TabulatedDamper::damping_table}}; }
+  PiecewiseLinear damping_table{};
+  static constexpr auto fields() {
+    return std::tuple{Member{"damping_table", &TabulatedDamper::damping_table, "N or N m", "force over rate"}};
+  }
 
   template <Scalar T>
   void operator()(DirectionState<T> const& at, DirectionForce<T>& on_b) const {

@@ -50,12 +50,13 @@ inline double potential(ForceLaw const& law, double d, double s) {
 
 /// Force over deflection and rate in one direction.
 struct DirectionLaw {
-  double preload{0.0};           ///< force on b along +axis at zero deflection [N or N m]
+  double preload{0.0};
   std::vector<ForceLaw> laws{};  ///< in parallel
 
   static constexpr auto fields() {
     using P = DirectionLaw;
-    return std::tuple{Member{"preload", &P::preload}, Member{"laws", &P::laws}};
+    return std::tuple{Member{"preload", &P::preload, "N or N m", "force on b along +axis at zero deflection"},
+                      Member{"laws", &P::laws}};
   }
 
   bool active() const { return preload != 0.0 || !laws.empty(); }

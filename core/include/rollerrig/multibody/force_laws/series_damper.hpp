@@ -11,11 +11,11 @@ namespace rollerrig {
 
 struct SeriesDamper {
   static constexpr char const* name = "damper";
-  double damping{0.0};           ///< c [N s/m or N m s/rad]
-  double series_stiffness{0.0};  ///< k_s [N/m or N m/rad]
+  double damping{0.0}, series_stiffness{0.0};
   static constexpr auto fields() {
-    return std::tuple{Member{"damping", &SeriesDamper::damping},
-                      Member{"series_stiffness", &SeriesDamper::series_stiffness}};
+    return std::tuple{Member{"damping", &SeriesDamper::damping, "N s/m or N m s/rad", "damping, c"},
+                      Member{"series_stiffness", &SeriesDamper::series_stiffness, "N/m or N m/rad",
+                             "stiffness of the series spring, k_s"}};
   }
 
   InnerNode node() const { return {damping, series_stiffness}; }

@@ -10,8 +10,10 @@ namespace rollerrig {
 
 struct LinearSpring {
   static constexpr char const* name = "stiffness";
-  double stiffness{0.0};  ///< [N/m or N m/rad]
-  static constexpr auto fields() { return std::tuple{Member{"stiffness", &LinearSpring::stiffness}}; }
+  double stiffness{0.0};
+  static constexpr auto fields() {
+    return std::tuple{Member{"stiffness", &LinearSpring::stiffness, "N/m or N m/rad", "stiffness"}};
+  }
 
   template <Scalar T>
   void operator()(DirectionState<T> const& at, DirectionForce<T>& on_b) const {
@@ -23,8 +25,10 @@ struct LinearSpring {
 /// A nonlinear spring or a bumpstop.
 struct TabulatedSpring {
   static constexpr char const* name = "table";
-  PiecewiseLinear table{};  ///< force over deflection
-  static constexpr auto fields() { return std::tuple{Member{"table", &TabulatedSpring::table}}; }
+  PiecewiseLinear table{};
+  static constexpr auto fields() {
+    return std::tuple{Member{"table", &TabulatedSpring::table, "N or N m", "force over deflection"}};
+  }
 
   template <Scalar T>
   void operator()(DirectionState<T> const& at, DirectionForce<T>& on_b) const {

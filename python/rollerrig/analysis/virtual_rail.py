@@ -1,0 +1,119 @@
+"""The rail that a rig reproduces: its creep curve and the peak of it, from the core's laws.
+
+Case, ellipse of a wheel, adhesion of the rail -> [creep_curve] -> friction and force over slip -> [creep_peak, slipperiest_peak]
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rollerrig import _core
+from rollerrig.assembly.laws import core_law
+from rollerrig.assembly.model import AssembledModel
+from rollerrig.config import Case, Condition
+from rollerrig.config.schema.contact import ConstantFriction
+from rollerrig.simulation.virtual_train import rail_patch
+
+Array = NDArray[np.float64]
+
+SLIDES = (1.2, 0.005)
+"""A wheel slides on the virtual rail beyond so many times the slip at which the adhesion is used up, plus so much [-]."""
+
+FULL_SLIDING = 0.98
+"""Share of the friction limit from which a contact counts as sliding [-]."""
+
+_SLIPS = np.geomspace(1e-4, 0.5, 160)
+
+
+@dataclass(frozen=True)
+class Patch:
+    """One ellipse that stands for all patches of a wheel on the rail: semi-axes [m] and load [N]."""
+
+    a: float
+    b: float
+    load: float
+
+
+def patch_of(model: AssembledModel) -> Patch:
+    """The patch of the virtual train's wheels.
+
+    Raises:
+        StartError: the vehicle has no equilibrium on track.
+    """
+    found = rail_patch(model)
+    return Patch(found.a, found.b, found.load)
+
+
+def rail_shape(case: Case) -> Condition:
+    """The condition of the virtual rail; clean without [adhesion]."""
+    clean = Condition(friction=ConstantFriction(kind="constant", mu_0=1.0))
+    return clean if case.adhesion is None else case.adhesion.rail
+
+
+def creep_curve(case: Case, patch: Patch, adhesion: float, slip: Array) -> tuple[Array, Array]:
+    """Friction (A1) and longitudinal force over load of a wheel on the virtual rail, both [-], as the core computes them.
+
+    Args:
+        case: whose rail, creep law and speed it is.
+        patch: of a wheel.
+        adhesion: at no slip [-].
+        slip: over the train's speed [-].
+    """
+    rail, contact, slip = rail_shape(case), case.contact, np.asarray(slip, dtype=np.float64)
+    friction = _core.friction_at(
+        core_law(rail.friction.model_copy(update={"mu_0": adhesion})), slip * case.motion.speed
+    )
+    law, reduction = core_law(contact.creep), (rail.k_A, rail.k_S)
+    shear, poisson = contact.material.shear_modulus, contact.material.poisson_ratio
+    ellipse = (patch.a, patch.b, patch.load)
+    rows = [
+        _core.creep_forces(np.array([[-s, 0.0, 0.0]]), *ellipse, max(m, 1e-6), shear, poisson, law, reduction=reduction)
+        for s, m in zip(slip, friction, strict=True)
+    ]
+    return friction, np.array([float(row[0, 0]) for row in rows]) / patch.load
+
+
+def creep_peak(case: Case, patch: Patch, adhesion: float) -> tuple[float, float]:
+    """Slip at which FULL_SLIDING of the adhesion is used, and the largest force over load of the virtual rail [-]."""
+    forces = creep_curve(case, patch, adhesion, _SLIPS)[1]
+    largest = float(forces.max())
+    return float(_SLIPS[np.flatnonzero(forces >= FULL_SLIDING * largest)[0]]), largest
+
+
+def slipperiest_peak(case: Case, patch: Patch, speed: float) -> tuple[float, float]:
+    """Peak of the creep curve of the most slippery rail of a test: slip and force over load there [-].
+
+    Args:
+        case: whose [adhesion] may have several rails along the way.
+        patch: of a wheel.
+        speed: of the train [m/s].
+    """
+    motion = case.motion.model_copy(update={"speed": speed})
+    rails = (
+        {}
+        if case.adhesion is None
+        else {str(r): r for r in (case.adhesion.rail, *(p.rail for p in case.adhesion.piece))}
+    )
+    own = [case.model_copy(update={"motion": motion, "adhesion": case.adhesion.model_copy(update={"rail": rail})})
+           for rail in rails.values() if case.adhesion is not None]  # fmt: skip
+    if not own:
+        return math.inf, math.nan
+    peaks = []
+    for one in own:
+        at = _SLIPS
+        for _ in range(2):
+            forces = creep_curve(one, patch, rail_shape(one).friction.mu_0, at)[1]
+            k = int(np.argmax(forces))
+            peak = float(at[k]), float(forces[k])
+            at = np.linspace(at[max(k - 1, 0)], at[min(k + 1, at.size - 1)], 41)
+        peaks.append(peak)
+    return min(peaks, key=lambda peak: peak[1])
+
+
+def grip_slip(case: Case, patch: Patch, adhesion: float) -> float:
+    """Slip of a virtual wheel up to which it grips [-]: somewhat beyond that at which the adhesion is used up."""
+    return SLIDES[0] * creep_peak(case, patch, adhesion)[0] + SLIDES[1]

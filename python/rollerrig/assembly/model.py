@@ -1,0 +1,469 @@
+"""A checked case becomes the compiled model: the only caller of the core's ModelBuilder.
+
+    Case -> [assemble] -> AssembledModel -> run, analysis
+            [Assembly] -> rollerrig.assembly.actuators /
+
+No physics here: positions are added up, names become indices, profiles become spline tables.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+from rollerrig import _core
+from rollerrig.assembly.laws import Support, contact_laws, direction_law
+from rollerrig.assembly.model_parts import AxleActuators, WheelInfo, static_loads
+from rollerrig.config import Case, Foundation, Restraint, Rig, Track, Vehicle
+from rollerrig.config.schema.support import NOWHERE, RAIL_CURVES, RailHeads, rail_heads, rail_layout
+from rollerrig.config.schema.track import rails_of_run
+from rollerrig.config.schema.vehicle import DIRECTIONS, Body, Element
+from rollerrig.config.validate.check_track import distance_run, foremost_wheelset
+from rollerrig.irregularity import RAILS, RailIrregularity
+from rollerrig.profiles import ProfileTable, gauge_point, profile_from_spec
+from rollerrig.track import Line
+
+GROUND = -1
+Rows = Sequence[tuple[float, float]]
+Point = tuple[float, float, float]
+
+
+@dataclass(frozen=True)
+class AssembledModel:
+    """A compiled model and the names of its parts, in the order of the core's indices."""
+
+    case: Case
+    core: _core.Model
+    start_core: _core.Model
+    """The model whose equilibrium a run starts from: `core` itself but for a train, which starts on level track, coasting."""
+    bodies: tuple[str, ...]
+    elements: tuple[str, ...]
+    wheels: tuple[WheelInfo, ...]
+    wheelsets: tuple[str, ...]
+    rollers: tuple[str, ...]
+    rails: tuple[str, ...]
+    """Pieces of rail on an elastic foundation, and of sleepers; none where the rails are rigid."""
+    fixed: tuple[str, ...]
+    masses: dict[str, float]
+    inertias: dict[str, tuple[float, float, float]]
+    """Principal moments of inertia of each body [kg m^2]."""
+    positions: dict[str, tuple[float, float, float]]
+    axle_loads: dict[str, float]
+    """Static load of each axle: its own weight and what its springs carry in the design position [N]."""
+    preloads: dict[str, float]
+    """Vertical preload of each element that carries load, force on its second body [N]."""
+    wheel_profile: ProfileTable
+    rail_profile: ProfileTable
+    right_rail_profile: ProfileTable
+    rail_origin_y: float
+    """Lateral position of the highest point of the left rail or roller [m]."""
+    right_rail_origin_y: float
+    """The same of the right one, to the right [m]."""
+    line: Line | None
+    """Curvature and cant of the track; None where it is straight, and on a rig."""
+    irregularity: RailIrregularity | None
+    """Displacements of the rails, or of the rollers that stand for them; None where there are none."""
+    breakpoints: tuple[float, ...]
+    """Times at which an input has a corner [s]."""
+    axles: tuple[AxleActuators, ...]
+    """Actuators of each axle; empty where the model was assembled without."""
+    adhesion: _core.AdhesionMap | None
+    """Adhesion of the case's rails; None without [adhesion], and where the model was assembled without actuators."""
+    bogies: int
+    """That carry the magnets of a track brake, where the case has one."""
+
+    def body_index(self, name: str) -> int:
+        """Index of a body in the core.
+
+        Raises:
+            KeyError: no such body.
+        """
+        try:
+            return self.bodies.index(name)
+        except ValueError:
+            raise KeyError(f"no body named {name!r}; there are {', '.join(self.bodies)}") from None
+
+    @property
+    def axle_names(self) -> tuple[str, ...]:
+        """Axles of the train: wheelsets of the model, then `axle_N` for each simulated one, N its number along the train."""
+        table = self.case.train.axles
+        return (*self.wheelsets, *(f"axle_{k}" for k in table.simulated)) if table else self.wheelsets
+
+    @property
+    def lateral_bodies(self) -> tuple[str, ...]:
+        """Vehicle bodies that can move sideways: frames, wheelsets, car body where free."""
+        return tuple(b for b in self.vehicle_bodies if b not in self.fixed)
+
+    @property
+    def vehicle_bodies(self) -> tuple[str, ...]:
+        """Bodies of the vehicle, held ones included; no rollers, no rails."""
+        return tuple(b for b in self.bodies if b not in self.rollers and b not in self.rails)
+
+
+def assemble(case: Case) -> AssembledModel:
+    """Build the compiled model of a case, without its actuators (see `rollerrig.assembly.actuators`).
+
+    Args:
+        case: a checked case.
+
+    Returns:
+        The model; constant, it may be shared by any number of simulations.
+
+    Example:
+        >>> import rollerrig as rr
+        >>> rr.assemble(rr.load_case("wheelset_rollers")).bodies[1]
+        'wheelset_1'
+    """
+    return Assembly(case).finish()
+
+
+class Assembly:
+    """A model in the making: the plant of a case in `builder`, to which more may be added before `finish`."""
+
+    def __init__(self, case: Case) -> None:
+        self.case = case
+        self.vehicle: Vehicle = case.vehicle.data
+        self.cut = case.vehicle.part
+        self.support = case.support.data
+        self.builder = _core.ModelBuilder(gravity=case.gravity)
+        self.bodies: list[str] = []
+        self.elements: list[str] = []
+        self.rollers: list[str] = []
+        self.rails: list[str] = []
+        self.wheels: list[WheelInfo] = []
+        self.positions: dict[str, tuple[float, float, float]] = {}
+        self.masses: dict[str, float] = {}
+        self.inertias: dict[str, tuple[float, float, float]] = {}
+        self.profile_index: dict[ProfileTable, int] = {}
+        self.roller_of: dict[tuple[str, str], int] = {}
+        self.preloads, self.axle_loads = static_loads(self.vehicle, case.gravity)
+        self._add_plant()
+
+    def index(self, name: str) -> int:
+        """Index of a body in the core."""
+        return self.bodies.index(name)
+
+    @property
+    def vehicle_bodies(self) -> list[str]:
+        """Bodies of the vehicle, fixed ones included; no rollers, no rails."""
+        return [b for b in self.bodies if b not in self.rollers and b not in self.rails]
+
+    def frame_of(self, wheelset: str) -> int:
+        """The body that carries callipers and motor of a wheelset: what its springs stand under; or GROUND."""
+        for element in self.vehicle.element:
+            if element.carries_load and wheelset in element.between:
+                other = element.between[0] if element.between[1] == wheelset else element.between[1]
+                return self.index(other) if other in self.bodies else GROUND
+        return GROUND
+
+    def finish(
+        self,
+        *,
+        axles: tuple[AxleActuators, ...] = (),
+        adhesion: _core.AdhesionMap | None = None,
+        bogies: int = 0,
+    ) -> AssembledModel:
+        """The model with what has been added so far."""
+        core = self.builder.finish()
+        return AssembledModel(
+            case=self.case,
+            core=core,
+            start_core=_core.coasting_model(core),
+            bodies=tuple(self.bodies),
+            elements=tuple(self.elements),
+            wheels=tuple(self.wheels),
+            wheelsets=tuple(self.wheelsets),
+            rollers=tuple(self.rollers),
+            rails=tuple(self.rails),
+            fixed=tuple(self.cut.fixed),
+            masses=self.masses,
+            inertias=self.inertias,
+            positions=self.positions,
+            axle_loads={name: self.axle_loads[name] for name in self.wheelsets},
+            preloads={name: self.preloads[name] for name in self.elements if name in self.preloads},
+            wheel_profile=self.wheel_profile,
+            rail_profile=self.rail_profiles["left"],
+            right_rail_profile=self.rail_profiles["right"],
+            rail_origin_y=self.rail_origins["left"],
+            right_rail_origin_y=self.rail_origins["right"],
+            line=self.line,
+            irregularity=self.irregularity,
+            breakpoints=self.breakpoints,
+            axles=axles,
+            adhesion=adhesion,
+            bogies=bogies,
+        )
+
+    def _add_plant(self) -> None:
+        preloads, axle_loads = self.preloads, self.axle_loads
+        kept = {*self.cut.bodies, *self.cut.fixed}
+        for body in self.vehicle.body:
+            if body.name in kept:
+                self._add_vehicle_body(body)
+        wheelsets = [b for b in self.vehicle.bodies_in(self.cut) if b.kind == "wheelset"]
+        self.wheel_profile = profile_from_spec(self.vehicle.wheel.profile.arguments(), "wheel")
+        self.rail_heads = rail_heads(self.support)
+        left, other = profile_from_spec(self.support.profile.arguments(), "rail"), self.support.right_profile
+        right = left if other is None else profile_from_spec(other.arguments(), "rail")
+        self.rail_profiles: dict[Literal["left", "right"], ProfileTable] = {"left": left, "right": right}
+        # Distance of a rail's highest point from the middle: the gauge is taken `gauge_depth` below it.
+        self.rail_origins = {
+            side: self.support.gauge / 2 + abs(gauge_point(profile, self.support.gauge_depth))
+            for side, profile in self.rail_profiles.items()
+        }
+        for element in self.vehicle.elements_in(self.cut):
+            self._add_element(element, preloads.get(element.name, 0.0))
+        if isinstance(self.support, Rig):
+            for place, body in enumerate(wheelsets):
+                self._add_rollers(body, self.support, axle_loads[body.name], place)
+            if self.support.restraint is not None:
+                self._restrain(self.support.restraint)
+        elif self.support.foundation is not None:
+            for body in wheelsets:
+                self._add_rails(body, self.support.foundation, axle_loads[body.name])
+        self.wheelsets = [body.name for body in wheelsets]
+        self.line, self.irregularity = self._add_track_geometry()
+        self._add_contacts(wheelsets)
+        self._add_heads()
+        self.breakpoints = self._add_motion()
+
+    def _add_vehicle_body(self, body: Body) -> None:
+        x, y, z = body.position
+        position = (x - self.cut.origin_x, y, z)
+        held = body.name in self.cut.fixed
+        locked = [held or direction in body.locked for direction in DIRECTIONS]
+        locked[0] = locked[0] or body.name == self._hauled()
+        self._add_body(body.name, body.mass, body.inertia, position, locked, axisymmetric=body.kind == "wheelset")
+
+    def _hauled(self) -> str | None:
+        """The body that a line with curves takes along at the running speed: the heaviest, where no body is held.
+
+        Curving slows a free vehicle down; it would fall behind its own track frame, whose x axis is straight.
+        """
+        if not isinstance(self.support, Track) or not self.support.segment or self.cut.fixed:
+            return None
+        return max(self.vehicle.bodies_in(self.cut), key=lambda body: body.mass).name
+
+    def _add_body(
+        self,
+        name: str,
+        mass: float,
+        inertia: tuple[float, float, float],
+        position: tuple[float, float, float],
+        locked: list[bool],
+        *,
+        axisymmetric: bool = False,
+        speed_controlled_radius: float = 0.0,
+        in_moving_frame: bool = True,
+    ) -> int:
+        self.bodies.append(name)
+        self.positions[name] = position
+        self.masses[name] = mass
+        self.inertias[name] = inertia
+        body = _core.Body(
+            mass=mass,
+            inertia=inertia,
+            position=position,
+            axisymmetric=axisymmetric,
+            locked=locked,
+            speed_controlled_radius=speed_controlled_radius,
+            in_moving_frame=in_moving_frame,
+        )
+        return self.builder.add_body(body)
+
+    def _add_element(self, element: Element, preload: float) -> None:
+        a, b = (self.bodies.index(name) for name in element.between)
+        x, y, z = element.end_b
+        bx, by, bz = self.positions[element.between[1]]
+        self.elements.append(element.name)
+        laws = element.laws
+        self.builder.add_element(
+            _core.ForceElement(
+                body_a=a,
+                body_b=b,
+                point_on_b=(x - self.cut.origin_x - bx, y - by, z - bz),
+                law=[
+                    direction_law(laws.get(direction), preload if direction == "z" else 0.0) for direction in DIRECTIONS
+                ],
+                clamped=element.clamped,
+            )
+        )
+
+    def _add_rollers(self, wheelset: Body, rig: Rig, axle_load: float, place: int) -> None:
+        """The rollers under a wheelset, which is the `place`-th from the front."""
+        x = wheelset.position[0] - self.cut.origin_x
+        mounting = rig.mounting
+        free = {"pitch", *(mounting.laws if mounting else ())}
+        locked = [direction not in free for direction in DIRECTIONS]
+        controlled = rig.roller_radius if self.case.motion.drive == "speed_controlled" else 0.0
+        number = wheelset.name.removeprefix("wheelset_")
+        sides = ("",) if rig.coupling == "axle" else ("_left", "_right")
+        share = 1.0 / len(sides)
+        for side in sides:
+            y = {"": 0.0, "_left": self.rail_origins["left"], "_right": -self.rail_origins["right"]}[side]
+            name = f"roller_{number}{side}"
+            ixx, iyy, izz = rig.roller_inertia
+            mass, inertia = share * rig.roller_mass, (share * ixx, share * iyy, share * izz)
+            position = (x, y, -rig.roller_radius)
+            index = self._add_body(
+                name, mass, inertia, position, locked, axisymmetric=True, speed_controlled_radius=controlled
+            )
+            self.rollers.append(name)
+            for wheel_side in ("left", "right") if side == "" else (side[1:],):
+                self.roller_of[(wheelset.name, wheel_side)] = index
+            if mounting is not None:
+                askew = dict(enumerate(mounting.misalignment)).get(place, 0.0)
+                self._mount(
+                    name, index, mounting.laws, share * (axle_load + rig.roller_mass * self.case.gravity), askew
+                )
+
+    def _add_rails(self, wheelset: Body, foundation: Foundation, axle_load: float) -> None:
+        """Under each wheel a piece of rail on its foot; under that, where asked for, half a sleeper at the same place."""
+        x, mass, sleeper = wheelset.position[0] - self.cut.origin_x, foundation.rail_mass, foundation.sleeper
+        number = wheelset.name.removeprefix("wheelset_")
+        foot = (0.0, 0.0, -foundation.centre_height)
+        for side, y in (("left", self.rail_origins["left"]), ("right", -self.rail_origins["right"])):
+            load, under = 0.5 * axle_load + mass * self.case.gravity, GROUND
+            place = (x, y, -foundation.rail_height)
+            if sleeper is not None:
+                under = self._add_piece(f"sleeper_{number}_{side}", sleeper.mass, sleeper.mass, place, sleeper.laws)
+                self._mount(self.bodies[under], under, sleeper.laws, load + sleeper.mass * self.case.gravity)
+            place = (*place[:2], foundation.centre_height - foundation.rail_height)
+            index = self._add_piece(f"rail_{number}_{side}", mass, foundation.roll_inertia, place, foundation.laws)
+            self.roller_of[(wheelset.name, side)] = index
+            self._mount(self.bodies[index], index, foundation.laws, load, point=foot, under=under)
+
+    def _add_piece(self, name: str, mass: float, inertia: float, place: Point, free: Mapping[str, Support]) -> int:
+        """A piece of track that moves in the directions in which it has supports."""
+        self.rails.append(name)
+        locked = [direction not in free for direction in DIRECTIONS]
+        return self._add_body(name, mass, (inertia, inertia, inertia), place, locked, in_moving_frame=False)
+
+    def _mount(
+        self,
+        name: str,
+        body: int,
+        laws: Mapping[str, Support],
+        load: float,
+        askew: float = 0.0,
+        point: Point = (0.0, 0.0, 0.0),
+        under: int = GROUND,
+    ) -> None:
+        """Springs and dampers under a roller, whose rest is turned about z [rad], or a point of a piece of track."""
+        loads = {"z": load} if "z" in laws else {}
+        if askew and (yaw := laws.get("yaw")):
+            loads["yaw"] = yaw.stiffness * askew
+        self._add_support(f"mounting_{name}", body, laws, loads, point, under)
+
+    def _add_support(
+        self,
+        name: str,
+        body: int,
+        given: Mapping[str, Support],
+        loads: Mapping[str, float],
+        point: Point,
+        under: int = GROUND,
+    ) -> None:
+        """An element between the ground, or what else is under it, and a point of a body."""
+        laws = [direction_law(given.get(c), loads.get(c, 0.0)) for c in DIRECTIONS]
+        self.elements.append(name)
+        self.builder.add_element(
+            _core.ForceElement(body_a=under, body_b=body, point_on_b=point, law=laws, clamped=False)
+        )
+
+    def _restrain(self, restraint: Restraint) -> None:
+        """The coupler rod that holds the vehicle along the track."""
+        heaviest = self.vehicle.heaviest_in(self.cut)
+        name = restraint.body or (heaviest.name if heaviest else "")
+        point = (0.0, 0.0, restraint.height - self.positions[name][2])
+        self._add_support("restraint", self.index(name), {"x": restraint}, {}, point)
+
+    def _add_contacts(self, wheelsets: list[Body]) -> None:
+        changing = {side: heads.tables[0] for side, heads in self.rail_heads.items()}
+        laws = contact_laws(self.case.contact)
+        for body in wheelsets:
+            for side, rail in self.rail_profiles.items():
+                contact = _core.ContactDescription(
+                    wheelset=self.index(body.name),
+                    roller=self.roller_of.get((body.name, side), GROUND),
+                    roller_radius=self.support.roller_radius if isinstance(self.support, Rig) else 0.0,
+                    right=side == "right",
+                    wheel_profile=self._profile(self.wheel_profile),
+                    rail_profile=self._profile(changing.get(side, rail)),
+                    wheel_radius=self.vehicle.wheel.radius,
+                    tape_circle_y=self.vehicle.wheel.back_to_back / 2 + self.vehicle.wheel.tape_circle,
+                    rail_origin_y=self.rail_origins[side],
+                    size=self.vehicle.wheel.profile.length_scale,
+                    laws=laws,
+                )
+                index = self.builder.add_contact(contact)
+                self.wheels.append(WheelInfo(f"{body.name}_{side}", body.name, side, index))
+
+    def _add_heads(self) -> None:
+        """Heads that change along the rails or round the rollers."""
+        if not self.rail_heads:
+            return
+        none = RailHeads((), NOWHERE)
+        left, right = (self.rail_heads.get(side, none) for side in self.rail_profiles)
+        self.builder.set_heads(
+            [self._profile(table) for table in left.tables],
+            left.place.rows,
+            [self._profile(table) for table in right.tables],
+            right.place.rows,
+            max(left.period, right.period),
+        )
+
+    def _profile(self, table: ProfileTable) -> int:
+        """Index of a profile in the core, which gets it once."""
+        if table not in self.profile_index:
+            self.profile_index[table] = self.builder.add_profile(table.start, table.step, table.coefficients)
+        return self.profile_index[table]
+
+    def _add_track_geometry(self) -> tuple[Line | None, RailIrregularity | None]:
+        """Where the track leads, and where its rails lie."""
+        line = self.support.line if isinstance(self.support, Track) else None
+        if line is not None:
+            self.builder.set_line(line.curvature.rows, line.cant.rows, line.cant_base)
+        rails_laid = rail_layout(self.support) if isinstance(self.support, Track) else None
+        if rails_laid is not None:
+            self.builder.set_rails(*(rails_laid[name].rows for name in RAIL_CURVES))
+        chosen = self.support.irregularity
+        if chosen is None:
+            return line, None
+        distance = distance_run(self.case.motion, self.case.time.duration)
+        rails = rails_of_run(chosen, foremost_wheelset(self.case), distance)
+        left_y, left_z, right_y, right_z = (rails.coefficients[rail] for rail in RAILS)
+        steered = not isinstance(self.support, Rig) or self.support.steered
+        self.builder.set_irregularity(
+            rails.period, rails.step, left_y, left_z, right_y, right_z, rails.fade_in, steered
+        )
+        return line, rails
+
+    def _add_motion(self) -> tuple[float, ...]:
+        motion = self.case.motion
+        speed = [(0.0, motion.speed)] if motion.speed_table is None else list(motion.speed_table)
+        self.builder.set_speed(speed)
+        corners = [time for time, _ in speed]
+        if motion.torque_table is not None:
+            corners += [time for time, _ in motion.torque_table]
+            axle_share = 0.5 if isinstance(self.support, Rig) and self.support.coupling == "independent" else 1.0
+            rows = [(time, axle_share * torque) for time, torque in motion.torque_table]
+            for name in self.rollers:
+                self.builder.add_roller_torque(
+                    _core.RollerTorque(roller=self.index(name), torque=rows, gear_ratio=1.0, rotor_inertia=0.0)
+                )
+        for torque in self.case.axle_torque:
+            rows = [(0.0, torque.constant)] if torque.constant is not None else list(torque.table or ())
+            corners += [time for time, _ in rows]
+            reaction = GROUND if torque.reacts_on == "none" else self.index(torque.reacts_on)
+            self.builder.add_axle_torque(axle_torque(self.index(torque.wheelset), reaction, rows))
+        duration = self.case.time.duration
+        return tuple(sorted({time for time in corners if 0.0 < time < duration}))
+
+
+def axle_torque(wheelset: int, reaction: int, table: Rows) -> _core.AxleTorque:
+    """A torque about an axle over time [N m], of no motor; its opposite acts on the body `reaction`, or on nothing."""
+    return _core.AxleTorque(
+        wheelset=wheelset, reaction=reaction, torque=table, link=0.0, gear_ratio=1.0, rotor_inertia=0.0
+    )

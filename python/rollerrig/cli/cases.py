@@ -1,0 +1,199 @@
+"""Commands about cases and other files: new, explain, schema, check, catalog, show, profile, cite."""
+
+from __future__ import annotations
+
+import json
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Annotated, Literal
+
+import typer
+
+from rollerrig.cli.command import AllowCode, CaseName, Changes, Force, code_lines, picture_kind, read_case
+from rollerrig.cli.termination import readable_errors, say, stop
+
+
+def new(
+    name: Annotated[str, typer.Argument(metavar="NAME", help="Name of the new case; the file is NAME.toml.")],
+    source: Annotated[
+        str, typer.Option("--from", metavar="CASE", help="Case to start from: a name of the catalogue or a TOML file.")
+    ] = "bogie_rollers_constant",
+    out: Annotated[Path, typer.Option(help="Folder for the file; made if it does not exist.")] = Path(),
+    force: Force = False,
+) -> None:
+    """Write a case to begin with, which runs as it stands: its keys explained, the defaults beside them as comments."""
+    from rollerrig.catalog.starting_case import starting_case
+    from rollerrig.results import OutputError, output_folder, write_text
+
+    target = Path(f"{name.removesuffix('.toml')}.toml")
+    if out.suffix == ".toml":
+        raise OutputError(out, f"--out is the folder; the file in it is {target}")
+    text = starting_case(target.stem, source)
+    if (out / target).exists() and not force:
+        raise OutputError(out / target, "there is a case of that name; choose another name, or replace it with --force")
+    target = output_folder(out) / target
+    typer.echo(write_text(target, text, force=force))
+    say(f"It runs as it stands: rollerrig run {target} --out {target.stem}-run")
+
+
+def explain(
+    key: Annotated[
+        str,
+        typer.Argument(metavar="KEY", help="Dotted key like motion.speed, its last part alone, or a word to look for."),
+    ],
+) -> None:
+    """What a key of a file means: its unit, default, what is allowed, where it stands, which shipped files have it."""
+    from rollerrig.config import explain
+
+    try:
+        typer.echo(explain(key))
+    except KeyError as error:
+        stop(error.args[0])
+
+
+def schema(
+    kind: Annotated[
+        Literal["case", "vehicle", "support", "material", "profile", "programme", "plan"],
+        typer.Argument(help="Kind of file.", metavar="KIND"),
+    ] = "case",
+) -> None:
+    """Print the JSON Schema of a kind of file (case, vehicle, support, material, profile, programme, plan), for editors."""
+    from rollerrig.config import json_schema
+
+    typer.echo(json.dumps(json_schema(kind), indent=1, ensure_ascii=False))
+
+
+def check(
+    file: Annotated[str, typer.Argument(help="A TOML file, or a name of the catalogue.")],
+    allow_code: Annotated[
+        bool,
+        typer.Option(
+            "--allow-code", help="Also run the controllers that a case brings, wherever they lie, to check them."
+        ),
+    ] = False,
+) -> None:
+    """Validate a file; of a case, print the assembled model, its static wheel loads and masses."""
+    from rollerrig.cli.describe import describe_case, describe_part
+    from rollerrig.config import Case, Plan, code_of, load_any, load_plan
+
+    kind, part = load_any(file, allow_code=allow_code)
+    if isinstance(part, Plan):
+        from rollerrig.study.sweep import SweepStudy
+
+        whole = load_plan(file, allow_code=allow_code)
+        lines = [*code_lines(whole.code), *SweepStudy(whole, many=True).described()]
+    elif isinstance(part, Case):
+        lines = [*code_lines(code_of(part)), *describe_case(part, run_code=allow_code)]
+    else:
+        lines = describe_part(part)
+    typer.echo(f"{file}: a valid {kind}\n")
+    typer.echo("\n".join(lines))
+
+
+catalog = typer.Typer(rich_markup_mode=None, invoke_without_command=True, add_completion=False)
+
+
+@catalog.callback()
+def list_catalog(context: typer.Context) -> None:
+    """What ships: vehicles, supports, cases, plans."""
+    if context.invoked_subcommand is not None:
+        return
+    from rollerrig.catalog import catalog_entries
+
+    entries = catalog_entries()
+    width = max(len(name) for _, name, _ in entries)
+    heading = ""
+    for kind, name, description in entries:
+        if kind != heading:
+            typer.echo(f"{'' if not heading else chr(10)}{kind}s")
+            heading = kind
+        typer.echo(f"  {name:{width}}  {description}")
+
+
+@catalog.command("show")
+@readable_errors
+def show_entry(name: Annotated[str, typer.Argument(help="Name of an entry.")]) -> None:
+    """Print one entry as TOML, to copy and edit."""
+    from rollerrig.catalog import catalog_entries, catalog_text
+
+    try:
+        typer.echo(catalog_text(name), nl=False)
+    except KeyError:
+        names = [entry for _, entry, _ in catalog_entries()]
+        near = get_close_matches(name, names, n=1)
+        stop(
+            f"catalog: {name}: not in the catalogue"
+            + (f"; did you mean '{near[0]}'?" if near else f"; it has {', '.join(names)}")
+        )
+
+
+def show(
+    case: CaseName,
+    out: Annotated[Path, typer.Option(help="Picture: a file that ends in .svg, .png or .pdf.")] = Path("vehicle.svg"),
+    change: Changes = None,
+    allow_code: AllowCode = False,
+    force: Force = False,
+) -> None:
+    """Draw the vehicle on its rig or track to scale, from three sides: bodies, springs, dampers, locks, actuators, axes."""
+    kind = picture_kind(out)
+    chosen = read_case(case, allow_code=allow_code, changes=change)
+    from rollerrig.plot import figure_bytes, vehicle
+    from rollerrig.results import output_file, write_bytes
+
+    output_file(out, force=force)
+    typer.echo(write_bytes(out, figure_bytes(vehicle(chosen), kind), force=force))
+
+
+def profile(
+    source: Annotated[
+        str, typer.Argument(metavar="FILE", help="File of points, TOML file, or a name of the catalogue.")
+    ],
+    kind: Annotated[
+        Literal["wheel", "rail"] | None, typer.Option(help="What it is for: wheel or rail; known from .prw and .prr.")
+    ] = None,
+    smoothing_mm: Annotated[
+        float | None, typer.Option(min=0.01, max=50.0, help="Another cut-off wavelength of measured points [mm].")
+    ] = None,
+    out: Annotated[Path, typer.Option(help="Picture: a file that ends in .svg, .png or .pdf.")] = Path("profile.svg"),
+    export: Annotated[
+        Path | None, typer.Option(help="Also the smooth curve as .csv, or for Simpack as .prw (wheel) or .prr (rail).")
+    ] = None,
+    force: Force = False,
+) -> None:
+    """A profile: its points beside the smooth curve that the contact search sees, slope and curvature; export."""
+    picture = picture_kind(out)
+    from rollerrig.contact_analysis.profile_curve import COLUMNS, FIRST_LINE, profile, profile_csv, simpack_text
+    from rollerrig.plot import figure_bytes, profile_figure
+    from rollerrig.profiles import ProfileError
+    from rollerrig.results import output_file, write_bytes, write_text
+
+    try:
+        curve = profile(source, kind, None if smoothing_mm is None else 1e-3 * smoothing_mm)
+    except ProfileError as error:
+        stop(error)
+    endings = {".csv": profile_csv, ".prw" if curve.attrs["kind"] == "wheel" else ".prr": simpack_text}
+    marks = (COLUMNS, FIRST_LINE)
+    if export is not None:
+        if export.suffix.lower() not in endings:
+            allowed = f"allowed for a {curve.attrs['kind']}: a file that ends in {' or '.join(endings)}"
+            raise typer.BadParameter(f"'{export}': {allowed}", param_hint="--export")
+        output_file(export, tables=marks, force=force)
+    output_file(out, force=force)
+    typer.echo(write_bytes(out, figure_bytes(profile_figure(curve), picture), force=force))
+    if export is not None:
+        typer.echo(write_text(export, endings[export.suffix.lower()](curve), tables=marks, force=force))
+    say(f"{curve.attrs['name']}: {curve.attrs['source']}")
+
+
+def cite(
+    what: Annotated[
+        str | None, typer.Argument(metavar="[RUN.nc or CASE]", help="Also the sources of its models and data.")
+    ] = None,
+) -> None:
+    """Print BibTeX: the program, the paper and, of a run or a case, the sources of the models and data in it."""
+    from rollerrig.results import ResultsError, cite, load_run
+
+    try:
+        typer.echo(cite(load_run(what) if what and what.endswith(".nc") else what), nl=False)
+    except (ResultsError, FileNotFoundError) as error:
+        stop(error)

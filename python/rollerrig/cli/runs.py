@@ -1,0 +1,112 @@
+"""Commands about runs: export, compare-runs, view, and play, a run that goes on in a browser."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from rollerrig.cli.command import AllowCode, CaseName, Changes, Force, picture_kind, read_case
+from rollerrig.cli.termination import say, stop
+
+
+def export(
+    run: Annotated[Path, typer.Argument(help="A file of results, e.g. run.nc.")],
+    to: Annotated[str, typer.Option(help="mat, csv or parquet.")] = "mat",
+    out: Annotated[Path | None, typer.Option(help="The file; beside the run, with its name, if absent.")] = None,
+    over: Annotated[str, typer.Option(help="Of a table: time, or reading_time of the finer readings.")] = "time",
+    force: Force = False,
+) -> None:
+    """Write a run for other programs: MATLAB, a CSV table, Parquet."""
+    from rollerrig.results import ResultsError, export
+
+    try:
+        typer.echo(export(run, out or run.with_suffix(f".{to}"), to=to, over=over, force=force))
+    except (ResultsError, FileNotFoundError) as error:
+        stop(error)
+
+
+def compare_runs(
+    runs: Annotated[list[Path], typer.Argument(metavar="A.nc B.nc ...", help="Two or more files of results.")],
+    signal: Annotated[
+        list[str] | None,
+        typer.Option(help="What to show, repeatable: speed, lateral:wheelset_1, vertical_force:wheelset_1_left, ..."),
+    ] = None,
+    out: Annotated[Path, typer.Option(help="Picture: a file that ends in .svg, .png or .pdf.")] = Path("runs.svg"),
+    force: Force = False,
+) -> None:
+    """Lay your own runs over each other: a picture, and by how much each differs from the first one."""
+    kind = picture_kind(out)
+    from rollerrig.analysis.runs_together import compare_runs
+    from rollerrig.common.formatting import number
+    from rollerrig.plot import figure_bytes, runs_together
+    from rollerrig.plot.run import shown_unit
+    from rollerrig.results import ResultsError, load_run, output_file, write_bytes
+
+    output_file(out, force=force)
+    try:
+        found = compare_runs(dict(zip(_labels(runs), map(load_run, runs), strict=True)), signal or ())
+    except (ResultsError, FileNotFoundError, ValueError) as error:
+        stop(error)
+    typer.echo(write_bytes(out, figure_bytes(runs_together(found), kind), force=force))
+    names = [str(name) for name, values in found.data_vars.items() if "time" in values.dims]
+    width = max(map(len, [*names, "largest difference to the first"]))
+    typer.echo(f"{'largest difference to the first':{width}}  {'  '.join(map(str, found['run'].to_numpy()[1:]))}")
+    for name in names:
+        unit, factor = shown_unit(found[name])
+        apart = (factor * found[f"{name} largest difference"]).to_numpy()[1:]
+        typer.echo(f"{name:{width}}  {'  '.join(f'{number(float(value), 3)} {unit}' for value in apart)}")
+
+
+def _labels(runs: list[Path]) -> list[str]:
+    """The files' names; where several have the same, those of their folders, as far up as tells them apart."""
+    stems = [path.stem for path in runs]
+    if len(set(stems)) == len(stems):
+        return stems
+    folders = [
+        path.absolute().parent.parts if len(set(stems)) == 1 else path.absolute().with_suffix("").parts for path in runs
+    ]
+    for depth in range(1, max(map(len, folders)) + 1):
+        names = ["/".join(parts[-depth:]) for parts in folders]
+        if len(set(names)) == len(names):
+            return names
+    return [f"{path} ({number})" for number, path in enumerate(runs, 1)]
+
+
+def view(
+    run: Annotated[Path, typer.Argument(help="A run, e.g. run.nc of `rollerrig run`.")],
+    other: Annotated[Path | None, typer.Argument(help="Another run, shown beside it in step.")] = None,
+    out: Annotated[Path, typer.Option(help="The page: one file, for any browser, without a network.")] = Path(
+        "view.html"
+    ),
+    force: Force = False,
+) -> None:
+    """Show a run in motion: one HTML file with the vehicle, its contacts and forces, and curves in step."""
+    from rollerrig.results import ResultsError
+    from rollerrig.viewer import view
+
+    try:
+        typer.echo(view(run, other, path=out, force=force))
+    except (ResultsError, FileNotFoundError) as error:
+        stop(error)
+
+
+def play(
+    case: CaseName,
+    port: Annotated[int, typer.Option(min=0, max=65535, help="Where to listen on the loopback; 0: any free one.")] = 0,
+    browser: Annotated[bool, typer.Option(help="Open the page in a browser.")] = True,
+    change: Changes = None,
+    allow_code: AllowCode = False,
+) -> None:
+    """Move a simulation that runs in real time: sliders for speed, radius, friction, torque, gains; until Ctrl-C."""
+    from rollerrig.viewer.play import play
+
+    def tell(address: str) -> None:
+        typer.echo(address)
+        say("Ctrl-C ends it.")
+
+    try:
+        play(read_case(case, allow_code=allow_code, changes=change), port=port, browser=browser, tell=tell)
+    except OSError as error:
+        stop(f"--port {port}: {error.strerror or error}; choose another one, or 0 for any free one")

@@ -1,0 +1,81 @@
+"""Numbers as people write them: the one formatter of terminal, reports, figures and messages.
+
+number, unit -> [this file] -> text without exponents of computers, negative zeros or round-off
+"""
+
+from __future__ import annotations
+
+import math
+
+_SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+_PREFIXES = {9: "G", 6: "M", 3: "k", 0: "", -3: "m", -6: "µ", -9: "n"}
+_THIN = "\u202f"
+"""Between groups of three digits; it does not break."""
+
+
+def number(value: object, digits: int = 4) -> str:
+    """A number with so many significant digits; text as it is, a dash where there is no finite number.
+
+    Example:
+        >>> number(3141.6, 2), number(-0.0), number(1.5e-7)
+        ('3142', '0', '1.5·10⁻⁷')
+    """
+    if value is None:
+        return "–"
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return str(value)
+    if isinstance(value, int):
+        return f"{value:,}".replace(",", _THIN)
+    if not math.isfinite(value):
+        return "–"
+    if value != 0.0 and not 1e-3 <= abs(value) < 1e6:
+        mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
+        mantissa = mantissa.rstrip("0").rstrip(".") if "." in mantissa else mantissa
+        power = f"10{str(int(exponent)).translate(_SUPERSCRIPT)}"
+        return power if mantissa == "1" else f"{mantissa}·{power}"
+    return _plain(value, digits)
+
+
+def _plain(value: float, digits: int) -> str:
+    """Without a power of ten; whole numbers keep all their digits."""
+    size = math.floor(math.log10(abs(value))) if value else 0
+    text = f"{value:z,.{max(0, digits - 1 - size)}f}"
+    text = text.rstrip("0").rstrip(".") if "." in text else text
+    return text.replace(",", _THIN if abs(value) >= 9999.5 else "")
+
+
+def quantity(value: float, unit: str, digits: int = 3, *, least: float = 0.0) -> str:
+    """A number with its unit, whose prefix leaves one to three digits before the point.
+
+    Args:
+        value: in `unit`.
+        unit: without a prefix, e.g. "Pa", "N m"; "" or "1": none.
+        digits: significant ones.
+        least: what is smaller is round-off and shown as zero, in `unit`.
+
+    Example:
+        >>> quantity(3.14e9, "Pa"), quantity(-2e-5, "m"), quantity(1e-13, "m", least=1e-9)
+        ('3.14 GPa', '-20 µm', '0 m')
+    """
+    if not math.isfinite(value):
+        return "–"
+    if unit in ("", "1"):
+        return number(0.0 if abs(value) < least else value, digits)
+    if value == 0.0 or abs(value) < least:
+        return f"0 {unit}"
+    rounded = float(f"{value:.{digits - 1}e}")  # 999.9 may become 1000, which has another prefix
+    power = max(-9, min(9, 3 * math.floor(math.log10(abs(rounded)) / 3)))
+    return f"{number(rounded / 10.0**power, digits)} {_PREFIXES[power]}{unit}"
+
+
+def percent(value: float | None, digits: int = 2, *, signed: bool = False) -> str:
+    """A ratio as a percentage, a dash where there is none.
+
+    Example:
+        >>> percent(0.0123, signed=True), percent(-0.0), percent(None)
+        ('+1.2 %', '0 %', '–')
+    """
+    if value is None or not math.isfinite(value):
+        return "–"
+    text = number(100.0 * value, digits)
+    return f"{'+' if signed and value > 0.0 else ''}{text} %"

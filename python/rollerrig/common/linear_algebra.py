@@ -1,0 +1,47 @@
+"""Small matrices: their eigenvalues, and one thread for whatever solves them.
+
+    [one_blas_thread] -> eigenvalues, products and least squares of some ten to some hundred rows
+
+The threads of a BLAS library wait for each other in a loop: with a matrix of a hundred rows they cost ten to forty times the
+processor time of one thread, and more of the clock. Whatever solves such matrices here does so within `one_blas_thread`; worker
+processes, of which there are as many as cores, do all their work in it.
+
+Eigenvalues of small matrices, of the last ones without computing them again.
+
+    matrix -> [eigenvalues] -> its eigenvalues, in no order
+
+Runs from the same steady rolling, with other disturbances, durations or friction that acts later, ask for the same ones.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import NDArray
+from threadpoolctl import get_cached_controller
+
+
+@contextmanager
+def one_blas_thread() -> Iterator[None]:
+    """Within it, or within a function decorated with it, the BLAS libraries of this process use one thread.
+
+    Where several Python threads are in it at a time, the first one sets and restores it; the others leave it alone.
+    """
+    with get_cached_controller().limit(limits=1, user_api="blas"):
+        yield
+
+
+def eigenvalues(matrix: NDArray[np.float64]) -> NDArray[np.complex128]:
+    """Eigenvalues of a square matrix, shape (n,), which may not be written to; one BLAS thread computes them."""
+    return _of_bytes(matrix.tobytes(), len(matrix))
+
+
+@lru_cache(maxsize=32)
+def _of_bytes(numbers: bytes, size: int) -> NDArray[np.complex128]:
+    with one_blas_thread():
+        values = np.linalg.eigvals(np.frombuffer(numbers).reshape(size, size)).astype(np.complex128)
+    values.flags.writeable = False
+    return values

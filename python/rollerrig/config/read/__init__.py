@@ -1,1 +1,0 @@
-"""Where the files are, and TOML text as raw tables."""

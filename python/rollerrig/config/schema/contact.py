@@ -1,0 +1,222 @@
+"""Tables of materials and of the laws of the contact.
+
+    name, number, or table with `kind` and parameters -> [contact_law] -> one of the tables below
+
+`limitation` is what a law leaves out, for the reports. A new law is a class here, a member of its union and, in the core, a
+header: docs/how_to/contact_law.md.
+"""
+
+from collections.abc import Mapping
+from typing import Annotated, Any, ClassVar, Literal, get_args
+
+from pydantic import BeforeValidator, Discriminator, Field, RootModel, StrictBool, model_validator
+
+from rollerrig.config.schema.base import OrShort, Table, by_kind, instead_of, refused
+from rollerrig.config.schema.units import Quantity
+from rollerrig.config.schema.vehicle import Name
+
+_MODULUS = Quantity("Pa", 1e5, 1e14)
+_POISSON = Quantity("1", 0.0, 0.5)
+_MODULI = ("young_modulus", "shear_modulus")
+
+
+class Material(Table):
+    """An isotropic elastic material; one of the two moduli may be left out and follows from E = 2 G (1 + nu)."""
+
+    name: Name = Field(description="name of the material")
+    description: str = Field(default="", description="one line about the material")
+    source: str = Field(default="", description="where the data come from")
+    poisson_ratio: Annotated[float, _POISSON] = Field(description="Poisson's ratio nu")
+    young_modulus: Annotated[float, _MODULUS] = Field(
+        description="Young's modulus E", json_schema_extra=instead_of("shear_modulus")
+    )
+    shear_modulus: Annotated[float, _MODULUS] = Field(
+        description="shear modulus G", json_schema_extra=instead_of("young_modulus")
+    )
+
+    @model_validator(mode="before")
+    @classmethod
+    def _other_modulus(cls, data: Any) -> Any:
+        if not isinstance(data, dict) or ("young_modulus" in data) == ("shear_modulus" in data):
+            return data
+        given, other = _MODULI if "young_modulus" in data else _MODULI[::-1]
+        try:
+            factor = 2 * (1 + _POISSON.parse(data.get("poisson_ratio")))
+            value = _MODULUS.parse(data[given])
+        except (ValueError, ZeroDivisionError):  # the fields themselves will say what is wrong
+            return data
+        follows = value / factor if given == "young_modulus" else value * factor
+        if not _MODULUS.least <= follows <= _MODULUS.most:
+            raise refused(given, f"allowed: such that {other}, here {follows:g} Pa, is {_MODULUS.bounds}")
+        return {**data, other: follows}
+
+    @model_validator(mode="after")
+    def _consistent(self) -> "Material":
+        expected = 2 * self.shear_modulus * (1 + self.poisson_ratio)
+        if abs(self.young_modulus - expected) > 1e-3 * expected:
+            raise refused(
+                "young_modulus",
+                f"allowed: 2 G (1 + nu) = {expected:g} Pa, or leave out one of young_modulus and shear_modulus",
+            )
+        return self
+
+
+Share = Annotated[float, Quantity("1", 1e-6, 1.0)]
+Fraction = Annotated[float, Quantity("1", 0.0, 1.0)]
+Friction = Annotated[float, Quantity("1", 0.0, 1.5)]
+
+
+def kinds(laws: Any) -> tuple[str, ...]:
+    """Names of the laws of a union, in its order."""
+    union = get_args(laws)[0]
+    return tuple(get_args(law.model_fields["kind"].annotation)[0] for law in get_args(union))
+
+
+# ------------------------------------------------------------------------------------------------------------- creep
+class KalkerSaturated(Table):
+    """The paper's creep law: Kalker's linear theory, saturated by friction with the cubic of Johnson and Vermeulen."""
+
+    limitation: ClassVar[str] = (
+        "The creep force follows Kalker's linear theory, saturated by friction with a heuristic law."
+    )
+    kind: Literal["kalker_saturated"] = Field(description="the paper's law, (20), (23), (24)")
+    saturate_spin_moment: StrictBool = Field(
+        default=False, description="scale the spin moment like the force; the paper does not"
+    )
+
+
+class KalkerLinear(Table):
+    """Kalker's linear theory: no limit of adhesion."""
+
+    limitation: ClassVar[str] = (
+        "The creep force follows Kalker's linear theory without a friction limit: it is valid for small creepage."
+    )
+    kind: Literal["kalker_linear"] = Field(description="Kalker's linear theory, (20)")
+
+
+class Fastsim(Table):
+    """Kalker's algorithm FASTSIM."""
+
+    limitation: ClassVar[str] = "The creep force follows Kalker's simplified theory (FASTSIM) on an elliptical patch."
+    kind: Literal["fastsim"] = Field(description="Kalker's simplified theory, three flexibilities")
+
+
+class ModifiedFastsim(Table):
+    """FASTSIM with flexibilities of its own for spin; k_0 (k_inf + (1 - k_inf)/(1 + beta eps)) of Kalker's stiffness is left."""
+
+    limitation: ClassVar[str] = (
+        "The creep force follows the modified FASTSIM, with an empirical reduction of the initial stiffness."
+    )
+    kind: Literal["modified_fastsim"] = Field(description="FASTSIM for clean, wet and contaminated surfaces")
+    k_0: Share = Field(default=1.0, description="what is left of Kalker's stiffness at small creepage")
+    k_inf: Share = Field(default=1.0, description="what is left of k_0 at large creepage")
+    beta: Annotated[float, Quantity("1", 0.0, 1e3)] = Field(
+        default=0.0,
+        description="how fast it falls with eps, pi/4 of k_0 times the force of linear theory over mu N, as published",
+    )
+
+
+class Polach(Table):
+    """Polach's creep law with spin: k_A, k_S are 1.0 and 0.4 on dry rails, 0.3 and 0.1 on wet ones (2005); 1 and 1: clean."""
+
+    limitation: ClassVar[str] = (
+        "The creep force follows Polach's law: an elliptical patch, and spin by an approximate closed form."
+    )
+    kind: Literal["polach"] = Field(description="Polach's closed form")
+    k_A: Share = Field(description="what is left of the stiffness on the area of adhesion")
+    k_S: Share = Field(description="what is left of it on the area of slip; at most k_A")
+
+
+class ExactTable(Table):
+    """Kalker's exact theory of rolling contact, read from the table that rollerrig ships."""
+
+    limitation: ClassVar[str] = (
+        "The creep force is interpolated in a table of Kalker's exact theory for elliptical patches."
+    )
+    kind: Literal["table"] = Field(description="the exact theory as a smooth function")
+
+
+class StripTheory(Table):
+    """Creep forces strip by strip, for patches that are bent: on a flat ellipse those of the table."""
+
+    limitation: ClassVar[str] = (
+        "The creep force is that of strips with their own normals and spin, corrected by Kalker's exact theory of an ellipse."
+    )
+    kind: Literal["strip_theory"] = Field(
+        description='each strip of the patch with its own normal, creepage and spin; asks for `contact.normal = "strips"`'
+    )
+
+
+AnyCreep = Annotated[
+    KalkerSaturated | KalkerLinear | Fastsim | ModifiedFastsim | Polach | ExactTable | StripTheory,
+    Discriminator("kind"),
+    by_kind(),
+]
+CREEP_LAWS = kinds(AnyCreep)
+
+
+class CreepRoot(RootModel[AnyCreep]):
+    """A creep law alone."""
+
+
+# ------------------------------------------------------------------------------------------------------------ normal
+class Hertz(Table):
+    """The paper's normal contact: Hertz' ellipse at each indented minimum of the gap."""
+
+    limitation: ClassVar[str] = (
+        "Each contact patch is a Hertzian ellipse, also where two patches of a wheel lie close together or the curvature "
+        "changes within a patch."
+    )
+    kind: Literal["hertz"] = Field(description="one ellipse per indented minimum")
+    merging_criterion: Annotated[float, Quantity("1", 0.0, 1.0)] = Field(
+        default=0.01,
+        description="two patches merge smoothly once the rise between them is below this fraction of the approach; 0: the "
+        "paper's bare rule, patches appear and vanish at full force",
+    )
+
+
+class Strips(Table):
+    """Elastic strips over everything that overlaps: non-elliptical contact patches."""
+
+    limitation: ClassVar[str] = (
+        "The normal contact is that of elastic strips: non-elliptical patches, whose pressures are approximate."
+    )
+    kind: Literal["strips"] = Field(description="non-elliptical contact patches")
+
+
+AnyNormal = Annotated[Hertz | Strips, Discriminator("kind"), by_kind()]
+NORMAL_LAWS = kinds(AnyNormal)
+
+
+# ---------------------------------------------------------------------------------------------------------- friction
+class ConstantFriction(Table):
+    """Coulomb's friction."""
+
+    limitation: ClassVar[str] = "The coefficient of friction is constant."
+    kind: Literal["constant"] = Field(description="one coefficient")
+    mu_0: Friction = Field(description="coefficient of friction")
+
+
+class FallingFriction(Table):
+    """Friction that falls with slip velocity w: mu_0 ((1 - A) exp(-B w) + A)."""
+
+    limitation: ClassVar[str] = "Friction depends on the slip velocity alone, not on temperature or contamination."
+    kind: Literal["falling"] = Field(description="Polach's friction")
+    mu_0: Friction = Field(description="coefficient of friction at no slip")
+    A: Fraction = Field(default=1.0, description="friction at large slip over mu_0; 1: Coulomb's law")
+    B: Annotated[float, Quantity("s/m", 0.0, 1e4)] = Field(default=0.0, description="how fast it falls with slip")
+
+
+def _friction(value: Any) -> Any:
+    """A number alone is Coulomb's friction."""
+    is_table = isinstance(value, Mapping | Table)
+    return value if is_table else {"kind": "constant", "mu_0": value}
+
+
+AnyFriction = Annotated[
+    ConstantFriction | FallingFriction,
+    Discriminator("kind"),
+    BeforeValidator(_friction),
+    OrShort({"type": ["number", "string"]}),
+]
+FRICTION_LAWS = kinds(AnyFriction)

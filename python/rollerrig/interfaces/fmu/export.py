@@ -1,0 +1,277 @@
+"""A case, or one of our controllers alone, packed as an FMU: model file, description and the libraries of the package.
+
+rollerrig/shells/<platform>/rollerrig.* -> [shells] -> Shell per platform
+case -> assembled model -> [export_fmu] -> FILE.fmu
+case -> its slide protection, wheel-slip control or rig's controller -> [export_part] -> FILE.fmu
+"""
+
+from __future__ import annotations
+
+import ctypes
+import io
+import platform
+import re
+import zipfile
+from collections.abc import Collection
+from dataclasses import dataclass
+from html import escape
+from pathlib import Path
+
+from rollerrig import __version__, _core
+from rollerrig.cases import as_case
+from rollerrig.config import Case, ConfigError, ConfigProblem
+from rollerrig.interfaces.controller_part import controller_part, part_refused
+from rollerrig.interfaces.fmu.description import Unit, model_description_2, model_description_3
+from rollerrig.interfaces.plant import assembled_model
+from rollerrig.results.files import output_file, write_bytes
+from rollerrig.results.marks import PAGE
+
+WINDOWS = "x86_64-windows"
+FOLDERS = {"2": {"x86_64-linux": "linux64", WINDOWS: "win64"}, "3": {}}
+"""Platform -> folder in binaries/, where the standard calls it otherwise: FMI 2.0.4, section 2.3."""
+
+
+@dataclass(frozen=True)
+class Shell:
+    """A library for one platform.
+
+    Attributes:
+        platform: processor and system, as FMI 3.0 writes them: x86_64-linux.
+        file: the library.
+        needs: instructions beyond the oldest processor of its kind, with commas; empty: none.
+    """
+
+    platform: str
+    file: Path
+    needs: str
+
+    def place(self, fmi: str, identifier: str) -> str:
+        """Where an FMU keeps it."""
+        return f"binaries/{FOLDERS[fmi].get(self.platform, self.platform)}/{identifier}{self.file.suffix}"
+
+
+def shells() -> list[Shell]:
+    """Those that came with the package; none on a system for which none is built."""
+    folder = Path(str(_core.__file__)).parent / "shells"
+    files = sorted(folder.glob("*/rollerrig.*"))
+    return [Shell(file.parent.name, file, _needs(file)) for file in files if file.suffix in {".so", ".dll"}]
+
+
+def _needs(file: Path) -> str:
+    """Requirements of a library that this machine can load; the others are built for every processor of their kind."""
+    if file.parent.name != f"{platform.machine()}-{platform.system().lower()}":
+        return ""
+    ask = ctypes.CDLL(str(file)).rollerrig_needs
+    ask.restype = ctypes.c_char_p
+    return str(ask().decode("ascii"))
+
+
+STEP = 1e-3
+"""At which to exchange values where nothing is sampled [s]."""
+STAMP = (1980, 1, 1, 0, 0, 0)
+"""Time stamp of every file in an FMU: the same case gives the same bytes."""
+KINDS = ("cs", "me", "both")
+DESCRIPTIONS = {"2": model_description_2, "3": model_description_3}
+
+
+class ExportError(ValueError):
+    """There is nothing to export with."""
+
+
+def export_fmu(
+    case: Case | str,
+    path: str | Path,
+    *,
+    fmi: str = "2",
+    kind: str = "cs",
+    external: Collection[str] = (),
+    force: bool = False,
+) -> Path:
+    """Write a case as an FMU: a Functional Mock-up Unit, which Simulink, Dymola, FMPy and others run.
+
+    Args:
+        case: a checked case, or what `load_case` takes.
+        path: the file; one that this program wrote is replaced.
+        fmi: version of the standard, '2' or '3'.
+        kind: 'cs': co-simulation; 'me': model exchange; 'both'.
+        external: tables of the case's controllers whose commands become inputs, `rollerrig.assemble_file`.
+        force: replace a file that this program did not write.
+
+    Returns:
+        The file.
+
+    Raises:
+        ConfigError: the case cannot be run from outside; the version or kind is not offered.
+        ExportError: this package was built without a library for FMUs.
+        OutputError: the file cannot be written, or is somebody else's.
+    """
+    case = as_case(case)
+    check_format(case.name, fmi, kind)
+    target = output_file(path, force=force)
+    carried = carried_shells()
+    assembled = assembled_model(case, external=external)
+    plant = _core.Plant(assembled)
+    states, rates, indicators = ((), (), ()) if kind == "cs" else _core.continuous_variables(assembled)
+    model = _core.write_model(assembled)
+    unit = Unit(
+        name=case.name,
+        identifier=re.sub(r"\W", "_", case.name, flags=re.ASCII),
+        token=_core.model_token(model),
+        tool=f"rollerrig {__version__}",
+        final_time=float(assembled.settings["final_time"]),
+        step=plant.sampling_step or STEP,
+        sampled=plant.sampling_step > 0.0,
+        variables=plant.variables,
+        kind=kind,
+        states=states,
+        rates=rates,
+        indicators=indicators,
+    )
+    files = {
+        "documentation/index.html": _page(unit, carried),
+        "modelDescription.xml": DESCRIPTIONS[fmi](unit),
+        "resources/rig.model": model,
+    }
+    files |= libraries(carried, fmi, unit.identifier)
+    return write_bytes(target, packed(files), force=force)
+
+
+def carried_shells() -> list[Shell]:
+    """The libraries of the package.
+
+    Raises:
+        ExportError: there is none.
+    """
+    if not (carried := shells()):
+        raise ExportError("fmu: this package has no library for FMUs; they are built on Linux, with the package")
+    return carried
+
+
+def libraries(carried: list[Shell], fmi: str, identifier: str) -> dict[str, bytes]:
+    """Their places in an FMU and their bytes."""
+    return {shell.place(fmi, identifier): shell.file.read_bytes() for shell in carried}
+
+
+def packed(files: dict[str, bytes]) -> bytes:
+    """A zip file of them; the first stands there as it is: by it the program knows its own files."""
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w") as archive:
+        for path, content in files.items():
+            entry = zipfile.ZipInfo(path, STAMP)
+            entry.compress_type = zipfile.ZIP_DEFLATED if archive.filelist else zipfile.ZIP_STORED
+            entry.external_attr = 0o644 << 16
+            archive.writestr(entry, content)
+    return stream.getvalue()
+
+
+def machines(carried: list[Shell]) -> str:
+    """Where an FMU runs, as items of a list in HTML."""
+    return "".join(
+        f"<li>{shell.platform}" + (f", processor with {shell.needs}" if shell.needs else "") + "</li>\n"
+        for shell in carried
+    )
+
+
+def _page(unit: Unit, carried: list[Shell]) -> bytes:
+    """What a user of the FMU should know, as the page that tools show."""
+    steps = (
+        "Sensors and controllers are sampled; outputs are those of the last sampling step within a communication step."
+        if unit.sampled
+        else "The communication step does not change the steps inside."
+    )
+    kinds = {
+        "cs": f"<p>Co-simulation: {steps} Where the model leaves its validity, or the train has stopped, a step is "
+        "discarded, and the log names time and wheel.</p>\n",
+        "me": "<p>Model exchange: the tool integrates. Sampling and corners of tables are time events, lift-off is an event "
+        "indicator. Where the model leaves its validity, or the train has stopped, the simulation is asked to end, and "
+        "the log names time and wheel.</p>\n",
+    }
+    offered = "".join(text for kind, text in kinds.items() if unit.kind in (kind, "both"))
+    return f"""<!DOCTYPE html>
+<html lang="en"><head><meta charset="utf-8">{PAGE.decode()}<title>{escape(unit.name)}</title></head><body>
+<h1>{escape(unit.name)}</h1>
+<p>Roller rig, written by {unit.tool}. SI; x forward, y to the left, z upwards.</p>
+{offered}<p>Runs on</p>
+<ul>
+{machines(carried)}</ul>
+</body></html>
+""".encode()
+
+
+def check_format(case: str, fmi: str, kind: str) -> None:
+    """Refuse what is not offered.
+
+    Raises:
+        ConfigError: which, and what is.
+    """
+    for key, value, allowed in (("fmi", fmi, tuple(DESCRIPTIONS)), ("kind", kind, KINDS)):
+        if value not in allowed:
+            raise ConfigError([ConfigProblem(case, key, repr(value), f"allowed: {', '.join(allowed)}")])
+
+
+def export_part(case: Case | str, part: str, path: str | Path, *, fmi: str = "2", force: bool = False) -> Path:
+    """Write one of our controllers alone as an FMU for co-simulation, with the parameters that the case gives it.
+
+    Args:
+        case: a checked case, or what `load_case` takes.
+        part: its table: 'slide_protection', 'wheel_slip_control', 'rig_control', or 'brake_unit' of [brake].
+        path: the file; one that this program wrote is replaced.
+        fmi: version of the standard, '2' or '3'.
+        force: replace a file that this program did not write.
+
+    Returns:
+        The file.
+
+    Raises:
+        ConfigError: the case has no such controller, or not ours.
+        ExportError: this package was built without a library for FMUs.
+        OutputError: the file cannot be written, or is somebody else's.
+        StartError: no equilibrium was found to start from.
+
+    Example:
+        >>> import rollerrig as rr
+        >>> rr.export_part("adhesion_brake", "slide_protection", "build/wsp.fmu").name
+        'wsp.fmu'
+    """
+    case = as_case(case)
+    check_format(case.name, fmi, "cs")
+    target = output_file(path, force=force)
+    carried = carried_shells()
+    alone = controller_part(case, part)
+    try:
+        content = _core.write_part(alone)
+    except ValueError as error:
+        raise part_refused(case, part, str(error)) from None
+    plant = _core.ControllerPlant(alone)
+    unit = Unit(
+        name=f"{case.name}.{part}",
+        identifier=re.sub(r"\W", "_", f"{case.name}_{part}", flags=re.ASCII),
+        token=_core.part_token(content),
+        tool=f"rollerrig {__version__}",
+        final_time=float(case.time.duration),
+        step=plant.period,
+        sampled=True,
+        variables=plant.variables,
+    )
+    files = {
+        "documentation/index.html": _controller_page(unit, machines(carried)),
+        "modelDescription.xml": DESCRIPTIONS[fmi](unit),
+        "resources/controller.part": content,
+    }
+    files |= libraries(carried, fmi, unit.identifier)
+    return write_bytes(target, packed(files), force=force)
+
+
+def _controller_page(unit: Unit, runs_on: str) -> bytes:
+    """What a user of the FMU should know, as the page that tools show."""
+    return f"""<!DOCTYPE html>
+<html lang="en"><head><meta charset="utf-8">{PAGE.decode()}<title>{escape(unit.name)}</title></head><body>
+<h1>{escape(unit.name)}</h1>
+<p>A controller alone, written by {unit.tool}. It takes a sample every {unit.step:g} s: at the beginning of a
+step, with the inputs as they are then; its commands are outputs from the end of that step on. What lies between a sample and the
+command's acting is not part of it. SI.</p>
+<p>Runs on</p>
+<ul>
+{runs_on}</ul>
+</body></html>
+""".encode()

@@ -1,0 +1,143 @@
+"""A case as other tools drive it: assembled, at its start, with named inputs and outputs; and its model file.
+
+Case -> [assembled_model] -> _core.AssembledModel -> _core.Plant
+        [assemble_file]   -> model file -> [read_model] -> _core.AssembledModel
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import dataclass
+from pathlib import Path
+from typing import cast
+
+from rollerrig import _core
+from rollerrig.assembly.actuators import assemble_with_actuators
+from rollerrig.assembly.model import assemble
+from rollerrig.cases import as_case
+from rollerrig.common.input_files import MEGABYTE, read_input
+from rollerrig.config import Case, ConfigError, ConfigProblem
+from rollerrig.results.files import output_file, write_bytes
+from rollerrig.simulation.controllers import UserController, roles_of, with_brake_unit
+from rollerrig.simulation.mechatronics import mechatronic_setup
+from rollerrig.simulation.run import check_fixed_step, integrator_settings
+from rollerrig.simulation.starting_state import disturbances, starting_state
+
+LARGEST_MODEL = 256 * MEGABYTE
+"""Largest size of a model file: 200 km of measured track have some 100 MB [bytes]."""
+
+
+class ModelFileError(ValueError):
+    """A file holds no model that this version can read; the message says why."""
+
+
+def assemble_file(
+    case: Case | str,
+    path: str | Path,
+    *,
+    external: Collection[str] = (),
+    may_drift: bool = False,
+    force: bool = False,
+) -> Path:
+    """Write everything that a run of a case needs into one file, which the core reads without Python (docs/model_file.md).
+
+    Args:
+        case: what to assemble, or its name in the catalogue.
+        path: the file; replaced if this program wrote it. The same case gives the same bytes.
+        external: tables of the case's controllers whose commands come from outside, as inputs.
+        may_drift: also where nothing holds the vehicle along the track on its rollers.
+        force: whether a file of another program may be replaced.
+
+    Raises:
+        ConfigError: see `rollerrig.interfaces.plant.assembled_model`.
+        StartError: no equilibrium was found to start from.
+        OutputError: the file could not be written.
+
+    Example:
+        >>> import rollerrig as rr
+        >>> path = rr.assemble_file("wheelset_rollers", "build/wheelset.model")
+        >>> rr.read_model(path).name
+        'wheelset_rollers'
+    """
+    target = output_file(path, force=force)
+    content = _core.write_model(assembled_model(as_case(case), external=external, may_drift=may_drift))
+    return write_bytes(target, content, force=force)
+
+
+def read_model(path: str | Path) -> _core.AssembledModel:
+    """The assembled model in a file.
+
+    Raises:
+        ModelFileError: it is none, or cut, changed, or of another version.
+        OSError: there is no such file, or it cannot be read.
+    """
+    try:
+        return _core.read_model(read_input(path, LARGEST_MODEL))
+    except ValueError as error:
+        raise ModelFileError(f"{path}: {error}") from None
+
+
+def contents(assembled: _core.AssembledModel) -> str:
+    """Lines for a user: how large a model is, and its inputs."""
+    variables = _core.Plant(assembled).variables
+    inputs = [f"{v.name} [{v.unit}]" for v in variables if v.causality == "input"]
+    counted = (
+        f"{len(assembled.names.bodies)} bodies, {len(assembled.x0)} states, {len(variables) - len(inputs)} outputs"
+    )
+    return f"{assembled.name}: {counted}\ninputs: {', '.join(inputs) or 'none'}"
+
+
+@dataclass(frozen=True)
+class _External:
+    """A controller outside: only when it is asked is known here."""
+
+    sample_time: float
+
+
+def assembled_model(case: Case, *, external: Collection[str] = (), may_drift: bool = False) -> _core.AssembledModel:
+    """Everything that a run of a case needs, as the core keeps it.
+
+    Args:
+        case: a checked case.
+        external: tables of the case's controllers whose commands come from outside, as inputs: 'slide_protection',
+            'wheel_slip_control', 'rig_control', or 'brake_unit' of [brake]. What they see are outputs.
+        may_drift: also where nothing holds the vehicle along the track on its rollers.
+
+    Raises:
+        ConfigError: the case has no such controller, or one of the user's that is not external; nothing holds the
+            vehicle on its rollers; the fixed step is unstable.
+        StartError: no equilibrium was found to start from.
+    """
+    case = with_brake_unit(case, external)
+    controllers = _external_controllers(case, external)
+    model = assemble_with_actuators(case) if case.sampled else assemble(case)
+    start = starting_state(model, may_drift=may_drift)
+    setup = mechatronic_setup(model, controllers)
+    simulation = _core.Simulation(model.core, setup)
+    check_fixed_step(simulation, case, start)
+    axles = model.axle_names if setup is not None else ()
+    return _core.AssembledModel(
+        name=case.name,
+        model=model.core,
+        setup=setup,
+        names=_core.PartNames(bodies=list(model.bodies), elements=list(model.elements), axles=list(axles)),
+        **integrator_settings(simulation, model),
+        t0=0.0,
+        x0=start.tolist(),
+        disturbances=disturbances(model),
+    )
+
+
+def _external_controllers(case: Case, external: Collection[str]) -> dict[str, UserController]:
+    there = roles_of(case)
+    for role in external:
+        if role not in there:
+            allowed = f"allowed: a table of the case: {', '.join(there) or 'it has none'}"
+            raise ConfigError([ConfigProblem(case.name, "external", repr(role), allowed)])
+    for role in there:
+        table = getattr(case, role)
+        if table is not None and not table.is_ours and role not in external:
+            allowed = f"allowed: our own controller, or the commands as inputs: external = {role}"
+            key, value = ("user", table.user) if table.user is not None else ("fmu", table.fmu.file)
+            raise ConfigError([ConfigProblem(case.name, f"{role}.{key}", repr(value), allowed)])
+    return {role: cast("UserController", _External(getattr(case, role).sample_time)) for role in external}

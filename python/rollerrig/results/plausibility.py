@@ -1,0 +1,65 @@
+"""What a run computes without complaint and hardly anybody can have meant: a line each, beside the results.
+
+results, their model -> [plausibility] -> warnings: wheel loads, tolerance, stiffness over mass and step
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from rollerrig.assembly.model import AssembledModel
+from rollerrig.results.dataset import Draft
+
+WHEEL_LOADS = (100.0, 400e3)
+"""Static loads of the wheels of vehicles and of models on a small scale [N]."""
+
+LEAST_TOLERANCE = 1e-5
+"""A smaller absolute tolerance is below any signal that is worth a run [m]."""
+
+
+def plausibility_warnings(draft: Draft, model: AssembledModel) -> Iterator[str]:
+    """What is out of proportion, a line each.
+
+    Args:
+        draft: results of a run.
+        model: the model that was run.
+    """
+    low, high = WHEEL_LOADS
+    for wheelset, load in model.axle_loads.items():
+        if not low <= 0.5 * load <= high:
+            yield (
+                f"{wheelset} stands on its rails with {0.5e-3 * load:.3g} kN a wheel; usual are {low / 1e3:g} to {high / 1e3:g} "
+                "kN: masses, gravity or their units may not be what is meant"
+            )
+            break
+    time = model.case.time
+    lateral, moving = draft.values("lateral"), [model.body_index(body) for body in model.lateral_bodies]
+    largest = float(np.ptp(lateral[:, moving], axis=0).max()) if len(lateral) and moving else 0.0
+    if not model.case.integration.fixed and time.absolute_tolerance > max(largest, LEAST_TOLERANCE):
+        yield (
+            f"the absolute tolerance, {1e3 * time.absolute_tolerance:.3g} mm, is larger than the largest lateral motion, "
+            f"{1e3 * largest:.3g} mm: the run resolves nothing of it"
+        )
+    name, frequency = _fastest(model)
+    step = model.case.integration.step
+    if model.case.integration.fixed and step and 2.0 * math.pi * frequency * step > math.pi:
+        yield (
+            f"{name} has a mode of {frequency:.3g} Hz, faster than the step of {1e3 * step:.3g} ms resolves: stiffness or masses "
+            "may not be what is meant"
+        )
+
+
+def _fastest(model: AssembledModel) -> tuple[str, float]:
+    """The element with the largest stiffness over the mass between its ends, and the frequency of that [Hz]."""
+    found = ("", 0.0)
+    for element in model.case.vehicle.data.elements_in(model.case.vehicle.part):
+        masses = [math.inf if body in model.fixed else model.masses[body] for body in element.between]
+        inverse = sum(1.0 / mass for mass in masses)
+        for direction, law in element.laws.items():
+            if direction in ("x", "y", "z") and law.stiffness:
+                frequency = math.sqrt(law.stiffness * inverse) / (2.0 * math.pi)
+                found = max(found, (element.name, frequency), key=lambda one: one[1])
+    return found

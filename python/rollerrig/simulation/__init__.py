@@ -1,0 +1,1 @@
+"""AssembledModel -> [simulation] -> starting state, sensors, controllers and actuators, run -> Dataset."""

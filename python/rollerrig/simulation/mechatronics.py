@@ -1,0 +1,374 @@
+"""A case as the core's sensors, controllers and actuators: names become indices, absent numbers follow from the vehicle.
+
+Case, AssembledModel -> [setup] -> _core.MechatronicSetup
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+from rollerrig import _core
+from rollerrig.assembly.actuators import electrodynamic_brake, friction_brake, pneumatics, track_brake
+from rollerrig.assembly.laws import angular, core_struct
+from rollerrig.assembly.model import AssembledModel
+from rollerrig.assembly.model_parts import ABSENT
+from rollerrig.assembly.train_axles import brake_delay, reservoirs, simulated_axles, simulated_count, train_mass
+from rollerrig.config import Adhesion, Brake, Case, Encoder, ForceSensor, Motor, Rig, RigControl, Sensors
+from rollerrig.config.schema.actuators import SlideProtection, TableSlideProtection, entry_numbers
+from rollerrig.config.schema.rig_control import (
+    AnyAxleTorque,
+    BandwidthEstimator,
+    ExtrapolatedTorque,
+    KnownTorque,
+    LeadCommand,
+    NoFeedback,
+    ProportionalIntegral,
+    PulseFrequency,
+    PulsePeriod,
+    SlidingMode,
+)
+from rollerrig.simulation.controllers import UserController
+from rollerrig.simulation.virtual_train import load_transfer, rail_patch
+
+_TIMING = ("sample_time", "delay", "user", "fmu")
+"""Fields of a controller's table that say when it is asked, not what it does."""
+
+
+def mechatronic_setup(
+    model: AssembledModel, controllers: Mapping[str, UserController] | None = None
+) -> _core.MechatronicSetup | None:
+    """What acts on a vehicle and how it is sampled; None for a case without actuators and controllers.
+
+    Args:
+        model: assembled with its actuators.
+        controllers: the user's, by table of the case.
+
+    Raises:
+        StartError: the virtual train's vehicle has no equilibrium on track.
+    """
+    case = model.case
+    if not case.sampled:
+        return None
+    control = case.rig_control or RigControl()
+    return core_struct(
+        _core.MechatronicSetup,
+        step=case.time.sampling_step,
+        speed=case.motion.speed,
+        stop_speed=_stop_speed(case),
+        axles=_axles(model),
+        actuators=_actuators(model, control),
+        sensors=_sensors(case.sensors),
+        controllers=_controllers(model, controllers or {}),
+        protection=core_struct(_core.RollerProtection, control.protection),
+        frame=_frame(model),
+        rail_cell=_rail_cell(case),
+        energy_width=_energy_width(case),
+        wheel_memory=_wheel_memory(case),
+        sanding=_sanding(case),
+        simulated=simulated_axles(model, wheelset_inertia(model)),
+        rail=virtual_rail(model) if simulated_count(case) else None,
+        brake_delay=brake_delay(model),
+        reservoir=reservoirs(model),
+    )
+
+
+def _sanding(case: Case) -> _core.Sanding | None:
+    table = case.sanding
+    if table is None:
+        return None
+    law = _core.sanding_starts[table.start.kind]
+    start = core_struct(law, table.start, without=("kind",))
+    return core_struct(_core.Sanding, table, without=("axles", "saturation", "rail"), start=start)
+
+
+def _stop_speed(case: Case) -> float:
+    """A start from rest has no stop to end at."""
+    stop = case.motion.stop_speed
+    return stop if case.brake is not None and case.motion.speed > stop else 0.0
+
+
+def _rail_cell(case: Case) -> float:
+    return float(case.adhesion.cell_length if case.adhesion else Adhesion.model_fields["cell_length"].default)
+
+
+def _energy_width(case: Case) -> float:
+    """Over which width a wheel's dissipated energy is spread [m]; 0: that of its patches; 1 m: energy per metre run."""
+    return 1.0 if case.adhesion is not None and case.adhesion.recovery_per == "length" else 0.0
+
+
+def _wheel_memory(case: Case) -> float:
+    return case.adhesion.wheel_memory if case.adhesion else 0.0
+
+
+def _axles(model: AssembledModel) -> list[_core.AxleParts]:
+    """Those of the model, then those that are only simulated, which have what the first one has."""
+    first, case = model.axles[0], model.case
+    none: dict[str, Any] = {"has_brake": False, "has_motor": False}
+    of_model = {name for name in _core.AxleParts.fields if name not in none}
+    found = [
+        core_struct(_core.AxleParts, **none, **{name: getattr(axle, name) for name in of_model}) for axle in model.axles
+    ]
+    braked = case.brake is not None and not case.brake.motors_stand_in
+    simulated = core_struct(
+        _core.AxleParts,
+        wheelset=ABSENT,
+        axle_torque=ABSENT,
+        brake=ABSENT,
+        roller=ABSENT,
+        roller_torque=ABSENT,
+        contacts=(ABSENT, ABSENT),
+        electrodynamic=first.electrodynamic,
+        sands=False,
+        has_brake=braked,
+        has_motor=case.traction is not None,
+    )
+    return found + [simulated] * simulated_count(case)
+
+
+def _frame(model: AssembledModel) -> _core.TravellingFrame:
+    """Masses of a train on track: as a whole, and what of it the frame itself stands for."""
+    if isinstance(model.case.support.data, Rig):
+        return _core.TravellingFrame(train_mass=0.0, fixed_mass=0.0)
+    mass = train_mass(model)
+    free = sum(model.masses[b] for b in model.vehicle_bodies if b not in model.fixed)
+    return _core.TravellingFrame(train_mass=mass, fixed_mass=max(0.0, mass - free) if model.fixed else 0.0)
+
+
+# ---------------------------------------------------------------------------------------------------- parts
+
+
+def motor(table: Motor) -> _core.Motor:
+    """A drive, without its rotor: that is a body of the model."""
+    without = ("rotor_inertia", "gear_ratio")
+    return core_struct(
+        _core.Motor, table, without=without, envelope=table.envelope or (), bandwidth=angular(table.bandwidth)
+    )
+
+
+def _actuators(model: AssembledModel, control: RigControl) -> _core.Actuators:
+    case = model.case
+    brake = case.brake or Brake(demand=((0.0, 0.0), (1.0, 0.0)))
+    traction = case.traction
+    return core_struct(
+        _core.Actuators,
+        brake=friction_brake(brake),
+        pneumatics=pneumatics(brake),
+        motors_stand_in=brake.motors_stand_in,
+        electrodynamic=electrodynamic_brake(brake, case.vehicle.data.wheel.radius),
+        track_brake=None if case.track_brake is None else track_brake(case.track_brake, model.bogies),
+        brake_demand=brake.demand,
+        motor=motor(traction.motor if traction else Motor()),
+        torque_demand=traction.demand if traction else (),
+        roller_drive=motor(control.motor),
+    )
+
+
+def _sensors(table: Sensors) -> _core.Sensors:
+    flange = table.roller_torque
+    return core_struct(
+        _core.Sensors,
+        table,
+        axles=_speed_sensor(table.axles),
+        rollers=_speed_sensor(table.rollers),
+        vehicle=None if table.vehicle is None else _speed_sensor(table.vehicle),
+        roller_torque=None if flange is None else _force_sensor(flange),
+        axle_load=_force_sensor(table.axle_load),
+    )
+
+
+def _speed_sensor(table: Encoder | PulsePeriod | PulseFrequency) -> Any:
+    return core_struct(_core.speed_sensors[table.kind], table, without=("kind",))
+
+
+def _force_sensor(table: ForceSensor) -> _core.ForceSensor:
+    return core_struct(_core.ForceSensor, table, bandwidth=table.bandwidth and angular(table.bandwidth))
+
+
+# ---------------------------------------------------------------------------------------------------- controllers
+
+
+def _controllers(model: AssembledModel, users: Mapping[str, UserController]) -> list[_core.SampledController]:
+    """Those of the case, in the order of the core's registry."""
+    case = model.case
+    found = []
+    for name, law in _core.controllers.items():
+        table = getattr(case, name)
+        if table is None:
+            continue
+        radius = case.vehicle.data.wheel.radius
+        if isinstance(table, RigControl):
+            controller = rig_controller(model)
+        elif name == "brake_unit" and case.brake is not None:
+            controller = law(pneumatics=pneumatics(case.brake), reservoir=reservoirs(model))
+        elif name == "slide_protection":
+            controller = law(law=slide_protection(table, radius))
+        else:
+            controller = core_struct(law, table, without=_TIMING, wheel_radius=radius)
+        found.append(_core.SampledController(sampling=_sampling(case, name, users), controller=controller))
+    return found
+
+
+def slide_protection(table: SlideProtection | TableSlideProtection, wheel_radius: float) -> Any:
+    """The law of slide protection, for wheels of an assumed radius [m]."""
+    given = {"entries": entry_numbers(table)} if isinstance(table, TableSlideProtection) else {}
+    law = _core.slide_protections[table.kind]
+    return core_struct(law, table, without=(*_TIMING, "kind"), wheel_radius=wheel_radius, **given)
+
+
+def _sampling(case: Case, name: str, users: Mapping[str, UserController]) -> _core.Sampling:
+    table, step = getattr(case, name), case.time.sampling_step
+    time = users[name].sample_time if name in users else table.sample_time
+    return _core.Sampling(every=round(time / step), delay=round(table.delay / step), external=name in users)
+
+
+def rig_controller(model: AssembledModel) -> _core.RigControl:
+    """The controller of the rollers: its estimator, the virtual train and its rail, and the feedback.
+
+    Raises:
+        StartError: the vehicle has no equilibrium on track.
+    """
+    control = model.case.rig_control
+    assert control is not None
+    without = (*_TIMING, "load_transfer", "loads", "motor", "protection")
+    return core_struct(
+        _core.RigControl,
+        control,
+        without=without,
+        assumed=assumed_parameters(model),
+        estimator=estimator(control),
+        axle_torque=axle_torque(control.axle_torque),
+        feedback=feedback(control.feedback),
+        drive_command=drive_command(control),
+        largest=control.feedback.largest,
+        commanded_torque=control.estimator.torque == "commanded",
+        measured_loads=control.loads == "measured",
+        train=_virtual_train(model),
+        rail=virtual_rail(model),
+    )
+
+
+def virtual_rail(model: AssembledModel) -> _core.VirtualRail:
+    """The rail under axles that are only computed.
+
+    Raises:
+        StartError: the vehicle has no equilibrium on track.
+    """
+    return _core.VirtualRail(
+        model=model.core,
+        contact=model.axles[0].contacts[0],
+        adhesion=model.adhesion,
+        patch=rail_patch(model),
+        cell=_rail_cell(model.case),
+        energy_width=_energy_width(model.case),
+        wheel_memory=_wheel_memory(model.case),
+        sand_kept=model.case.sanding.kept if model.case.sanding else 1.0,
+    )
+
+
+def estimator(control: RigControl) -> Any:
+    """The estimator of contact force and axle torque."""
+    table = control.estimator
+    given = {"bandwidth": angular(table.bandwidth)} if isinstance(table, BandwidthEstimator) else {}
+    return core_struct(_core.estimators[table.kind], table, without=("kind", "torque"), **given)
+
+
+def feedback(table: ProportionalIntegral | SlidingMode | NoFeedback) -> Any:
+    """A feedback on the axles' speeds."""
+    given = {"bandwidth": angular(table.bandwidth)} if isinstance(table, ProportionalIntegral) else {}
+    return core_struct(_core.feedbacks[table.kind], table, without=("kind", "largest"), **given)
+
+
+def axle_torque(table: AnyAxleTorque) -> Any:
+    """Where the controller takes the torque of an axle from."""
+    law = _core.axle_torque_laws[table.kind]
+    if isinstance(table, KnownTorque):
+        return core_struct(law, table, without=("kind", "correction"), bandwidth=angular(table.correction))
+    given = {"bandwidth": angular(table.bandwidth)} if isinstance(table, ExtrapolatedTorque) else {}
+    return core_struct(law, table, without=("kind",), **given)
+
+
+def drive_command(control: RigControl) -> Any:
+    """How the drives are asked for their torque; a lead without a time of its own has that of (D22)."""
+    table = control.drive_command
+    given = {}
+    if isinstance(table, LeadCommand) and table.ahead is None:
+        lag = _core.torque_lag(motor(control.motor), control.sample_time, control.delay, 0.0)
+        given = {"ahead": lag + 0.5 * control.sample_time}
+    return core_struct(_core.drive_commands[table.kind], table, without=("kind",), **given)
+
+
+def assumed_parameters(model: AssembledModel) -> _core.AssumedParameters:
+    """Wheel and roller as the controller assumes them: the rig's own, where the case does not say otherwise."""
+    case = model.case
+    control, rig = case.rig_control, case.support.data
+    assert control is not None
+    assert isinstance(rig, Rig)
+    true = {
+        "roller_inertia": rig.roller_inertia[1] + rotor_inertia(control.motor),
+        "roller_radius": rig.roller_radius,
+        "wheelset_inertia": wheelset_inertia(model),
+        "wheel_radius": case.vehicle.data.wheel.radius,
+    }
+    chosen: dict[str, Any] = {name: getattr(control.assumed, name) or value for name, value in true.items()}
+    return core_struct(_core.AssumedParameters, **chosen)
+
+
+def rotor_inertia(table: Motor | None) -> float:
+    """Inertia of a drive's rotor on the driven axle [kg m^2]; 0 without a drive."""
+    return float(_core.reflected_inertia(table.rotor_inertia, table.gear_ratio)) if table is not None else 0.0
+
+
+def wheelset_inertia(model: AssembledModel) -> float:
+    """Inertia of a wheelset about its axle, with the rotor of its motor [kg m^2]."""
+    traction = model.case.traction
+    return model.inertias[model.wheelsets[0]][1] + rotor_inertia(traction.motor if traction else None)
+
+
+def _virtual_train(model: AssembledModel) -> _core.VirtualTrain:
+    case = model.case
+    return core_struct(
+        _core.VirtualTrain,
+        case.train,
+        without=("axles", "brake_signal_speed"),
+        mass=train_mass(model),
+        gravity=case.gravity,
+        wheelset_inertia=wheelset_inertia(model),
+        wheel_radius=case.vehicle.data.wheel.radius,
+        static_load=[model.axle_loads[name] for name in model.wheelsets],
+        load_transfer=load_transfer(model),
+        position=[axle.x for axle in model.axles],
+    )
+
+
+def full_brake_torque(case: Case) -> float:
+    """Against the turning of each axle, at the largest pressure asked for and the speed of the start [N m]."""
+    if case.brake is None or case.motion.speed <= 0.0:
+        return 0.0
+    pressure = max(row[1] for row in case.brake.demand)
+    speed = case.motion.speed / case.vehicle.data.wheel.radius
+    return -float(friction_brake(case.brake).torque(pressure, speed))
+
+
+def feedback_gains(model: AssembledModel) -> tuple[float, float]:
+    """Proportional [N m s/rad] and integral gain [N m/rad] of PI feedback on a rig with [rig_control], (D6).
+
+    Those of the case; with feedback of another kind those that PI feedback has by default.
+    """
+    control = model.case.rig_control
+    assert control is not None
+    table = control.feedback if isinstance(control.feedback, ProportionalIntegral) else ProportionalIntegral()
+    proportional, integral = _core.feedback_gains(feedback(table), assumed_parameters(model))
+    return proportional, integral
+
+
+def estimator_response(model: AssembledModel) -> dict[str, tuple[float, float]]:
+    """Measured bandwidth [Hz] and delay of slow changes [s] of the estimates 'force' and 'torque', with exact sensors.
+
+    Args:
+        model: of a case with [rig_control].
+    """
+    control = model.case.rig_control
+    assert control is not None
+    found = _core.estimator_response(estimator(control), assumed_parameters(model), control.sample_time)
+    return {name: (of[0] / angular(1.0), of[1]) for name, of in zip(("force", "torque"), found, strict=True)}

@@ -1,0 +1,96 @@
+"""How an argument of a public function is written on the command line; its meaning is that of the docstring.
+
+function of rollerrig.cli.commands -> [parameters] -> rollerrig.cli.study_command -> `rollerrig NAME`
+"""
+
+from __future__ import annotations
+
+import inspect
+import re
+import sys
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Annotated, Any, get_args, get_origin
+
+SPEEDS_KMH = tuple(float(v) for v in range(60, 301, 20))
+"""Speeds of a stability analysis unless others are given [km/h]."""
+
+UNITS = {"": ("", 1.0), "mm": ("m", 1e-3), "mrad": ("rad", 1e-3), "bar": ("Pa", 1e5), "kN m": ("N m", 1e3)}
+"""Unit of an option -> that of the argument, and the first in terms of the second."""
+
+
+@dataclass(frozen=True)
+class Option:
+    """How an option differs from the argument.
+
+    Attributes:
+        name: of the parameter.
+        unit: of UNITS.
+        least, most: range.
+        default: its default.
+        switch: whether it has no `--no-` beside it.
+        commas: whether one text holds its values; else it is repeated.
+        quantity: table and key of the configuration whose quantity it is, written with its unit.
+        meaning: its own, where that of the argument does not fit.
+    """
+
+    name: str = ""
+    unit: str = ""
+    least: float | None = None
+    most: float | None = None
+    default: Any = None
+    switch: bool = False
+    commas: bool = False
+    quantity: tuple[str, str] | None = None
+    meaning: str = ""
+
+
+HIDDEN = ("progress", "folder", "parameters")
+"""Arguments that the command line has otherwise."""
+
+Processes = Annotated[int, Option(least=1, most=64, default=2, meaning="runs at a time.")]
+OneProcess = Annotated[int, Option(least=1, most=64, meaning="runs at a time.")]
+Switch = Annotated[bool, Option(switch=True)]
+SpeedsKmh = Annotated[Sequence[float], Option(meaning="speeds [km/h] as start:stop:step, or a list with commas.")]
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """An argument of a function.
+
+    Attributes:
+        name: of the argument.
+        kind: its type as written.
+        default: of the argument; `inspect.Parameter.empty`: none.
+        options: one, or several whose values it has as a tuple or, by their names, as a mapping; none: it stands without a name.
+        meaning: in the docstring.
+    """
+
+    name: str
+    kind: str
+    default: Any
+    options: tuple[Option, ...]
+    meaning: str
+
+
+def parameters(function: Callable[..., Any]) -> list[Parameter]:
+    """The arguments of a function that the command line has; its annotations are plain types from here on."""
+    names, found = vars(sys.modules[function.__module__]), []
+    meanings = dict(re.findall(r"^ {4}(\w+): ((?:.|\n {5,})+)$", inspect.getdoc(function) or "", re.MULTILINE))
+    for name, one in inspect.signature(function).parameters.items():
+        if name in HIDDEN or one.kind is inspect.Parameter.VAR_KEYWORD:
+            continue
+        kind = str(one.annotation)
+        declared = eval(kind, names) if kind.startswith("Annotated[") else names.get(kind)
+        options = [] if one.default is inspect.Parameter.empty else [Option()]
+        if get_origin(declared) is Annotated:
+            plain, *options = get_args(declared)
+            kind = plain.__name__ if isinstance(plain, type) else str(plain).replace("collections.abc.", "")
+            function.__annotations__[name] = kind
+        found.append(Parameter(name, kind, one.default, tuple(options), " ".join(meanings[name].split())))
+    return found
+
+
+def summary(function: Callable[..., Any]) -> str:
+    """The docstring before its sections."""
+    return re.split(r"\n\n(?=\w+:\n)", inspect.getdoc(function) or "")[0]

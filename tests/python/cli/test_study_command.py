@@ -1,0 +1,83 @@
+"""Commands that follow from functions: an option has its argument's default, meaning and unit, and is read as it is shown."""
+
+from __future__ import annotations
+
+import inspect
+import re
+from typing import Any
+
+import pytest
+import typer
+from typer.testing import CliRunner
+
+from rollerrig.analysis.mode_table import SPEEDS_KMH
+from rollerrig.cli import commands
+from rollerrig.cli.app import build_app
+from rollerrig.cli.commands import STUDIES
+from rollerrig.cli.study_command import _options, _shown, _value
+from rollerrig.study import options
+from rollerrig.study.options import UNITS, Option, Parameter
+
+EVERY = [(name, one) for name, found in STUDIES.items() for one in found]
+GROUP = typer.main.get_command(build_app())
+
+
+def test_speeds_are_those_of_the_analysis() -> None:
+    assert options.SPEEDS_KMH == SPEEDS_KMH
+
+
+@pytest.mark.parametrize(("name", "one"), EVERY, ids=lambda v: v if isinstance(v, str) else v.name)
+def test_an_option_that_is_not_given_is_the_default_of_the_argument(name: str, one: Parameter) -> None:
+    if not one.options or any(option.default is not None for option in one.options):
+        return  # a place of its own, or said to have another default
+    given = {parameter.name: parameter.default for parameter in _options(one)}
+    if inspect.Parameter.empty in given.values():
+        assert one.default is inspect.Parameter.empty
+        return
+    value, default = _value(one, given), one.default
+    assert value == (pytest.approx(default, rel=1e-12) if isinstance(default, float) else default) or (
+        isinstance(default, tuple) and value == pytest.approx(default, rel=1e-12)
+    )
+
+
+@pytest.mark.parametrize("name", STUDIES)
+def test_help_has_the_meaning_of_every_argument_and_no_unit_of_the_other_side(name: str) -> None:
+    text = " ".join(CliRunner().invoke(build_app(), [name, "--help"], terminal_width=1000).stdout.split()).lower()
+    for one in STUDIES[name]:
+        for option in one.options:
+            words = (option.meaning or one.meaning).lower()
+            unit, other = option.unit.lower(), UNITS[option.unit][0].lower()
+            assert words.replace(f"[{other}]", f"[{unit}]") in text, (name, one.name)
+
+
+@pytest.mark.parametrize("name", STUDIES)
+def test_annotations_of_a_function_are_plain_types(name: str) -> None:
+    texts = [str(one.annotation) for one in inspect.signature(getattr(commands, name)).parameters.values()]
+    assert [text for text in texts if "Option" in text] == []
+
+
+@pytest.mark.parametrize(
+    ("value", "option", "text"),
+    [
+        ((0.001, 0.002, 0.003, 0.004), Option(unit="mm"), "1:4:1"),
+        ((60.0, 80.0, 100.0), Option(), "60,80,100"),
+        ((-0.06, 0.0, 0.1), Option(unit="mm"), "-60,0,100"),
+        (("rig", "track"), Option(commas=True), "rig,track"),
+        (3e-3, Option(unit="mm"), 3.0),
+    ],
+)
+def test_defaults_are_shown_in_the_unit_of_the_option(value: Any, option: Option, text: Any) -> None:
+    assert _shown(value, option) == text
+
+
+def test_an_option_in_another_unit_reaches_the_function_in_si() -> None:
+    (one,) = (one for one in STUDIES["response"] if one.name == "brake_pressure")
+    assert _value(one, {"brake_pressure": 2.5}) == pytest.approx(2.5e5)
+    (two,) = (one for one in STUDIES["response"] if one.name == "frequencies")
+    assert _value(two, {"from_hz": 1.0, "to_hz": 5.0}) == (1.0, 5.0)
+
+
+def test_numbers_of_a_list_keep_their_range() -> None:
+    done = CliRunner().invoke(build_app(), ["compare", "manchester_vehicle_1", "--radii-m", "0.01", "--out", "x"])
+    assert done.exit_code == 2
+    assert "must lie between 0.05 and 1e+06" in " ".join(re.sub("[│╭╮╰╯─]", " ", done.output).split())
