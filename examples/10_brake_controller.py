@@ -4,7 +4,7 @@ import subprocess
 import sys
 
 import rollerrig as rr
-from rollerrig.interfaces.controller_part import SlideProtection
+from rollerrig.interfaces.plant import SlideProtection
 from rollerrig.interfaces.realtime import Client
 
 PORT = "127.0.0.1:50105"

@@ -1,12 +1,14 @@
-"""A case as other tools drive it: assembled, at its start, with named inputs and outputs; and its model file.
+"""A case, or one of its controllers alone, as other tools drive it: with named inputs and outputs; and its model file.
 
 Case -> [assembled_model] -> _core.AssembledModel -> _core.Plant
         [assemble_file]   -> model file -> [read_model] -> _core.AssembledModel
+case, name of its table -> [controller_part] -> _core.ControllerPart
+measured axle speeds -> [SlideProtection] -> commands of the dump valves
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import cast
@@ -17,6 +19,7 @@ from rollerrig.assembly.model import assemble
 from rollerrig.cases import as_case
 from rollerrig.common.input_files import MEGABYTE, read_input
 from rollerrig.config import Case, ConfigError, ConfigProblem
+from rollerrig.config.errors import nearest
 from rollerrig.results.files import output_file, write_bytes
 from rollerrig.simulation.controllers import UserController, roles_of, with_brake_unit
 from rollerrig.simulation.mechatronics import mechatronic_setup
@@ -141,3 +144,87 @@ def _external_controllers(case: Case, external: Collection[str]) -> dict[str, Us
             key, value = ("user", table.user) if table.user is not None else ("fmu", table.fmu.file)
             raise ConfigError([ConfigProblem(case.name, f"{role}.{key}", repr(value), allowed)])
     return {role: cast("UserController", _External(getattr(case, role).sample_time)) for role in external}
+
+
+def controller_part(case: Case, part: str) -> _core.ControllerPart:
+    """A controller of the case with what it starts from.
+
+    Raises:
+        ConfigError: the case has no such controller, or not ours.
+        StartError: no equilibrium was found to start from.
+    """
+    case, there = with_brake_unit(case, [part]), roles_of(case)
+    if part not in there:
+        raise part_refused(case, part, f"allowed: a controller of the case: {', '.join(there) or 'it has none'}", there)
+    if not getattr(case, part).is_ours:
+        raise part_refused(case, part, "the case has a controller of your own there; allowed: one of ours")
+    axles = case.train.axles
+    shared = case.sanding is not None or (case.adhesion is not None and case.adhesion.recovery_constant > 0.0)
+    if part == "rig_control" and axles is not None and axles.simulated and shared:
+        raise part_refused(
+            case, part, "the simulated axles of [train.axles] run on its virtual rail, and clean it or take its sand"
+        )
+    others = [role for role in there if (table := getattr(case, role)) is not None and not table.is_ours]
+    assembled = assembled_model(case, external=others)
+    assert assembled.setup is not None
+    sampled = next(one for one in assembled.setup.controllers if isinstance(one.controller, _core.controllers[part]))
+    plant = _core.Plant(assembled)
+    plant.start()
+    names = list(assembled.names.axles)
+    if isinstance(sampled.controller, _core.RigControl):  # of those on the rig alone
+        names = names[: len(sampled.controller.train.static_load)]
+
+    def at_start(quantity: str) -> list[float]:
+        return [float(plant.get(plant.find(f"{axle}.{quantity}"))) for axle in names]
+
+    return _core.ControllerPart(
+        name=case.name,
+        step=assembled.setup.step,
+        controller=sampled,
+        axles=names,
+        train_speed=assembled.setup.speed,
+        axle_speed=at_start("axle_speed"),
+        roller_speed=at_start("roller_speed"),
+    )
+
+
+def part_refused(case: Case, part: str, allowed: str, choices: list[str] | None = None) -> ConfigError:
+    """What is wrong with a part, with a guess."""
+    return ConfigError([ConfigProblem(case.name, "part", repr(part), allowed, nearest(part, choices or []))])
+
+
+class SlideProtection:
+    """The slide protection of a case, without its rig.
+
+    Attributes:
+        sample_time: of the case's table [s].
+    """
+
+    def __init__(self, case: Case) -> None:
+        """Begin at the speed of the case's start.
+
+        Raises:
+            ConfigError: the case has no slide protection, or not ours.
+            StartError: no equilibrium was found to start from.
+        """
+        self._plant = _core.ControllerPlant(controller_part(case, "slide_protection"))
+        self._plant.start()
+        self.sample_time: float = self._plant.period
+        names = [variable.name for variable in self._plant.variables]
+        self._speeds = [i for i, name in enumerate(names) if name.endswith(".axle_speed")]
+        self._valves = [i for i, name in enumerate(names) if name.endswith(".valve_command")]
+
+    def step(self, time: float, axle_speed: Sequence[float]) -> list[float]:
+        """One sample, to be taken every `sample_time`; those that were left out before are taken with it.
+
+        Args:
+            time: of the sample [s].
+            axle_speed: as measured, shape (axle,) [rad/s].
+
+        Returns:
+            0 fill, 1 hold or 2 vent for each axle.
+        """
+        for index, speed in zip(self._speeds, axle_speed, strict=True):
+            self._plant.set_input(index, speed)
+        self._plant.advance((round(time / self.sample_time) + 1) * self.sample_time)
+        return [self._plant.get(index) for index in self._valves]

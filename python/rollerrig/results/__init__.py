@@ -3,8 +3,6 @@
 rows of the core -> [results] -> xarray.Dataset -> run.nc, summary.json, CSV
 """
 
-from rollerrig.results.citation import cite as cite
-from rollerrig.results.citation import sources_of as sources_of
 from rollerrig.results.dataset import COMPLETED as COMPLETED
 from rollerrig.results.dataset import Draft as Draft
 from rollerrig.results.dataset import Outcome as Outcome
@@ -29,6 +27,8 @@ from rollerrig.results.folder import read_manifest as read_manifest
 from rollerrig.results.other_formats import export as export
 from rollerrig.results.other_formats import mat_bytes as mat_bytes
 from rollerrig.results.run_info import RunInfo as RunInfo
+from rollerrig.results.run_info import cite as cite
+from rollerrig.results.run_info import sources_of as sources_of
 from rollerrig.results.summary import motion_table as motion_table
 from rollerrig.results.summary import summarise as summarise
 from rollerrig.results.summary import wheel_table as wheel_table

@@ -19,8 +19,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from rollerrig.results.dataset import Draft
-from rollerrig.results.readings import readings_of
+from rollerrig.results.dataset import Draft, readings_of
 from rollerrig.results.run_info import RunInfo
 
 RESOLUTION = {"m": 1e-10, "rad": 1e-10, "m/s": 1e-9, "m/s^2": 1e-7, "N": 1e-3, "1": 1e-8}

@@ -25,10 +25,9 @@ from rollerrig.cases import as_case
 from rollerrig.common.linear_algebra import eigenvalues
 from rollerrig.config import Case, ConfigError, ConfigProblem, Rig
 from rollerrig.results import COMPLETED, Draft, Outcome, add_energy_audit, add_termination, run_draft
-from rollerrig.results.dataset import drive_warning
+from rollerrig.results.dataset import Recording, add_readings, drive_warning, readings_per_sample
 from rollerrig.results.files import available_memory
 from rollerrig.results.plausibility import plausibility_warnings
-from rollerrig.results.readings import Recording, add_readings, readings_per_sample
 from rollerrig.results.summary import add_contact_losses, contact_loss_warning
 from rollerrig.results.termination import FLEXIBLE, contact_in_words
 from rollerrig.simulation.controllers import (

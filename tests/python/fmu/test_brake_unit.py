@@ -11,8 +11,7 @@ import xarray as xr
 
 from rollerrig import ConfigError, _core, export_part, load_case, simulate
 from rollerrig.config import Case
-from rollerrig.interfaces.controller_part import controller_part
-from rollerrig.interfaces.plant import assembled_model
+from rollerrig.interfaces.plant import assembled_model, controller_part
 
 SHORT = {"time.duration": "4 s", "contact.normal": "hertz"}  # what presses on the rail is none of the brake's
 

@@ -20,7 +20,7 @@ from typer.testing import CliRunner
 from rollerrig import Case, _core, export_part, load_case, simulate
 from rollerrig.cli.app import build_app
 from rollerrig.config import ConfigError, case_from_toml
-from rollerrig.simulation.fmu_controller import cut_off
+from rollerrig.simulation.fmu_file import cut_off
 
 fmpy = pytest.importorskip("fmpy", reason="FMPy is an optional dependency")
 validation = pytest.importorskip("fmpy.validation")

@@ -9,7 +9,7 @@ import sys
 import pytest
 
 import rollerrig as rr
-from rollerrig.interfaces.controller_part import SlideProtection
+from rollerrig.interfaces.plant import SlideProtection
 from rollerrig.interfaces.realtime import Client
 
 SERVER = """

@@ -10,7 +10,7 @@ import xarray as xr
 
 import rollerrig as rr
 from rollerrig.config.schema.contact import CREEP_LAWS, NORMAL_LAWS
-from rollerrig.results.citation import _LAWS, entries, sources_of
+from rollerrig.results.run_info import _LAWS, entries, sources_of
 
 
 def keys(text: str) -> list[str]:

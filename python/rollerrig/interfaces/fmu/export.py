@@ -20,9 +20,8 @@ from pathlib import Path
 from rollerrig import __version__, _core
 from rollerrig.cases import as_case
 from rollerrig.config import Case, ConfigError, ConfigProblem
-from rollerrig.interfaces.controller_part import controller_part, part_refused
 from rollerrig.interfaces.fmu.description import Unit, model_description_2, model_description_3
-from rollerrig.interfaces.plant import assembled_model
+from rollerrig.interfaces.plant import assembled_model, controller_part, part_refused
 from rollerrig.results.files import output_file, write_bytes
 from rollerrig.results.marks import PAGE
 
