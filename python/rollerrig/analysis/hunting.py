@@ -37,7 +37,7 @@ NOT_DECIDED = "not_decided"
 """Status of a run that came to its end, but to no decision."""
 
 PIECE = 2.0
-"""By so much a run is prolonged until it is decided [s]."""
+"""Length by which a run is prolonged until it is decided [s]."""
 
 SIGNALS = ("lateral", "yaw")
 LATERAL = [name for name, _, _ in _core.body_fields].index("y")
@@ -137,7 +137,7 @@ def hunting_run(job: tuple[Case, float, HuntingSettings], progress: Progress | N
     body = model.body_index(observed := observed_body(case))
     room = math.ceil(longest / settings.output_step) + 2
     times, rows = np.empty(room), np.empty((room, simulation.width))
-    begin(simulation, model, starting_state(simulation, model))
+    begin(simulation, model, starting_state(model))
     code, filled, at = _core.status_codes["ok"], 0, 0.0
     decision: Decision = "open"
 

@@ -254,7 +254,7 @@ def _over_time(
 def filtered(read: xr.Dataset) -> xr.Dataset:
     """The forces as EN 14363 assesses them, at the output times.
 
-    Y, Q and the wear number: low pass 20 Hz, the latter cut at 0 where it rings below. Y/Q and ΣY: low pass 20 Hz, then the
+    Y, Q and the wear number: low pass 20 Hz, the latter cut at 0 where it overshoots. Y/Q and ΣY: low pass 20 Hz, then the
     sliding mean over 2 m, which is NaN within 1 m of both ends. The instability criterion `guiding_force_sum_rms`: ΣY through
     f_0 ± 2 Hz, then the r.m.s. over 100 m, in a run of that length. Wheel unloading is that of the filtered load. Filtered are
     the readings between the output times where the run has them.
@@ -290,7 +290,7 @@ def filtered(read: xr.Dataset) -> xr.Dataset:
         done = str(values.attrs.get("filter", f"{FORCE_CUTOFF:g} Hz"))
         if name in ("derailment_quotient", "guiding_force_sum"):
             values, done = sliding_mean(values, dense["distance"]), f"{done}, mean over 2 m"
-        if name == "wear_number":  # a heat: what the filter rings below its least value is no part of it
+        if name == "wear_number":  # a heat: the filter's overshoot below its least value is no part of it
             values, done = values.clip(min=min(0.0, float(dense[name].min()))), f"{done}, not below 0"
         through[name] = values.sel(time=kept["time"]).assign_attrs(filter=done)
     return kept.assign(through)

@@ -25,9 +25,9 @@ from rollerrig.config.schema.actuators import ControllerFmu
 LARGEST_FMU = 512 * MEGABYTE
 """Some carry tables and a library for each platform [bytes]."""
 LARGEST_UNPACKED = 2 * LARGEST_FMU
-"""Of all its members [bytes]."""
+"""Largest size of all its members together [bytes]."""
 LARGEST_DESCRIPTION = 32 * MEGABYTE
-"""Of modelDescription.xml [bytes]; 100 000 variables have some 20 MB."""
+"""Largest size of its modelDescription.xml [bytes]; 100 000 variables have some 20 MB."""
 OF_THE_TRAIN = ("track_brake_force", "force_of_others")
 """Measured quantities that are the same for each axle: a variable may take one number."""
 MEASURED = tuple(name for name, _, _ in _core.measurement_fields)
@@ -183,7 +183,7 @@ def cut_off(library: bytes) -> int:
             struct.unpack_from(form, library, at + place)[0] for form, place in (("<I", 0), ("<Q", 8), ("<Q", 32))
         )
         end = max(end, offset + length) if kind == 1 else end  # PT_LOAD
-    return max(0, end - len(library))
+    return int(max(0, end - len(library)))
 
 
 def _size(count: int) -> str:

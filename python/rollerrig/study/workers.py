@@ -161,6 +161,8 @@ class _Run:
                 process.kill()
             if self._threads:
                 self._threads.shutdown()
+            for process in self._processes:
+                process.join()
 
     def stop(self) -> None:
         """Ask the jobs to end."""

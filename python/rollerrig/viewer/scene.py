@@ -51,7 +51,7 @@ def plots(head: dict[str, Any]) -> list[Group]:
 
     def group(title: str, unit: str, curves: list[tuple[str, str, float]], note: str = "") -> Group:
         known = [[column, label, factor] for column, label, factor in curves if column in columns]
-        own = f"time.{known[0][0].partition('.')[2]}" if known else ""
+        own = f"time.{str(known[0][0]).partition('.')[2]}" if known else ""
         times = {"times": own} if own in columns else {}
         return {"title": title, "note": note, "unit": unit, "curves": known, **times}
 

@@ -19,7 +19,7 @@ from rollerrig.analysis.signals import FinalMotion
 from rollerrig.study.frame import Outcome
 from rollerrig.study.run import CONTACT, QUANTITIES, Results, RunStudy
 
-RESTS = [f"lateral_rest.{name}" for name in ("body", "amplitude_mm", "frequency_hz", "growth_rate_per_s", "persists")]
+RESTS = [f"lateral_rest.{name}" for name in ("body", "amplitude_mm", "frequency_hz", "growth_rate_per_s", "decision")]
 FORCES = ("wheel_forces", "y_over_q", "sum_of_guiding_forces", "wear_number", "accelerations_of_the_car_body")
 
 

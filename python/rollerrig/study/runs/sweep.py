@@ -173,8 +173,8 @@ def _axis(variation: Variation, quantity: Quantity | None, whole: WholePlan, at:
         _try_out(whole, variation, values, at)
         return Axis(variation.label, variation.key, quantity, values)
     if quantity is None:
-        numbers = numbers_below(whole.case, variation.key)
-        hint = f"; its numbers are {', '.join(numbers)}" if numbers else ""
+        below = numbers_below(whole.case, variation.key)
+        hint = f"; its numbers are {', '.join(below)}" if below else ""
         needed = f"needed: `values`; this key holds no number, which alone has a range{hint}"
         raise reader.problem("key", variation.key, needed)
     in_grid = design.kind in ("grid", "list")

@@ -1,0 +1,65 @@
+"""Measures of a brake test that assessments rest on: oscillation of the drives, creep peak, valves that never move."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from rollerrig import load_case, simulate
+from rollerrig.analysis.slide_statistics import idle_valves, largest_ripple, torque_ripple
+from rollerrig.analysis.slide_statistics import test_record as record_of
+from rollerrig.analysis.virtual_rail import creep_curve, patch_of, slipperiest_peak
+from rollerrig.assembly.model import assemble
+from rollerrig.cli.describe import actuator_lines
+
+
+def test_an_oscillation_of_less_than_half_of_the_time_is_seen_and_its_spell_measured() -> None:
+    time = np.arange(0.0, 20.0, 0.01)
+    fast = 800.0 * np.sin(2.0 * np.pi * 25.0 * time)
+    part = np.where((time >= 5.0) & (time < 9.0), fast, 0.0)  # a fifth of the time
+    torque = np.stack([np.zeros_like(time), part], axis=1)
+    assert torque_ripple(time, torque)[0] < 1.0
+    ripple, spell = largest_ripple(time, torque, 100.0)
+    assert ripple == pytest.approx(800.0 / math.sqrt(2.0), rel=0.01)
+    assert spell == pytest.approx(4.0, abs=0.51)  # windows of 0.25 s, and the filter's ends
+    broken = np.where((time >= 7.0) & (time < 7.5), 0.0, part)
+    assert largest_ripple(time, broken[:, None], 100.0)[1] == pytest.approx(2.0, abs=0.51)
+    assert np.isnan(largest_ripple(time[:20], torque[:20], 100.0)).all()
+
+
+def test_the_peak_of_the_slipperiest_rail_is_that_of_its_creep_curve() -> None:
+    case = load_case("adhesion_brake")
+    patch = patch_of(assemble(case))
+    slip, adhesion = slipperiest_peak(case, patch, case.motion.speed)
+    around = slip * np.array([0.9, 0.99, 1.0, 1.01, 1.1])
+    forces = creep_curve(case, patch, 0.08, around)[1]
+    assert forces.max() <= adhesion * (1.0 + 1e-9)
+    assert forces[2] == pytest.approx(adhesion, rel=1e-12)
+    pieces = [{"distance": 50.0, "rail": "low"}, {"distance": 100.0, "rail": "wet"}]
+    changing = case.with_changes({"adhesion.rail": "dry", "adhesion.piece": pieces})
+    assert slipperiest_peak(changing, patch, case.motion.speed) == (slip, adhesion)
+    assert slipperiest_peak(case.with_changes({"adhesion": None}), patch, 30.0)[0] == math.inf
+
+
+def test_valves_that_a_fill_pulse_does_not_move_are_named_by_check() -> None:
+    case = load_case("adhesion_valves")
+    assert idle_valves(case) == []
+    slow = case.with_changes({"brake.air.opening_time": "100 ms", "brake.air.closing_time": "100 ms"})
+    (line,) = idle_valves(slow)
+    assert line == "Dump valves never open in stepwise filling: 60 ms of fill, 100 ms until they open"
+    assert line in actuator_lines(slow)
+    assert idle_valves(slow.with_changes({"brake.air.least_pulse": "105 ms"})) == []
+    assert idle_valves(load_case("adhesion_brake")) == []
+
+
+def test_a_protection_that_is_not_ours_has_no_reference_speed_and_no_error_of_it() -> None:
+    case = load_case("adhesion_brake").with_changes({"time.duration": "1 s", "contact.normal": "hertz"})
+    run = simulate(case)
+    assert math.isfinite(record_of(run, case).measures["reference_speed_error_rms_mps"])
+    assert case.slide_protection is not None
+    foreign = case.slide_protection.model_copy(update={"user": "mine.py:Mine"})
+    measures = record_of(run, case.model_copy(update={"slide_protection": foreign})).measures
+    assert math.isnan(measures["reference_speed_error_rms_mps"])
+    assert math.isnan(measures["reference_speed_error_largest_mps"])
