@@ -391,10 +391,10 @@ def test_a_library_that_cannot_be_loaded_ends_its_own_process_alone(
 
 
 def test_what_unpacks_to_too_much_is_refused(relay: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("rollerrig.simulation.fmu_controller.LARGEST_UNPACKED", 1000)
+    monkeypatch.setattr("rollerrig.simulation.fmu_file.LARGEST_UNPACKED", 1000)
     with pytest.raises(ConfigError, match=r"it unpacks to 0\.\d+ MB; allowed: up to 0\.001 MB"):
         simulate(with_relay(relay, 0.1))
     monkeypatch.undo()
-    monkeypatch.setattr("rollerrig.simulation.fmu_controller.LARGEST_DESCRIPTION", 100)
+    monkeypatch.setattr("rollerrig.simulation.fmu_file.LARGEST_DESCRIPTION", 100)
     with pytest.raises(ConfigError, match=r"its modelDescription\.xml has .*allowed: up to 0\.0001 MB"):
         simulate(with_relay(relay, 0.1))
