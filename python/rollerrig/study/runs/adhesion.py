@@ -267,7 +267,7 @@ class Row:
 
 
 Tests = tuple[Sequence[TestRecord], Sequence[TestRecord]]
-"""Of track and rig, from the same starts."""
+"""Records of track and rig, from the same starts."""
 
 
 def verdict_rows(case: Case, tests: Tests, fine: Tests = ((), ())) -> list[Row]:
