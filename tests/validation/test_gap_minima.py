@@ -145,7 +145,7 @@ def poses_of(pair: str, poses: int) -> int:
 
 @pytest.mark.parametrize("pair", sorted(shipped()))
 def test_every_minimum_of_random_poses_is_found(pair: str) -> None:
-    assert poses_of(pair, 5) > 8
+    assert poses_of(pair, 2) > 3
 
 
 @pytest.mark.long
