@@ -6,8 +6,6 @@ their rollers: nothing is left between both but the controller's sample, and the
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
@@ -62,11 +60,3 @@ def test_a_sample_of_the_controller_costs_dump_cycles_and_a_lead_brings_them_bac
         (-0.025, 0.01),
     )  # four standard errors or more
     assert all(low < part < high for (part, _), (low, high) in zip(found, bounds, strict=True)), found
-
-
-@pytest.mark.long  # 20 s of it with steps of 0.2 ms
-def test_what_a_sample_costs_goes_with_its_length() -> None:
-    """SAID"""
-    test = replace(numbers_of(brake_case("polach"), "polach"), step=2e-4)
-    track, rig = cycles(test, [TRACK, IDEAL], 20.0)
-    print(track.mean(), missing(track, rig))
