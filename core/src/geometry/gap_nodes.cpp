@@ -136,7 +136,7 @@ class Scan {
         here = circle_point(lane_pair_, lane_pose_, circle, sine, cosine);
       }
     }
-    here = settled(here);
+    here = settled(lane_pair_, here);
     store_lanes(select(here.found, here.gap - reach_, V(no_gap)), &gap_[at(k)]);
     store_lanes(here.slope, &slope_[at(k)]);
   }

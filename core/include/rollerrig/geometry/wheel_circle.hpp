@@ -156,8 +156,8 @@ template <class T>
 inline constexpr double settled_tilt = 3e-4;
 
 /// The lowest point from one close to it: gap and place to the third, slope and normal to the second order of the tilt.
-template <class T>
-[[gnu::always_inline]] inline CirclePoint<T> settled(CirclePoint<T> at) {
+template <class T, class Pair>
+[[gnu::always_inline]] inline CirclePoint<T> settled(Pair const& pair, CirclePoint<T> at) {
   T const step = -0.5 * at.tilt * reciprocal(at.curvature);
   at.gap += 0.5 * step * at.tilt;
   at.slope += step * at.twist;
@@ -165,6 +165,8 @@ template <class T>
   at.p += move;
   at.rail_y += move.y;
   at.n += step * at.bend;
+  auto const above = value_of(at.p.y) + value_of(at.gap) * value_of(at.n.y) - pair.rail_origin_y;
+  at.found = pair.rail->contains(above) && pair.rail->contains(value_of(at.rail_y));
   return at;
 }
 
@@ -194,7 +196,7 @@ void lowest_points(Pair const& pair, RelativePose<T> const& pose, std::array<Whe
     }
     if (!any(steepest > settled_tilt)) break;
   }
-  for (auto& point : points) point = settled(point);
+  for (auto& point : points) point = settled(pair, point);
 }
 
 /// The same at abscissae of the wheels [m].
