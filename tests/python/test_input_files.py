@@ -168,6 +168,7 @@ OWN_FILES = {
     "interfaces/fmu/export.py": "the libraries that ship",
     "common/input_files.py": "the door itself",
     "results/files.py": "of the kernel",
+    "results/folder.py": "the folder itself, to lock it",
     "results/run_info.py": "the sources that ship",
     "results/quantities.py": "the registry that ships",
     "study/paper.py": "the text of a report, which ships",

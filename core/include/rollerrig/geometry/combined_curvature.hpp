@@ -5,7 +5,7 @@
 // Axes    in the common tangent plane, n out of the roller: c along the roller's circumference (along a rail), m = n x c across.
 // Twist   the wheel's circumference lies at the angle chi from c towards m: about yaw / cos(contact angle), 8 degrees for 50 mrad
 //         at the flange. Both surfaces' curvatures are symmetric tensors; only in common axes may they be added.
-// Source  Johnson, Contact Mechanics (1985), section 4.1; docs/theory/contact_geometry.md, (G7), (G8).
+// Source  Johnson, Contact Mechanics (1985), section 4.1; docs/theory/contact_geometry.md, (G5), (G6).
 #pragma once
 #include "rollerrig/math/vector.hpp"
 
@@ -24,7 +24,7 @@ struct Twist {
 template <Scalar T>
 Twist<T> twist_of(Vec3<T> const& n, Vec3<T> const& axle, T const& wheel_norm, T const& inverse_lean) {
   using std::sqrt;
-  T const s = (n.x * axle.z - n.z * axle.x) * (wheel_norm * inverse_lean);  // (G7)
+  T const s = (n.x * axle.z - n.z * axle.x) * (wheel_norm * inverse_lean);  // (G5)
   return {s, sqrt(1.0 - s * s)};
 }
 
@@ -50,7 +50,7 @@ template <Scalar T>
 CurvatureTensor<T> curvature_tensor(T const& k1, T const& k2, Twist<T> const& chi) {
   T const sin2 = chi.sin * chi.sin;
   T const cos2 = chi.cos * chi.cos;
-  return {k1 * cos2 + k2 * sin2, (k1 - k2) * (chi.sin * chi.cos), k2 * cos2 + k1 * sin2};  // (G8)
+  return {k1 * cos2 + k2 * sin2, (k1 - k2) * (chi.sin * chi.cos), k2 * cos2 + k1 * sin2};  // (G6)
 }
 
 }  // namespace rollerrig

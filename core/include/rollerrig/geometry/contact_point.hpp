@@ -19,7 +19,7 @@ struct ContactPoint {
   T rail_curvature_across;   ///< k_2b [1/m]
   Twist<T> twist{};          ///< of the wheel's principal directions against the roller's
 
-  /// D: half the sum of both bodies' curvatures in the roller's axes, eqs (14), (G8) [1/m].
+  /// D: half the sum of both bodies' curvatures in the roller's axes, eqs (14), (G6) [1/m].
   CurvatureTensor<T> combined_curvature() const {
     auto const wheel = curvature_tensor(wheel_curvature_along, wheel_curvature_across, twist);
     return {0.5 * (wheel.along + rail_curvature_along), 0.5 * wheel.mixed,
