@@ -34,7 +34,6 @@ class Scan {
         pose_(pose),
         h_(nodes.step()),
         near_(steepest_hidden * h_),
-        sag_(0.01 * h_),
         reach_(reach),
         every_minimum_(every_minimum) {
     lane_pair_.set_all(pair_, nodes_.arc().abscissae());
@@ -80,65 +79,37 @@ class Scan {
   static constexpr int hidden_levels = 2;      ///< nearer than 12 um a minimum and a maximum are about to merge
   static constexpr double hidden_turn = 3e-4;  ///< by as much a slope may turn back and forth between two nodes [-]
   static constexpr double nearly_touching = 0.1e-3;  ///< gap or overlap of full-scale surfaces [m]
+  static constexpr double settled_tilt = 3e-5;       ///< by which the gap is 1 nm above that of the lowest point [-]
   static constexpr int levels = 3;
   static constexpr int inner = 8;  ///< nodes laid between two
 
   double place(int k) const { return h_ * (first_ + k); }
   Point point(int k) const { return {place(k), gap_[at(k)], slope_[at(k)]}; }
 
-  /// Gap and slope at every node: exact where they may be near contact and beside that, elsewhere the gap of bound().
+  /// Gap and slope at every node: exact where they may be near contact.
   void look() {
-    if (every_minimum_) {
-      for (int k = 0; k < count_; k += native_lanes) look_at(k);
-      return;
-    }
-    for (int k = 0; k < count_; k += native_lanes) store_lanes(bound(k), &gap_[at(k)]);
-    std::fill_n(slope_.begin(), count_, 0.0);
-    for (int k = 0, from = 0; k < count_; ++k) {
-      if (gap_[at(k)] > near_ + sag_) continue;
-      from = std::max(from, k - 1);
-      for (; from < std::min(k + 2, count_); from += native_lanes) look_at(from);
-      k = std::max(k, from - 2);
-    }
-  }
-
-  V loaded_row(std::vector<double> const& row, int k) const {
-    V out;
-    load_lanes(&row[at(first_ + k)], out);
-    return out;
-  }
-
-  /// What the gap of a circle is at least over a generatrix that does not bend upwards: its point at the bottom over the tangent
-  /// there by the square of its cosine, less what turning may take. Where it does bend upwards, sag_ is more than that.
-  V bound(int k) const {
-    V const s = loaded_row(nodes_.abscissa, k), radius = pair_.wheel_radius + loaded_row(nodes_.height, k);
-    auto const &o = lane_pose_.o, &ey = lane_pose_.R.ey, &ez = lane_pose_.R.ez;
-    V const along = pair_.tape_circle_y + s;
-    V const y = o.y + along * ey.y - radius * ez.y - pair_.rail_origin_y;
-    auto const rail = generatrix_at(lane_pair_.rail_profile, y);
-    V const tilt = lane_pose_.R.ex.z - rail.slope * lane_pose_.R.ex.y;
-    V const height = o.z + along * ey.z - radius * ez.z - rail.value;
-    return (height - radius * (tilt * tilt)) * reciprocal(V(1.0 + rail.slope * rail.slope));
-  }
-
-  void look_at(int k) {
-    V const s = loaded_row(nodes_.abscissa, k);
-    WheelCircle<V> const circle{pair_.wheel_radius + loaded_row(nodes_.height, k), loaded_row(nodes_.slope, k),
-                                loaded_row(nodes_.cosine, k),
-                                lane_pose_.o + V(pair_.tape_circle_y + s) * lane_pose_.R.ey};
-    auto [sine, cosine] = facing_angle(lane_pair_, lane_pose_, circle);
-    auto here = circle_point(lane_pair_, lane_pose_, circle, sine, cosine);
-    // The lowest point of the circle lies lower by about tilt^2 / (4 curvature); twice that is sure.
-    V const lowest = here.gap - reach_ - 0.5 * here.tilt * here.tilt * reciprocal(here.curvature);
-    if (any(lowest < near_)) {  // found or not: the lowest point may be on the profile where the first is not
-      for (int i = 0; i < 2 && any(here.tilt > settled_tilt || here.tilt < -settled_tilt); ++i) {
-        turn_by(towards_lowest(here, circle), sine, cosine);
-        here = circle_point(lane_pair_, lane_pose_, circle, sine, cosine);
+    for (int k = 0; k < count_; k += native_lanes) {
+      auto const load = [&](std::vector<double> const& row) {
+        V out;
+        load_lanes(&row[at(first_ + k)], out);
+        return out;
+      };
+      V const s = load(nodes_.abscissa);
+      WheelCircle<V> const circle{pair_.wheel_radius + load(nodes_.height), load(nodes_.slope), load(nodes_.cosine),
+                                  lane_pose_.o + V(pair_.tape_circle_y + s) * lane_pose_.R.ey};
+      auto [sine, cosine] = facing_angle(lane_pair_, lane_pose_, circle);
+      auto here = circle_point(lane_pair_, lane_pose_, circle, sine, cosine);
+      // The lowest point of the circle lies lower by about tilt^2 / (4 curvature); twice that is sure.
+      V const lowest = here.gap - reach_ - 0.5 * here.tilt * here.tilt * reciprocal(here.curvature);
+      if (any(lowest < near_)) {  // found or not: the lowest point may be on the profile where the first is not
+        for (int i = 0; i < 2 && any(here.tilt > settled_tilt || here.tilt < -settled_tilt); ++i) {
+          turn_by(towards_lowest(here, circle), sine, cosine);
+          here = circle_point(lane_pair_, lane_pose_, circle, sine, cosine);
+        }
       }
+      store_lanes(select(here.found, here.gap - reach_, V(no_gap)), &gap_[at(k)]);
+      store_lanes(here.slope, &slope_[at(k)]);
     }
-    here = settled(lane_pair_, here);
-    store_lanes(select(here.found, here.gap - reach_, V(no_gap)), &gap_[at(k)]);
-    store_lanes(here.slope, &slope_[at(k)]);
   }
 
   /// A point so far from the other surface, or so deep in it, that the osculating circle under it is no estimate of the foot on
@@ -291,7 +262,7 @@ class Scan {
   WheelRollerPair const& pair_;
   GapNodes const& nodes_;
   RelativePose<double> const& pose_;
-  double h_, near_, sag_, reach_;
+  double h_, near_, reach_;
   bool every_minimum_, far_{false};
   int first_{0}, count_{0};
   Row gap_, slope_;

@@ -33,16 +33,6 @@ Solved solved(Wheel const& wheel, RelativePose<double> const& pose, Interpenetra
   return {part.normal, part.peak_pressure, std::abs(strips.change)};
 }
 
-/// As a wheel gets it: with few strips, and with many as far as these have not settled.
-Solved shipped(Wheel const& wheel, RelativePose<double> const& pose, InterpenetrationRegion const& region) {
-  auto const few = solved<strip_count>(wheel, pose, region, strip_passes);
-  if (!(few.change > 0.01)) return few;
-  auto const many = solved<20>(wheel, pose, region, 8);
-  double const s = strip_detail::smooth_step(std::min(1.0, (few.change - 0.01) / 0.01));
-  return {few.force + s * (many.force - few.force), few.peak_pressure + s * (many.peak_pressure - few.peak_pressure),
-          few.change};
-}
-
 double force_of(StripSolution<double> const& found) {
   double sum = 0.0;
   for (int k = 0; k < found.count; ++k) {
@@ -60,38 +50,30 @@ double quantile(std::vector<double> values, double part) {
 
 }  // namespace
 
-TEST_CASE("a few strips carry what many carry, at any pose on tread and flange") {
-  for (double inverse_radius : {0.0, 1.0 / 0.725, 1.0 / 0.3}) {
+TEST_CASE("a few strips carry what many carry, at any pose") {
+  for (double inverse_radius : {0.0, 1.0 / 0.725}) {
     Wheel const wheel(inverse_radius);
     std::vector<double> force, peak;
-    int flange = 0;
     for (auto const& pose : loaded_poses(wheel, 1000, 11, 40e-3)) {
       auto const scan = scan_gap(wheel.profiles.pair, wheel.nodes, pose);
       for (int k = 0; k < scan.regions; ++k) {
         auto const& region = scan.region[static_cast<std::size_t>(k)];
-        auto const few = shipped(wheel, pose, region);
+        auto const few = solved<strip_count>(wheel, pose, region, strip_passes);
         auto const many = solved<48>(wheel, pose, region, 16);
         if (many.force < 500.0) continue;
-        flange += wheel.nodes.arc().abscissa(region.right.position) < -26e-3;
         force.push_back(std::abs(few.force / many.force - 1.0));
         peak.push_back(std::abs(few.peak_pressure / many.peak_pressure - 1.0));
       }
     }
     REQUIRE(force.size() > 1000);
-    REQUIRE(flange > 100);
     CAPTURE(inverse_radius);
-    MESSAGE(inverse_radius, ": ", force.size(), " regions, ", flange, " on the flange; force ", quantile(force, 0.5),
-            " ", quantile(force, 0.99), " ", quantile(force, 1.0), ", peak pressure ", quantile(peak, 0.5), " ",
-            quantile(peak, 0.99), " ", quantile(peak, 1.0));
-    // Asked is 3 % of the force at the worst pose. Measured, rail, 725 and 300 mm: 0.0028, 0.0030, 0.0032 in the median, 0.019,
-    // 0.018, 0.016 at 99 %, 0.021, 0.019, 0.023 at the worst; peak pressure up to 0.0048, 0.048, 0.26. Sixteen strips: 0.0018,
-    // 0.011, 0.016; 0.002, 0.031, 0.20. Against the exact half-space twelve are no worse: test_half_space_pairs.py.
-    CHECK(quantile(force, 0.5) < 4e-3);
-    CHECK(quantile(force, 0.99) < 0.022);
-    CHECK(quantile(force, 1.0) < 0.03);
-    CHECK(quantile(peak, 0.5) < 6e-3);
-    CHECK(quantile(peak, 0.99) < 0.06);
-    CHECK(quantile(peak, 1.0) < 0.3);
+    // Measured: 0.0018, 0.011 and 0.016 of the force, 0.002, 0.031 and 0.20 of the peak pressure.
+    CHECK(quantile(force, 0.5) < 3e-3);
+    CHECK(quantile(force, 0.99) < 0.015);
+    CHECK(quantile(force, 1.0) < 0.02);
+    CHECK(quantile(peak, 0.5) < 4e-3);
+    CHECK(quantile(peak, 0.99) < 0.05);
+    CHECK(quantile(peak, 1.0) < 0.25);
   }
 }
 
@@ -111,7 +93,7 @@ TEST_CASE("a region that has not settled is solved again with many strips, and c
     CHECK((few.change > 0.01) == (found.refined == 1));
     if (found.refined != 1 || found.count != 1) continue;
     ++alone;
-    double const many = solved<20>(wheel, pose, scan.region[0], 8).force;
+    double const many = solved<32>(wheel, pose, scan.region[0], 10).force;
     double const s = strip_detail::smooth_step(std::min(1.0, (few.change - 0.01) / 0.01));
     CHECK(force_of(found) == doctest::Approx(few.force + s * (many - few.force)).epsilon(1e-9));
   }

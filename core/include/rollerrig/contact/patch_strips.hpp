@@ -11,9 +11,9 @@ namespace rollerrig {
 /// and with many has both, their forces and areas times the weights of the two.
 template <Scalar T>
 struct PatchStrips {
-  static constexpr std::size_t capacity = 48;  ///< 16, and 24 more where these had not settled, in whole registers
+  static constexpr std::size_t capacity = 48;  ///< 16, and 32 more where these had not settled
   using Row = std::array<T, capacity>;
-  int count{0};               ///< a multiple of 8
+  int count{0};               ///< a multiple of 16
   std::array<Row, 3> point;   ///< middle of the strip on the roller: x, y, z [m]
   std::array<Row, 3> normal;  ///< there, out of the roller
   Row force;                  ///< of its pressures [N]

@@ -8,6 +8,7 @@
 // Frame b, left wheel. One wheel per lane, or one place of a wheel per lane.
 #pragma once
 #include "rollerrig/geometry/lane_pair.hpp"
+#include "rollerrig/math/dual.hpp"
 
 namespace rollerrig {
 
@@ -23,12 +24,11 @@ struct WheelCircle {
 template <class T>
 struct CirclePoint {
   T gap;                      ///< along the other surface's normal [m]; negative: the surfaces overlap
-  T slope;                    ///< of the gap along the profile's arc [-] ...
-  T twist;                    ///< ... and its derivative along the circle [1/m]
+  T slope;                    ///< of the gap along the profile's arc [-]
   T tilt;                     ///< of the gap along the circle; zero at the lowest point [-]
   T curvature;                ///< half the second derivative of the gap along the circle [1/m]
   Vec3<T> p, n;               ///< point of the other surface [m] and its normal, out of the roller
-  Vec3<T> u, bend;            ///< direction of the circle; derivative of n along it [1/m]
+  Vec3<T> u;                  ///< direction of the circle
   T rail_y;                   ///< abscissa of p on the generatrix [m]
   MaskOf<NumberOf<T>> found;  ///< whether there is a generatrix under it and at p
 };
@@ -100,13 +100,7 @@ template <class T, class Pair>
   T const above = height - rail.value;
   T const rise = above * rail_cosine, aside = above * rail_sine;
   T const shrink = 1.0 + across * rise;
-  T const shrunk = select(shrink > 0.5, shrink, T(0.5));
-  // One division for three.
-  auto const& bent = pair.hertz_curvature();
-  T const bent_radius = 1.0 + bent * rail.value;
-  T const both_radii = bent_radius * c.radius;
-  T const by_all = reciprocal(T(shrunk * both_radii));
-  T const inverse_shrink = by_all * both_radii;
+  T const inverse_shrink = reciprocal(select(shrink > 0.5, shrink, T(0.5)));
   T const foot = aside * inverse_shrink, turn = across * foot;
   out.gap = rise + 0.5 * turn * aside;
   out.rail_y = y + rail_cosine * foot;
@@ -119,14 +113,11 @@ template <class T, class Pair>
   out.tilt = dot(out.n, out.u);
   out.slope = (dot(out.n, pose.R.ey) + c.slope * dot(out.n, outwards)) * c.cosine;
   // Along the circle the wheel rises towards its axis; the other surface falls by its curvatures (15) in that direction.
-  T const wheel = -(dot(out.n, outwards) * (by_all * shrunk * bent_radius));
+  T const wheel = -(dot(out.n, outwards) * reciprocal(c.radius));
   T const u_along = out.u.x * uz - out.u.z * ux;
   T const u_across = out.u.y * radial - (out.u.x * ux + out.u.z * uz) * axial;
-  T const rail_along = bent * rail_cosine * (by_all * shrunk * c.radius);
-  T const turn_along = kappa * rail_cosine * inverse_radius * u_along, turn_across = across * inverse_shrink * u_across;
-  out.bend = {turn_along * uz - turn_across * (axial * ux), turn_across * radial,
-              -(turn_along * ux) - turn_across * (axial * uz)};
-  out.twist = (dot(out.bend, pose.R.ey) + c.slope * dot(out.bend, outwards)) * c.cosine;
+  auto const& bent = pair.hertz_curvature();
+  T const rail_along = bent * rail_cosine * reciprocal(T(1.0 + bent * rail.value));
   T const both = 0.5 * (wheel + rail_along * u_along * u_along + across * inverse_shrink * u_across * u_across);
   T const least = 0.5 * least_circle_curvature * wheel;
   out.curvature = select(both > least, both, least);
@@ -152,51 +143,61 @@ template <class T>
   return select(short_of < farthest_turn, short_of, T(farthest_turn));
 }
 
-/// Tilt from where on the rest of the way to the lowest point is that of a parabola: its gap is good to 10^-11 m [-].
-inline constexpr double settled_tilt = 3e-4;
-
-/// The lowest point from one close to it: gap and place to the third, slope and normal to the second order of the tilt.
-template <class T, class Pair>
-[[gnu::always_inline]] inline CirclePoint<T> settled(Pair const& pair, CirclePoint<T> at) {
-  T const step = -0.5 * at.tilt * reciprocal(at.curvature);
-  at.gap += 0.5 * step * at.tilt;
-  at.slope += step * at.twist;
-  Vec3<T> const move = step * (at.u - at.tilt * at.n);
-  at.p += move;
-  at.rail_y += move.y;
-  at.n += step * at.bend;
-  auto const above = value_of(at.p.y) + value_of(at.gap) * value_of(at.n.y) - pair.rail_origin_y;
-  at.found = pair.rail->contains(above) && pair.rail->contains(value_of(at.rail_y));
-  return at;
-}
-
 /// The lowest points of several circles. Step by step for all of them: one place is a long chain of operations that wait for
 /// each other, several fill the time.
 template <class T, class Pair, std::size_t count>
 void lowest_points(Pair const& pair, RelativePose<T> const& pose, std::array<WheelCircle<T>, count> const& circles,
                    std::array<CirclePoint<T>, count>& points) {
   using N = NumberOf<T>;
-  std::array<std::array<T, 2>, count> angle;  // sine and cosine
-  for (std::size_t k = 0; k < count; ++k) angle[k] = facing_angle(pair, pose, circles[k]);
+  auto const numbers = numbers_of(pose);
+  std::array<WheelCircle<N>, count> circle;
+  std::array<CirclePoint<N>, count> point;
+  std::array<std::array<N, 2>, count> angle;  // sine and cosine
+  for (std::size_t k = 0; k < count; ++k) {
+    auto const& c = circles[k];
+    circle[k] = {value_of(c.radius),
+                 value_of(c.slope),
+                 value_of(c.cosine),
+                 {value_of(c.centre.x), value_of(c.centre.y), value_of(c.centre.z)}};
+    angle[k] = facing_angle(pair, numbers, circle[k]);
+  }
   constexpr int most_steps = 7;
-  auto const tilt_of = [&](std::size_t k) {
-    N const tilt = value_of(points[k].tilt);
-    return select(tilt < 0.0, N(-tilt), tilt);
-  };
+  constexpr double level = 1e-12;  // of tilt
+  auto const tilt_of = [&](std::size_t k) { return select(point[k].tilt < 0.0, N(-point[k].tilt), point[k].tilt); };
   for (int step = 0; step < most_steps; ++step) {
     N steepest(0.0);
     for (std::size_t k = 0; k < count; ++k) {
       if (step > 0) {  // a wheel that is level stays, whatever the others do
-        T const turn = towards_lowest(points[k], circles[k]);
-        turn_by(select(tilt_of(k) > settled_tilt, turn, T(0.0)), angle[k][0], angle[k][1]);
+        N const turn = towards_lowest(point[k], circle[k]);
+        turn_by(select(tilt_of(k) > level, turn, N(0.0)), angle[k][0], angle[k][1]);
       }
-      points[k] = circle_point(pair, pose, circles[k], angle[k][0], angle[k][1]);
+      point[k] = circle_point(pair, numbers, circle[k], angle[k][0], angle[k][1]);
       // A circle whose first point is beyond the profile's end may have its lowest one on it.
       steepest = select(tilt_of(k) > steepest, tilt_of(k), steepest);
     }
-    if (!any(steepest > settled_tilt)) break;
+    if (!any(steepest > level)) break;
   }
-  for (auto& point : points) point = settled(pair, point);
+  for (std::size_t k = 0; k < count; ++k) {
+    if constexpr (std::same_as<T, N>) {
+      points[k] = point[k];
+    } else {  // derivatives of the angle, by the implicit function theorem
+      T sine(angle[k][0]), cosine(angle[k][1]);
+      using Turn = Dual<1>;
+      auto const constant = [](Vec3<N> const& v) { return lift<Turn>(v); };
+      auto const& R = numbers.R;
+      Turn turned_sine(angle[k][0]), turned_cosine(angle[k][1]);
+      turn_by(Turn::variable(0.0, 0), turned_sine, turned_cosine);
+      double const rate =
+          circle_point<Turn>(
+              pair, {constant(numbers.o), {constant(R.ex), constant(R.ey), constant(R.ez)}},
+              {Turn(circle[k].radius), Turn(circle[k].slope), Turn(circle[k].cosine), constant(circle[k].centre)},
+              turned_sine, turned_cosine)
+              .tilt.d[0];
+      T const tilt = circle_point(pair, pose, circles[k], sine, cosine).tilt;
+      turn_by(T((value_of(tilt) - tilt) / rate), sine, cosine);
+      points[k] = circle_point(pair, pose, circles[k], sine, cosine);
+    }
+  }
 }
 
 /// The same at abscissae of the wheels [m].

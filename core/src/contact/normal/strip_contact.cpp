@@ -13,8 +13,8 @@ constexpr std::size_t most_wheels = 16;                              // of one b
 constexpr std::size_t most_parts = 4;                                // of a region
 constexpr std::size_t most_readings = 3 * GapScan::most_minima / 2;  // of a wheel
 
-constexpr std::size_t refined_strips = 20;
-constexpr int refined_passes = 8;
+constexpr std::size_t refined_strips = 32;
+constexpr int refined_passes = 10;
 // Change of the force in the last pass from which on these count, and beyond which they alone do [-].
 constexpr double unsettled = 0.01, not_settled = 0.02;
 
@@ -225,9 +225,8 @@ void refine(Batch<T>& batch, int index) {
   for (std::size_t k = 0; k <= (region.parts > 1 ? region.parts : 0); ++k)
     region.patch[k] = mixed(few.patch[k], region.patch[k], s);
   if (auto* strips = batch.strips_of(index)) {
-    constexpr int first = filled_up(strip_count);
-    weigh(*strips, 0, first, T(1.0 - s));
-    weigh(*strips, first, strips->count, s);
+    weigh(*strips, 0, static_cast<int>(strip_count), T(1.0 - s));
+    weigh(*strips, static_cast<int>(strip_count), strips->count, s);
   }
   ++batch.wheels[at(region.wheel)].found.refined;
 }

@@ -4,8 +4,6 @@
 //
 // Only where the creep law asks for them: contact/creep/strip_theory.hpp.
 #pragma once
-#include <algorithm>
-
 #include "rollerrig/contact/normal/strip_layout.hpp"
 #include "rollerrig/contact/patch_strips.hpp"
 
@@ -34,9 +32,6 @@ struct TurnedChords {
   }
 };
 
-/// How many rows n strips take: those behind the last carry nothing, so that whole registers are read.
-constexpr std::size_t filled_up(std::size_t n) { return (n + 7) / 8 * 8; }
-
 /// Appends the strips of one lane.
 template <class L, std::size_t n, Scalar T>
 void take_strips(StripTables const& tables, Strips<L, n> const& strips, StripPlaces<L, n> const& places, int i,
@@ -52,17 +47,16 @@ void take_strips(StripTables const& tables, Strips<L, n> const& strips, StripPla
   T const wider = get(chords.wider), middle = get(strips.middle);
   T const stretch = get(tables.at(StartFunction::half_length, strips.ellipse.place)) / wider;
   T const ahead = wider * get(chords.skew) + sine - cosine * skew, aside = wider - cosine - sine * skew;
-  for (std::size_t row = 0; row < filled_up(n); ++row) {
-    std::size_t const at = static_cast<std::size_t>(to.count++), k = std::min(row, n - 1);
-    T const counts(row < n ? 1.0 : 0.0);
+  for (std::size_t k = 0; k < n; ++k) {
+    auto const at = static_cast<std::size_t>(to.count++);
     auto const &p = places.point[k], &normal = places.normal[k];
     to.point[0][at] = get(p.x), to.point[1][at] = get(p.y), to.point[2][at] = get(p.z);
     to.normal[0][at] = get(normal.x), to.normal[1][at] = get(normal.y), to.normal[2][at] = get(normal.z);
     T const half = get(strips.half_length[k]), width = get(strips.width[k]);
-    to.force[at] = counts * get(strips.load[k]) * width;
+    to.force[at] = get(strips.load[k]) * width;
     to.half_length[at] = stretch * half;
     // Strips beside the patch keep a little load and length, (S5), which would take stiffness away from those in it.
-    to.area[at] = counts * get(strips.on[k]) * width * half;
+    to.area[at] = get(strips.on[k]) * width * half;
     to.position[at] = get(strips.position[k]), to.width[at] = width;
     T const shift = get(places.shift[k]), across = get(places.inside[k]) * (to.position[at] - middle);
     to.ahead[at] = across * ahead + cosine * shift;

@@ -30,13 +30,9 @@ class StripKernel {
   /// What is tabulated over k.
   enum class Function { own_deflection, own_curvature, deflection };  // Psi, Chi, psi
 
-  template <class T>
-  struct Value {
-    T value, slope;
-  };
   /// @param k  positive
   template <class T>
-  Value<T> read(Function function, T const& k) const;
+  T read(Function function, T const& k) const;
 
  private:
   static constexpr int lowest_octave = -16, octaves = 44;
@@ -46,7 +42,7 @@ class StripKernel {
 };
 
 template <class T>
-[[gnu::always_inline]] inline StripKernel::Value<T> StripKernel::read(Function function, T const& k) const {
+[[gnu::always_inline]] inline T StripKernel::read(Function function, T const& k) const {
   using N = NumberOf<T>;
   constexpr auto lanes = static_cast<std::size_t>(lanes_of<N>);
   Cubic const* const table = cells_[static_cast<std::size_t>(function)].data();
@@ -65,9 +61,11 @@ template <class T>
   load_lanes(number.data(), start);
   N const t = x - start;
   auto const c = turned(row);
-  N const slope = (3.0 * c[3] * t + 2.0 * c[2]) * t + c[1];
-  return {along(k, N(((c[3] * t + c[2]) * t + c[1]) * t + c[0]), slope),
-          along(k, slope, N(6.0 * c[3] * t + 2.0 * c[2]))};
+  N const value = ((c[3] * t + c[2]) * t + c[1]) * t + c[0];
+  if constexpr (std::same_as<T, N>)
+    return value;
+  else
+    return along(k, value, N((3.0 * c[3] * t + 2.0 * c[2]) * t + c[1]));
 }
 
 }  // namespace rollerrig

@@ -42,36 +42,36 @@ struct StripPlaces {
 
 namespace strip_detail {
 
-/// Density of strips beside the patch over that within it [-].
-inline constexpr double shallow_share = 0.35;
-/// Where it rises from one to the other: depth over that at the edge of the patch [-].
-inline constexpr double outside = 0.3, within = 1.0;
+/// What a place of no interpenetration adds to the density of strips, as a share of the mean interpenetration [-].
+inline constexpr double shallow_share = 0.05;
 /// What a gap that does not bend adds to it, as a share of the mean bend [-].
 inline constexpr double straight_share = 0.1;
 
 /// Edges of strips from depths and slopes of the gap at equal distances over the region, as parts of it, 0 to 1: each strip
 /// takes the same share of a density that is linear between those places.
-///
-/// @param edge_depth  interpenetration at the edge of the patch [m]
 template <class T, std::size_t m, std::size_t n>
-void grade(StripRow<T, m> const& depth, StripRow<T, m> const& slope, T const& edge_depth, std::array<T, n + 1>& edge) {
+void grade(StripRow<T, m> const& gap, StripRow<T, m> const& slope, std::array<T, n + 1>& edge) {
   using std::sqrt;
-  // Bend of the gap between two places, and its mean.
+  // Bend of the gap between two places, and its mean; depth over the deepest.
   std::array<T, m + 1> bend;
-  T sum(1e-30);
+  T sum(1e-30), depth2(1e-60), depth1(1e-30);
   for (std::size_t k = 1; k < m; ++k) {
     T const change = slope[k] - slope[k - 1];
     bend[k] = change * change;
     sum += bend[k];
   }
   bend[0] = bend[1], bend[m] = bend[m - 1];
-  T const inverse_bend = (m - 1.0) / sum, inverse_edge = 1.0 / edge_depth;
-  std::array<T, m> density;
+  std::array<T, m> depth, density;
+  for (std::size_t k = 0; k < m; ++k) {
+    depth[k] = select(gap[k] < 0.0, -gap[k], T(0.0));
+    depth1 += depth[k];
+    depth2 += depth[k] * depth[k];
+  }
+  T const inverse_bend = (m - 1.0) / sum, inverse_depth = depth1 / depth2;
   for (std::size_t k = 0; k < m; ++k) {
     T const local = 0.5 * (bend[k] + bend[k + 1]) * inverse_bend;
-    T const loaded = smooth_step(T((depth[k] * inverse_edge - outside) * (1.0 / (within - outside))));
     density[k] =
-        T(shallow_share + (1.0 - shallow_share) * loaded) * sqrt(sqrt(straight_share * straight_share + local));
+        sqrt(T(shallow_share + depth[k] * inverse_depth)) * sqrt(sqrt(straight_share * straight_share + local));
   }
   // Its integral to the middle of every place, in places.
   std::array<T, m + 1> before;
@@ -116,24 +116,12 @@ std::array<T, 2> ends_of(RegionPack<T> const& r) {
     }
   };
   std::array<N, 2> place{value_of(r.end[0].place), value_of(r.end[1].place)};
-  step(numbers_of(r.pose), place);  // the scan's places are good to some micrometres
+  for (int i = 0; i < 2; ++i) step(numbers_of(r.pose), place);
   std::array<T, 2> ends;
   for (std::size_t k = 0; k < 2; ++k) ends[k] = select(r.end[k].is_root > 0.5, T(place[k]), r.end[k].place);
   step(r.pose, ends);
   return ends;
 }
-
-/// What stands for a region.
-template <class T>
-struct Paraboloid {
-  T middle, depth;  ///< along the wheel's arc [m]; [m]
-  T skew,
-      across;  ///< of the line of its lowest points, x/y [-]; half the second derivative along that line, over y [1/m]
-  ObliqueEllipse<T> ellipse;
-
-  /// Interpenetration at the edge of the patch [m].
-  T edge_depth() const { return depth * (1.0 - across * ellipse.half_width * ellipse.half_width); }
-};
 
 /// Share of a strip that lies between two places along the arc.
 template <class T>
@@ -145,53 +133,38 @@ T share_between(T const& position, T const& width, T const& from, T const& to) {
   return before(to) - before(from);
 }
 
-/// From the lowest point of one circle to that of the next, along them [m].
-template <class T>
-T along_circles(CirclePoint<T> const& from, CirclePoint<T> const& to) {
-  return 0.5 * dot(to.p - from.p, to.u + from.u);
-}
-
-/// The paraboloid that stands for a region, from circles at places beside each other: middle, depth, and its ellipse. (S15)
+/// The paraboloid that stands for a region, from its strips: middle, depth, and its ellipse. (S15)
 /// Depth and width are those of the parabola with the same area, decided by the deep part; its lowest points lie on the line
-/// that fits those of the circles.
-template <class T, std::size_t m>
-Paraboloid<T> paraboloid_of(StripTables const& tables, StripRow<T, m> const& depth, StripRow<T, m> const& curvature,
-                            StripRow<T, m> const& along, T const& first, T const& distance) {
-  T area(1e-30), squares(1e-60), cubes(1e-90), bent(0.0), middle(0.0), ahead(0.0);
-  StripRow<T, m> weight;
-  for (std::size_t i = 0; i < m; ++i) {
-    T const& d = depth[i];
-    weight[i] = d * d;
-    area += d;
+/// that fits those of the strips.
+/// Then middles and interpenetration of the strips are those of the chords of that ellipse, (S12).
+template <class T, std::size_t n>
+void cut_ellipse(StripTables const& tables, Strips<T, n>& s, StripPlaces<T, n>& places) {
+  T area(1e-30), squares(1e-60), cubes(1e-90), curvature(0.0), middle(0.0), ahead(0.0);
+  StripRow<T, n> weight;
+  for (std::size_t i = 0; i < n; ++i) {
+    T const d = select(s.interpenetration[i] > 0.0, s.interpenetration[i], T(0.0));
+    T const part = d * s.width[i];
+    weight[i] = part * d;
+    area += part;
     squares += weight[i];
     cubes += weight[i] * d;
-    bent += d * curvature[i];
-    middle += weight[i] * static_cast<double>(i);
-    ahead += weight[i] * along[i];
+    curvature += part * s.curvature[i];
+    middle += weight[i] * s.position[i];
+    ahead += weight[i] * places.along[i];
   }
   T const inverse = 1.0 / squares;
-  middle = inverse * middle;
+  s.middle = inverse * middle;
   ahead = inverse * ahead;
-  Paraboloid<T> out;
-  out.middle = first + middle * distance;
-  out.depth = (7.0 / 6.0) * inverse * cubes;
+  s.depth = (7.0 / 6.0) * inverse * cubes;
   T spread(1e-60), obliquity(0.0);
-  for (std::size_t i = 0; i < m; ++i) {
-    T const y = static_cast<double>(i) - middle;
+  for (std::size_t i = 0; i < n; ++i) {
+    T const y = s.position[i] - s.middle;
     spread += weight[i] * y * y;
-    obliquity += weight[i] * y * (along[i] - ahead);
+    obliquity += weight[i] * y * (places.along[i] - ahead);
   }
-  T const half = (0.75 * area * distance + 1e-30) / out.depth;
-  out.skew = obliquity / (spread * distance + 1e-60);
-  out.across = out.depth / (half * half);
-  out.ellipse = oblique_ellipse(tables, T(bent / area), out.skew, out.across);
-  return out;
-}
-
-/// Middles and interpenetration of the strips become those of the chords of the region's ellipse, (S12).
-template <class T, std::size_t n>
-void cut_ellipse(Paraboloid<T> const& p, Strips<T, n>& s, StripPlaces<T, n>& places) {
-  s.middle = p.middle, s.depth = p.depth, s.across = p.across, s.ellipse = p.ellipse;
+  T const half = 0.75 * area / s.depth, skew = obliquity / spread;
+  s.across = s.depth / (half * half);
+  s.ellipse = oblique_ellipse(tables, T(curvature / area), skew, s.across);
   T const inverse_reach2 = reciprocal(T(s.ellipse.half_width * s.ellipse.half_width * s.depth));
   for (std::size_t i = 0; i < n; ++i) {
     T const y = s.position[i] - s.middle;
@@ -199,7 +172,7 @@ void cut_ellipse(Paraboloid<T> const& p, Strips<T, n>& s, StripPlaces<T, n>& pla
         1.0 - smooth_step(T((y * y * inverse_reach2 - 1.5) / 2.5));  // far from the ellipse it says nothing
     // Points stay: the centre of the pressures is that of the lowest points, which are exact.
     places.inside[i] = inside;
-    places.shift[i] = inside * (s.ellipse.skew - p.skew) * y;
+    places.shift[i] = inside * (s.ellipse.skew - skew) * y;
     places.along[i] += places.shift[i];
     s.interpenetration[i] -= inside * s.ellipse.taken * y * y;
   }
@@ -214,20 +187,16 @@ template <class T, std::size_t n>
 void lay_over_paraboloid(StripTables const& tables, T const& along, T const& skew, T const& across, T const& depth,
                          Strips<T, n>& s, StripPlaces<T, n>& places) {
   using std::sqrt;
-  constexpr std::size_t m = place_count;
+  constexpr std::size_t m = strip_count;
   T const half = sqrt(depth / across);
-  StripRow<T, m> deep, slope, curvature, ahead;
-  T const distance = (2.0 / m) * half, first = 0.5 * distance - half;
+  StripRow<T, m> gap, slope;
   for (std::size_t k = 0; k < m; ++k) {
-    T const y = first + static_cast<double>(k) * distance;
-    deep[k] = depth - across * y * y;
+    T const y = ((2.0 * static_cast<double>(k) + 1.0) / m - 1.0) * half;
+    gap[k] = across * y * y - depth;
     slope[k] = 2.0 * across * y;
-    curvature[k] = along;
-    ahead[k] = skew * y;
   }
-  auto const paraboloid = strip_detail::paraboloid_of(tables, deep, curvature, ahead, first, distance);
   std::array<T, n + 1> edge;
-  strip_detail::grade<T, m, n>(deep, slope, paraboloid.edge_depth(), edge);
+  strip_detail::grade<T, m, n>(gap, slope, edge);
   for (std::size_t i = 0; i < n; ++i) {
     T const y = s.position[i] = half * (edge[i] + edge[i + 1] - 1.0);
     s.width[i] = 2.0 * half * (edge[i + 1] - edge[i]);
@@ -239,7 +208,7 @@ void lay_over_paraboloid(StripTables const& tables, T const& along, T const& ske
     places.wheel_s[i] = places.rail_y[i] = T(0.0);
   }
   places.turn_sin = T(0.0), places.turn_cos = T(1.0);
-  strip_detail::cut_ellipse(paraboloid, s, places);
+  strip_detail::cut_ellipse(tables, s, places);
 }
 
 /// Lays the strips of every region.
@@ -249,23 +218,16 @@ void lay_strips(StripTables const& tables, RegionPack<T> const& r, Strips<T, n>&
   auto const [left, right] = ends_of(r);
   T const length = right - left;
 
-  constexpr std::size_t m = place_count;
-  T const distance = (1.0 / m) * length, first = left + 0.5 * distance;
+  constexpr std::size_t m = strip_count;
   std::array<T, m> s;
-  for (std::size_t k = 0; k < m; ++k) s[k] = r.pair.arc_to_abscissa.value(T(first + static_cast<double>(k) * distance));
+  for (std::size_t k = 0; k < m; ++k)
+    s[k] = r.pair.arc_to_abscissa.value(T(left + ((static_cast<double>(k) + 0.5) / m) * length));
   std::array<CirclePoint<T>, m> row;
   lowest_points(r.pair, r.pose, s, row);
-  StripRow<T, m> depth, slope, curvature, ahead;
-  ahead[0] = T(0.0);
-  for (std::size_t k = 0; k < m; ++k) {
-    depth[k] = select(row[k].found && row[k].gap < 0.0, -row[k].gap, T(0.0));
-    slope[k] = row[k].slope;
-    curvature[k] = row[k].curvature;
-    if (k > 0) ahead[k] = ahead[k - 1] + along_circles(row[k - 1], row[k]);
-  }
-  auto const paraboloid = paraboloid_of(tables, depth, curvature, ahead, first, distance);
+  StripRow<T, m> gap, slope;
+  for (std::size_t k = 0; k < m; ++k) gap[k] = select(row[k].found, row[k].gap, T(1e-3)), slope[k] = row[k].slope;
   std::array<T, n + 1> edge;
-  grade<T, m, n>(depth, slope, paraboloid.edge_depth(), edge);
+  grade<T, m, n>(gap, slope, edge);
 
   std::array<CirclePoint<T>, n> at;
   for (std::size_t i = 0; i < n; ++i) {
@@ -283,7 +245,10 @@ void lay_strips(StripTables const& tables, RegionPack<T> const& r, Strips<T, n>&
     places.rail_y[i] = p.rail_y;
     places.point[i] = p.p;
     places.normal[i] = p.n;
-    places.along[i] = i == 0 ? T(0.0) : places.along[i - 1] + along_circles(at[i - 1], p);
+    if (i == 0)
+      places.along[i] = T(0.0);
+    else
+      places.along[i] = places.along[i - 1] + 0.5 * dot(p.p - at[i - 1].p, p.u + at[i - 1].u);
     // The circle in the axes of the roller: c along its circumference, m = n x c across.
     T const inverse_lean = inverse_root(T(p.n.x * p.n.x + p.n.z * p.n.z));
     Vec3<T> const c{p.n.z * inverse_lean, T(0.0), -(p.n.x * inverse_lean)};
@@ -294,7 +259,7 @@ void lay_strips(StripTables const& tables, RegionPack<T> const& r, Strips<T, n>&
   T const inverse = inverse_root(T(turn_sin * turn_sin + turn_cos * turn_cos));
   places.turn_sin = inverse * turn_sin;
   places.turn_cos = inverse * turn_cos;
-  cut_ellipse(paraboloid, strips, places);
+  cut_ellipse(tables, strips, places);
 }
 
 }  // namespace rollerrig

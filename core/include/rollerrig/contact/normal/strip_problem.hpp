@@ -93,24 +93,16 @@ struct Influences {
 
 /// Over another strip the mean of psi is psi in its middle and a little more: three terms of the series for a function that falls
 /// as -(4/pi) ln k near the strip and as 1/k far from it.
-///
-/// @param rate  result, if asked for: derivatives over the logarithm of a_i
 template <class T, std::size_t n>
-void read_influences(StripKernel const& kernel, Strips<T, n> const& s, Influences<T, n>& out,
-                     Influences<T, n>* rate = nullptr) {
+void read_influences(StripKernel const& kernel, Strips<T, n> const& s, Influences<T, n>& out) {
   using F = StripKernel::Function;
   T const for_deflection = s.ellipse.deflection, for_curvature = 0.25 * s.ellipse.curvature;
   for (std::size_t i = 0; i < n; ++i) {
     T const inverse = reciprocal(s.half_length[i]);
     T const width = s.width[i] * inverse;
     T const own = 0.5 * width;
-    auto const own_deflection = kernel.read(F::own_deflection, own), own_curvature = kernel.read(F::own_curvature, own);
-    out.deflection[i][i] = 2.0 * for_deflection * own_deflection.value;
-    out.curvature[i][i] = 2.0 * for_curvature * own_curvature.value;
-    if (rate) {
-      rate->deflection[i][i] = -(for_deflection * width * own_deflection.slope);
-      rate->curvature[i][i] = -(for_curvature * width * own_curvature.slope);
-    }
+    out.deflection[i][i] = 2.0 * for_deflection * kernel.read(F::own_deflection, own);
+    out.curvature[i][i] = 2.0 * for_curvature * kernel.read(F::own_curvature, own);
     T const wide_deflection = for_deflection * width, wide_curvature = for_curvature * width;
     for (std::size_t j = 0; j < n; ++j) {
       if (i == j) continue;
@@ -121,110 +113,106 @@ void read_influences(StripKernel const& kernel, Strips<T, n> const& s, Influence
       T const part = width * (by_all * far * near);  // of the strip over its distance
       T const part2 = part * part;
       T const log_mean = part2 * (1.0 / 24.0 + part2 * (1.0 / 320.0 + part2 * (1.0 / 2688.0)));
-      T const by_far = by_all * k * near, by_near = by_all * k * far;
-      T const more = (4.0 / pi) * log_mean * by_far;
-      auto const middle = kernel.read(F::deflection, k);
-      T const psi = middle.value + more, curved = wide_curvature * by_near;
+      T const psi = kernel.read(F::deflection, k) + (4.0 / pi) * log_mean * (by_all * k * near);
       out.deflection[j][i] = wide_deflection * psi;
-      out.curvature[j][i] = curved * psi;  // (S2)
-      if (rate) {
-        T const change = more * (1.0 - by_far) - k * middle.slope - psi;
-        rate->deflection[j][i] = wide_deflection * change;
-        rate->curvature[j][i] = curved * (change + 2.0 * psi * (1.0 - by_near));
+      out.curvature[j][i] = wide_curvature * psi * (by_all * k * far);  // (S2)
+    }
+  }
+}
+
+/// M x = b, with derivatives: M dx = db - dM x, one after the other by the same factors.
+template <class T, std::size_t n>
+class LinearSystem {
+  using N = NumberOf<T>;
+
+ public:
+  explicit LinearSystem(Matrix<T, n> const& matrix) : matrix_(matrix) {
+    for (std::size_t j = 0; j < n; ++j)
+      for (std::size_t i = 0; i < n; ++i) factors_[j][i] = value_of(matrix[j][i]);
+    factorise<N, n>(factors_);
+  }
+  StripRow<T, n> solve(StripRow<T, n> const& b) const {
+    StripRow<N, n> v;
+    for (std::size_t j = 0; j < n; ++j) v[j] = value_of(b[j]);
+    solve_factored<N, n>(factors_, v);
+    StripRow<T, n> x;
+    for (std::size_t j = 0; j < n; ++j) x[j] = T(v[j]);
+    if constexpr (!std::same_as<T, N>) {
+      StripRow<T, n> residual;
+      for (std::size_t j = 0; j < n; ++j) {
+        T sum(0.0);
+        for (std::size_t i = 0; i < n; ++i) sum += matrix_[j][i] * v[i];
+        residual[j] = b[j] - sum;
+      }
+      for (int seed = 0; seed < residual[0].d.size(); ++seed) {
+        for (std::size_t j = 0; j < n; ++j) v[j] = residual[j].d[seed];
+        solve_factored<N, n>(factors_, v);
+        for (std::size_t j = 0; j < n; ++j) x[j].d[seed] = v[j];
       }
     }
+    return x;
   }
-}
 
-/// Influences after half-lengths have changed a little.
-template <class T, std::size_t n>
-void follow(Influences<T, n> const& base, Influences<T, n> const& rate, StripRow<T, n> const& before,
-            StripRow<T, n> const& now, Influences<T, n>& out) {
-  for (std::size_t i = 0; i < n; ++i) {
-    // Of the logarithm, to the third order; where nothing has settled yet, influences stay positive.
-    T const full = 2.0 * (now[i] - before[i]) * reciprocal(T(now[i] + before[i]));
-    T const short_of = select(full < 0.5, full, T(0.5));
-    T const change = select(short_of > -0.5, short_of, T(-0.5));
-    for (std::size_t j = 0; j < n; ++j) {
-      out.deflection[j][i] = base.deflection[j][i] + rate.deflection[j][i] * change;
-      out.curvature[j][i] = base.curvature[j][i] + rate.curvature[j][i] * change;
-    }
-  }
-}
-
-/// (M + D) x = b with D diagonal, and with derivatives: (M + D) dx = db - (dM + dD) x, one after the other by the same factors.
-template <class T, std::size_t n>
-StripRow<T, n> solved(Matrix<T, n> const& matrix, StripRow<T, n> const& diagonal, StripRow<T, n> const& b) {
-  using N = NumberOf<T>;
-  Matrix<N, n> factors;
-  StripRow<N, n> v;
-  for (std::size_t j = 0; j < n; ++j) {
-    for (std::size_t i = 0; i < n; ++i) factors[j][i] = value_of(matrix[j][i]);
-    factors[j][j] += value_of(diagonal[j]);
-    v[j] = value_of(b[j]);
-  }
-  factorise<N, n>(factors);
-  solve_factored<N, n>(factors, v);
-  StripRow<T, n> x;
-  for (std::size_t j = 0; j < n; ++j) x[j] = T(v[j]);
-  if constexpr (!std::same_as<T, N>) {
-    StripRow<T, n> residual;
-    for (std::size_t j = 0; j < n; ++j) {
-      T sum = diagonal[j] * v[j];
-      for (std::size_t i = 0; i < n; ++i) sum += matrix[j][i] * v[i];
-      residual[j] = b[j] - sum;
-    }
-    for (int seed = 0; seed < residual[0].d.size(); ++seed) {
-      for (std::size_t j = 0; j < n; ++j) v[j] = residual[j].d[seed];
-      solve_factored<N, n>(factors, v);
-      for (std::size_t j = 0; j < n; ++j) x[j].d[seed] = v[j];
-    }
-  }
-  return x;
-}
+ private:
+  Matrix<T, n> const& matrix_;
+  Matrix<N, n> factors_;
+};
 
 /// Loads of (S3), not negative: w = s(e) where e = w + (d - K w)/K_jj is what a strip would carry with the others as they are, and
 /// s(e) = (e + sqrt(e^2 + 4 f^2))/2, f a small load: e where strips carry load, almost nothing where they do not. Its slope is
 /// below one, so that there is one solution. One step of Newton from the last loads.
-///
-/// @param on  result: the slope: how far strips take part, 0 to 1
 template <class T, std::size_t n>
-StripRow<T, n> next_loads(Matrix<T, n> const& k, Strips<T, n> const& s, StripRow<T, n> const& w, StripRow<T, n>& on) {
-  using std::sqrt;
-  T sum(0.0), length(0.0);
-  for (std::size_t j = 0; j < n; ++j) {
-    sum += select(w[j] > 0.0, w[j], T(0.0)) * s.width[j];
-    length += s.width[j];
+class LoadStep {
+ public:
+  LoadStep(Matrix<T, n> const& k, StripRow<T, n> const& d, StripRow<T, n> const& width) : k_(k), d_(d), width_(width) {
+    for (std::size_t j = 0; j < n; ++j) inverse_[j] = reciprocal(k[j][j]);
   }
-  T const band2 = square(T(2.0 * fading * sum / length + 1e-30));
-  StripRow<T, n> b, diagonal;
-  for (std::size_t j = 0; j < n; ++j) {
-    T deflection(0.0);
-    for (std::size_t i = 0; i < n; ++i) deflection += k[j][i] * w[i];
-    T const e = w[j] + (s.interpenetration[j] - deflection) * reciprocal(k[j][j]);
-    T const root = sqrt(e * e + band2);
-    // e + root, without cancellation.
-    T const sum_up = select(e > 0.0, T(e + root), T(band2 / (root + select(e > 0.0, e, T(-e)))));
-    on[j] = 0.5 * sum_up / root;
-    // Divided by the slope over K_jj: w = s + s' (w - w_last) - ...
-    T const scale = k[j][j] / on[j];
-    diagonal[j] = scale - k[j][j];
-    b[j] = s.interpenetration[j] + scale * (0.5 * sum_up - on[j] * e);
+
+  /// All strips carry, pushed or pulled.
+  StripRow<T, n> first() const { return LinearSystem<T, n>(k_).solve(d_); }
+
+  /// @param on  result: how far strips take part, 0 to 1
+  /// @param m   result: the matrix of the step
+  StripRow<T, n> next(StripRow<T, n> const& w, StripRow<T, n>& on, Matrix<T, n>& m) const {
+    using std::sqrt;
+    T sum(0.0), length(0.0);
+    for (std::size_t j = 0; j < n; ++j) {
+      sum += select(w[j] > 0.0, w[j], T(0.0)) * width_[j];
+      length += width_[j];
+    }
+    T const band2 = square(T(2.0 * fading * sum / length + 1e-30));
+    StripRow<T, n> b;
+    for (std::size_t j = 0; j < n; ++j) {
+      T deflection(0.0);
+      for (std::size_t i = 0; i < n; ++i) deflection += k_[j][i] * w[i];
+      T const e = w[j] + (d_[j] - deflection) * inverse_[j];
+      T const root = sqrt(e * e + band2);
+      T const slope = on[j] = 0.5 * (1.0 + e / root);
+      T const scale = slope * inverse_[j];
+      for (std::size_t i = 0; i < n; ++i) m[j][i] = scale * k_[j][i];
+      m[j][j] += 1.0 - slope;
+      b[j] = scale * d_[j] + 0.5 * (e + root) - slope * e;
+    }
+    return LinearSystem<T, n>(m).solve(b);
   }
-  return solved(k, diagonal, b);
-}
+
+ private:
+  Matrix<T, n> const& k_;
+  StripRow<T, n> const &d_, &width_;
+  StripRow<T, n> inverse_;
+};
 
 /// q of (S4) on the loaded strips: on_j (sum_i S_ji on_i v_i - A_j) + (1 - on_j) S_jj v_j = 0.
 template <class T, std::size_t n>
-StripRow<T, n> conformities(Matrix<T, n> const& s, StripRow<T, n> const& on, StripRow<T, n> const& curvature) {
-  StripRow<T, n> diagonal, inverse;
+StripRow<T, n> conformities(Matrix<T, n> const& s, StripRow<T, n> const& on, StripRow<T, n> const& curvature,
+                            Matrix<T, n>& m) {
+  StripRow<T, n> b;
   for (std::size_t j = 0; j < n; ++j) {
-    inverse[j] = reciprocal(on[j]);
-    diagonal[j] = (1.0 - on[j]) * inverse[j] * inverse[j] * s[j][j];
+    for (std::size_t i = 0; i < n; ++i) m[j][i] = on[j] * on[i] * s[j][i];
+    m[j][j] += (1.0 - on[j]) * s[j][j];
+    b[j] = on[j] * curvature[j];
   }
-  StripRow<T, n> q = solved(s, diagonal, curvature);
-  for (std::size_t j = 0; j < n; ++j) q[j] = q[j] * inverse[j];
-  return q;
+  return LinearSystem<T, n>(m).solve(b);
 }
 
 /// a from w and q (S4), kept above zero.
@@ -256,38 +244,31 @@ void start_from_hertz(Strips<T, n>& s, StripRow<T, n>& conformity) {
 
 /// Fills load, half_length, on and change.
 ///
-/// @param passes  of loads and lengths, three or more
+/// @param passes  of loads and lengths
 template <class T, std::size_t n>
 void solve_strips(StripTables const& tables, Strips<T, n>& s, int passes) {
   using namespace strip_detail;
   using std::sqrt;
-  StripRow<T, n> conformity, w, before;
+  StripRow<T, n> conformity, w;
   auto& on = s.on;
   start_from_hertz(s, conformity);
-  for (std::size_t j = 0; j < n; ++j) w[j] = 0.5 * conformity[j] * s.half_length[j] * s.half_length[j];
-  Influences<T, n> base, rate, influence;
+  Influences<T, n> influence;
+  Matrix<T, n> m;
   T const inverse = 1.0 / T(s.compliance);
   T const damping = 0.4 * smooth_step(T((-0.5 - s.ellipse.place.x) * 0.4));
   T last(0.0), force(0.0);
   for (int pass = 0; pass < passes; ++pass) {
-    int const left = passes - pass;  // with this one
-    if (left > 3) {
-      read_influences(tables.kernel, s, influence);
-    } else if (left == 3) {
-      before = s.half_length;
-      read_influences(tables.kernel, s, base, &rate);
-    } else {  // half-lengths hardly change any more
-      follow(base, rate, before, s.half_length, influence);
-    }
-    auto const& now = left == 3 ? base : influence;
-    w = next_loads(now.deflection, s, w, on);
+    read_influences(tables.kernel, s, influence);
+    LoadStep<T, n> const step(influence.deflection, s.interpenetration, s.width);
+    if (pass == 0) w = step.next(step.first(), on, m);
+    w = step.next(w, on, m);
     last = force;
     force = T(0.0);
     for (std::size_t j = 0; j < n; ++j) {
       s.load[j] = inverse * select(w[j] > 0.0, w[j], T(0.0));
       force += s.load[j] * s.width[j];
     }
-    auto const q = conformities(now.curvature, on, s.curvature);
+    auto const q = conformities(influence.curvature, on, s.curvature, m);
     for (std::size_t j = 0; j < n; ++j) {
       // To the power of one, 0.8 for a patch that is long in x: for a line contact across it one is exact. A strip without load
       // keeps its q.

@@ -13,7 +13,6 @@
 namespace rollerrig {
 
 inline constexpr std::size_t strip_count = 16;  ///< of a region
-inline constexpr std::size_t place_count = 16;  ///< where they are laid by
 inline constexpr int strip_passes = 4;          ///< of their solution
 
 /// One number per strip.
