@@ -227,13 +227,19 @@ def _blocks() -> list[tuple[tuple[str, ...], list[Field], dict[str, str]]]:
 
 
 def wrong_dimensions(results: xr.Dataset) -> str:
-    """Which variable of a run has other dimensions than a run gives it, in words; '' where none has, or where it is no run."""
+    """Which variable of a run has other dimensions than a run gives it, in words; '' where none has, or where it is no run.
+
+    One moment of a run, as of steady rolling, has a time in place of times.
+    """
     if "patch_normal" not in results or "config_toml" not in results.attrs:
         return ""
+    moment = "time" in results.variables and results["time"].dims == ()
     for dims, fields, names in _blocks():
         for name in (names.get(field[0], field[0]) for field in fields):
-            if name in results and results[name].dims != ("time", *dims):
-                return f"{name} over {', '.join(map(str, results[name].dims))}, not over {', '.join(('time', *dims))}"
+            wanted = dims if moment else ("time", *dims)
+            if name in results and results[name].dims != wanted:
+                found, right = (", ".join(map(str, some)) or "nothing" for some in (results[name].dims, wanted))
+                return f"{name} over {found}, not over {right}"
     return ""
 
 

@@ -129,21 +129,24 @@ def test_an_unwritable_folder_is_found_before_the_run(case: Path, tmp_path: Path
 
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="needs limits of processes")
 def test_a_full_disk_ends_with_code_2_and_nothing_half_written(case: Path, tmp_path: Path) -> None:
-    """A limit on the size of files stops the write as a full disk does."""
+    """A limit on the size of files stops the write as a full disk does; a folder that the command made goes too."""
     limited = (
         "import resource, signal; signal.signal(signal.SIGXFSZ, signal.SIG_IGN);"
         "resource.setrlimit(resource.RLIMIT_FSIZE, (20000, 20000));"
         "from rollerrig.cli import main; main()"
     )
-    done = subprocess.run(
-        [sys.executable, "-c", limited, "run", case, "--out", tmp_path / "out"],
-        capture_output=True,
-        text=True,
-        check=False,
-    )
-    assert done.returncode == 2, done.stderr
-    assert "run.nc: cannot be written" in done.stderr
-    assert list((tmp_path / "out").iterdir()) == []
+    (tmp_path / "mine").mkdir()
+    for out in ("made", "mine"):
+        done = subprocess.run(
+            [sys.executable, "-c", limited, "run", case, "--out", tmp_path / out],
+            capture_output=True,
+            text=True,
+            check=False,
+        )
+        assert done.returncode == 2, done.stderr
+        assert "run.nc: cannot be written" in done.stderr
+    assert not (tmp_path / "made").exists()
+    assert list((tmp_path / "mine").iterdir()) == []
 
 
 def test_check_prints_model_loads_and_masses() -> None:

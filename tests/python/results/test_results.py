@@ -198,3 +198,12 @@ def test_a_variable_of_other_dimensions_is_named(run: xr.Dataset, tmp_path: Path
     turned["lateral"] = run["lateral"].isel(body=0, drop=True)
     with pytest.raises(ResultsError, match="a damaged file: lateral over time, not over time, body"):
         results.load_run(results.save_run(turned, tmp_path / "run.nc"))
+
+
+def test_one_moment_of_a_run_is_read(run: xr.Dataset, tmp_path: Path) -> None:
+    moment = run.isel(time=0)
+    again = results.load_run(results.save_run(moment, tmp_path / "moment.nc"))
+    xr.testing.assert_equal(again["lateral"].drop_vars("time", errors="ignore"), moment["lateral"].drop_vars("time"))
+    moment["lateral"] = moment["lateral"].isel(body=0, drop=True)
+    with pytest.raises(ResultsError, match="a damaged file: lateral over nothing, not over body"):
+        results.load_run(results.save_run(moment, tmp_path / "turned.nc"))
