@@ -123,7 +123,7 @@ QUICK = PaperPlan(
     runs_kmh={"steel": (100.0, 200.0), "paper": (100.0, 160.0)},
     bracket_kmh=1000.0,
     ramps={"steel": _kmh(140, 180, 40, 20), "paper": _kmh(100, 140, 40, 20)},
-    hunting=HuntingSettings(duration=1.0, output_step=1e-2, longest=4.0),
+    hunting=HuntingSettings(duration=1.0, output_step=1e-2, longest=6.0),
     criteria=(0.0, 0.01),
     sensitivity_kmh=(100.0, 200.0),
     radii=(0.725,),
