@@ -22,7 +22,7 @@ ANSWERS = {
     # Hunting from 3 mm persists above 220 km/h, docs/studies/paper.md: exact contact.
     "01_first_run": ([r"160 km/h: 0\.00 mm .*, ok", r"240 km/h: 4\.[45]\d mm .*, ok"], ["run.nc", "motion.png"]),
     "02_rig_and_track": ([r"on track: 266\.5", r"0\.5 m: 210\.\d", r"0\.725 m: 224\.1", r"2 m: 248\.1"], ["damping.png"]),
-    "03_own_controller": ([r"gain 0 .* 0\.0[89]\d %", r"gain 1000 .* 0\.02\d %", r"gain 4000 .* 0\.02\d %"], []),
+    "03_own_controller": ([r"gain 0 .* 0\.0[89]\d %", r"gain 1000 .* 0\.0(?:19|20)\d* %", r"gain 4000 .* 0\.02\d %"], []),
     # One patch or two, both with their weights: the exact theory has its centre at +1.4 mm, docs/validation.md.
     "04_contact": ([r"hertz, \+0 mm: S = -7\.7 .*, S = \+3\.3", r"strips, \+0 mm: S = -7\.5 .*, S = \+1\.4 .*, S = \+2\.4"],
                    ["contact.png"]),
@@ -33,7 +33,7 @@ ANSWERS = {
                           ["quotient.png"]),
     # In lock-step at the sample time of the built-in controller it is the same run, read one sample of the rig later.
     "10_brake_controller": ([r"after 53\.\d+ s at 3\.6 km/h",
-                             r"outside: 97\d\.\d\d m, built in: 97\d\.\d\d m, [+-]0\.00\d %"], []),
+                             r"outside: 98\d\.\d\d m, built in: 98\d\.\d\d m, [+-]0\.00\d %"], []),
     "11_fmu": ([r"validation: nothing to say", r"after 8 s: 10[67]\.\d km/h",
                 r"slip 1\d %, vented in 3\d\d of 1600"], ["bench.fmu"]),
     "12_fmu_controller": ([r"wsp\.fmu: adhesion_brake\.slide_protection, FMI 2\.0", r"vented in [1-9]\d*",

@@ -28,7 +28,7 @@ def test_a_first_look_shows_a_bogie_that_hunts(tmp_path: Path) -> None:
         shutil.copy(ROOT / "scripts" / name, tmp_path / "scripts")
     environment = {k: v for k, v in os.environ.items() if k not in ("DISPLAY", "WAYLAND_DISPLAY")}
     done = subprocess.run(
-        [tmp_path / "scripts" / "watch", "look", "--set", "time.duration=1 s"],
+        [tmp_path / "scripts" / "watch", "look"],
         env=environment | {"VENV": str(tmp_path / "venv")}, capture_output=True, text=True, check=False,
     )  # fmt: skip
     assert done.returncode == 0, done.stderr

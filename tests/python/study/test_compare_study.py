@@ -206,7 +206,7 @@ def test_ctrl_c_keeps_what_is_done(tmp_path) -> None:
         (["manchester_vehicle_1", "--on", ""], "name each support once, like rig,track"),
         (["manchester_vehicle_1", "--speeds-kmh", "300,200,100"], "speeds must be positive and rise"),
         (["manchester_vehicle_1", "--speeds-kmh", "0:100:20"], "speeds must be positive and rise"),
-        (["manchester_vehicle_1", "--radii-m", "0,1"], "radii must lie between 0.05 and 1e6 m"),
+        (["manchester_vehicle_1", "--radii-m", "0,1"], "--radii-m: '0,1': numbers must lie between 0.05 and 1e+06"),
         (["manchester_vehicle_1", "--cut", "trailer"], "vehicle.cut: 'trailer'"),
     ],
 )
