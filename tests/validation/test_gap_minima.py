@@ -125,8 +125,8 @@ def poses_of(pair: str, poses: int) -> int:
         for trial in range(poses):
             yaw = (50e-3 if trial % 3 == 0 else 5e-3) * rng.uniform(-1, 1)
             x, y, roll = 5 * mm * rng.uniform(-1, 1), 8 * mm * rng.uniform(-1, 1), 5e-3 * rng.uniform(-1, 1)
-            # Pressed in by up to 0.1 mm, or lifted; second contacts that are open by up to 0.1 mm must be seen, too.
-            z = contact.touch_height(x, y, yaw, roll, False) + 0.1 * mm * rng.uniform(-1, 0.5)
+            # Pressed in by up to 0.35 mm, or lifted; second contacts that are open by up to 0.1 mm must be seen, too.
+            z = contact.touch_height(x, y, yaw, roll, False) + 0.1 * mm * rng.uniform(-3.5, 0.5)
             reach = 0.0 if trial % 2 else 0.1 * mm
             pose = Pose(x, y, z, yaw, roll)
             expected = surfaces.minima(pose, reach)

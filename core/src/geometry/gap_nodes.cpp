@@ -49,8 +49,8 @@ class Scan {
     count_ = last - first_;
     if (count_ < 3) return out_;
     look();
-    far_ = every_minimum_ &&
-           (reach_ > 0.0 || *std::min_element(gap_.begin(), gap_.begin() + count_) < -nearly_touching * pair_.size);
+    far_ =
+        every_minimum_ && (reach_ > 0.0 || *std::min_element(gap_.begin(), gap_.begin() + count_) < -deep * pair_.size);
     if (far_)
       for (int k = 0; k < count_; ++k) {
         Point const p = by_reduction(point(k));
@@ -79,6 +79,7 @@ class Scan {
   static constexpr int hidden_levels = 2;      ///< nearer than 12 um a minimum and a maximum are about to merge
   static constexpr double hidden_turn = 3e-4;  ///< by as much a slope may turn back and forth between two nodes [-]
   static constexpr double nearly_touching = 0.1e-3;  ///< gap or overlap of full-scale surfaces [m]
+  static constexpr double deep = 0.3e-3;             ///< overlap from which nodes are not to be trusted [m]
   static constexpr double settled_tilt = 3e-5;       ///< by which the gap is 1 nm above that of the lowest point [-]
   static constexpr int levels = 3;
   static constexpr int inner = 8;  ///< nodes laid between two
@@ -133,7 +134,7 @@ class Scan {
                        : close({b.position, b.position, b.position, false});
     }
     if (!b.found()) return;
-    if (every_minimum_ && level < hidden_levels && (b.inside() || c.inside()) && may_hide_extremes(b, c))
+    if (every_minimum_ && level < hidden_levels && (b.inside() || c.inside()) && may_hide_extremes(b, c, level))
       return refine(b, c, level);
     bool const falls = b.slope < slope_allowance && c.slope > -slope_allowance;  // a minimum may lie between
     bool const climbs = b.slope > -slope_allowance && c.slope < slope_allowance;
@@ -164,11 +165,11 @@ class Scan {
 
   /// Whether more minima and maxima may lie between b and c than their slopes tell: not where the slope runs straight, and its
   /// mean is that of both ends. A slope that dips to zero and back has a mean lower by half the lesser one at least; half of that
-  /// is looked for. Where it changes its sign anyway, it is to run nearly straight.
-  bool may_hide_extremes(Point const& b, Point const& c) const {
+  /// is looked for. Where it changes its sign anyway, it is to run nearly straight; so is one near zero, once a finer row is laid.
+  bool may_hide_extremes(Point const& b, Point const& c, int level) const {
     double const h = c.position - b.position, least = std::min(std::abs(b.slope), std::abs(c.slope));
-    if (least < hidden_turn * h / h_) return true;
     double const bend = std::abs((c.gap - b.gap) / h - 0.5 * (b.slope + c.slope));
+    if (least < hidden_turn * h / h_) return level == 0 || bend > 0.05 * std::abs(b.slope - c.slope);
     return bend > ((b.slope < 0.0) != (c.slope < 0.0) ? 0.1 * std::abs(b.slope - c.slope) : 0.25 * least);
   }
 
