@@ -1,9 +1,9 @@
 """Adhesion of a Siemens Eurosprinter, measured, beside the creep laws of the program and beside a locomotive's bogie on track.
 
-    13 means -> [fit] -> parameters of each law -> [rms, within] -> how near it is
-    case eurosprinter_traction -> [bogie_curve] -> force over load of its axles, over creepage
+13 means -> [fit] -> parameters of each law -> [rms, within] -> how near it is
+case eurosprinter_traction -> [bogie_curve] -> force over load of its axles, over creepage
 
-    python tests/validation/locomotive_adhesion.py      fits all laws anew and prints their parameters
+python tests/validation/locomotive_adhesion.py      fits all laws anew and prints their parameters
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ from numpy.typing import NDArray
 from scipy.optimize import least_squares
 
 from rollerrig import _core, load_case, simulate
+from rollerrig.analysis.axle_traction import axle_traction
 from rollerrig.assembly.laws import creep_law
 from rollerrig.contact_analysis.traction_curve import LoadedWheel, traction_coefficient
 
@@ -36,7 +37,7 @@ WHEEL = LoadedWheel(
 
 @dataclass(frozen=True)
 class Bins:
-    """Means of the measured points: creepage [-], traction coefficient, standard error, number of points, ends of the bins [-]."""
+    """Means of the measured points: creepage [-], traction coefficient, its standard error, number, ends of the bins [-]."""
 
     creepage: Array
     mean: Array
@@ -62,7 +63,11 @@ def bins() -> Bins:
 
 def points(shared: Path) -> tuple[Array, Array]:
     """Creepage and traction coefficient of the 158 points, which are a third party's."""
-    text = [line for line in (shared / "reference" / "eurosprinter_measured.csv").read_text().splitlines() if line[:1].isdigit()]
+    text = [
+        line
+        for line in (shared / "reference" / "eurosprinter_measured.csv").read_text().splitlines()
+        if line[:1].isdigit()
+    ]
     creepage, traction = np.array([line.split(",") for line in text], dtype=float).T
     return 0.01 * creepage, traction
 
@@ -73,16 +78,17 @@ class ParameterSet:
 
     Attributes:
         law: name of the creep law.
-        origin: who found the numbers.
-        fitted: whether they were fitted here, to the 13 means.
-        own: of the locomotive; False: of rails in general.
+        fitted: whether the numbers were fitted here, to the 13 means.
         numbers: mu_0, A, B [s/m]; k_A, k_S of the rail's condition, or k_0, k_inf, beta of the law.
+        origin: who published them.
+        condition: the named condition of a rail that has them.
     """
 
     law: str
-    origin: str
     fitted: bool
     numbers: Mapping[str, float]
+    origin: str = ""
+    condition: str = ""
 
     def curve(self, creepage: Array, wheel: LoadedWheel = WHEEL) -> Array:
         """Traction coefficient per creepage."""
@@ -126,9 +132,10 @@ HELD: Mapping[str, Mapping[str, float]] = {"polach": {"A": 0.40, "k_A": 1.0}}
 B (a fit of both ends at A = 0), nor k_A from k_S. A is held in every law."""
 
 
-def fit(law: str) -> tuple[dict[str, float], dict[str, float]]:
-    """Numbers of a law that fit the 13 means, weighted by their errors, and their standard errors."""
+def fit(law: str, without: int | None = None) -> tuple[dict[str, float], dict[str, float]]:
+    """Numbers of a law that fit the 13 means, or those without one, weighted by their errors, and their standard errors."""
     names, measured = FREE[law], bins()
+    used = [k for k in range(len(measured.mean)) if k != without]
 
     def numbers(values: Array) -> dict[str, float]:
         found = {"A": 0.40, **HELD.get(law, {}), **dict(zip(names, map(float, values), strict=True))}
@@ -137,13 +144,60 @@ def fit(law: str) -> tuple[dict[str, float], dict[str, float]]:
         return found
 
     def deviation(values: Array) -> Array:
-        return (coefficient(law, numbers(values), measured.creepage) - measured.mean) / measured.error
+        return ((coefficient(law, numbers(values), measured.creepage) - measured.mean) / measured.error)[used]
 
     start, low, high = np.array([START[name] for name in names]).T
     tries = [np.clip(start * factor, low, 0.99 * high) for factor in (1.0, 0.6, 1.4)]
     found = min((least_squares(deviation, x, bounds=(low, high), x_scale=start) for x in tries), key=lambda f: f.cost)
     covariance = np.linalg.pinv(found.jac.T @ found.jac)
     return numbers(found.x), dict(zip(names, map(float, np.sqrt(np.diag(covariance))), strict=True))
+
+
+@functools.cache
+def left_out(law: str) -> Array:
+    """Error at each mean of a law that is fitted to the other twelve."""
+    every = range(len(bins().mean))
+    predicted = [coefficient(law, fit(law, without=k)[0], bins().creepage[k : k + 1])[0] for k in every]
+    return np.array(predicted) - bins().mean
+
+
+# ------------------------------------------------------------------------------------------------------------ bogie
+
+DRIVES = {
+    "feedback": {"kind": "proportional_integral", "largest": "70 kN m"},
+    "motor": {"largest_torque": "70 kN m", "largest_power": "3 MW", "largest_speed": "134 rad/s"},
+}
+"""Of the case `locomotive_traction`."""
+ON_RIG: Mapping[str, Any] = {
+    "support": {"use": "full_scale_rig"}, "motion.drive": "free", "contact.friction": 0.55, "rig_control": DRIVES,
+    "contact.creepage_regularisation_speed": "1 m/s",
+}  # fmt: skip
+
+
+@functools.cache
+def traction(on_rig: bool = False) -> xr.Dataset:
+    """Creepage and traction coefficient of the bogie's axles in the case eurosprinter_traction, or of that on the rig."""
+    case = load_case("eurosprinter_traction")
+    run = simulate(case.with_changes(ON_RIG) if on_rig else case)
+    assert run.attrs["status"] == "ok"
+    return axle_traction(run, WHEEL.radius, of_virtual_axles=on_rig)
+
+
+def at(run: xr.Dataset, axle: str, creepage: Array, load: float | None = None) -> Array:
+    """Traction coefficient of an axle where it first has these creepages; over a given load [N], or over that of the instant."""
+    own = run.sel(axle=axle)
+    slip, force = own["creepage"].to_numpy(), own["traction_coefficient"].to_numpy()
+    if load is not None:
+        force = force * own["load"].to_numpy() / load
+    risen = int(np.argmax(slip > creepage.max())) + 1
+    assert slip[risen - 1] > creepage.max()
+    return np.interp(creepage, slip[:risen], force[:risen])
+
+
+def bogie(creepage: Array, on_rig: bool = False) -> Array:
+    """Mean traction coefficient of the bogie's two axles, each over its own load of the instant."""
+    run = traction(on_rig)
+    return np.mean([at(run, str(axle), creepage) for axle in run["axle"].to_numpy()], axis=0)
 
 
 # --------------------------------------------------------------------------------------------------------- measures

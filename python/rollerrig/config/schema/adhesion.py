@@ -21,8 +21,8 @@ CONDITIONS: Mapping[str, Mapping[str, Any]] = {
         ("very_low", 0.04, 0.40, 0.20, 0.3, 0.1),
     )
 }
-"""Named conditions; dry and wet after Polach (2005); eurosprinter fitted here to the adhesion of a locomotive of that name, measured
-on track (Engel, Beck, Alders 1998; docs/measured.md); low and very low engineering values with the shape of wet."""
+"""Named conditions: dry and wet after Polach (2005); eurosprinter fitted by us to the measured adhesion of that locomotive
+(Engel, Beck, Alders 1998; docs/measured.md); low and very low engineering values with the shape of wet."""
 ALLOWED = f"{', '.join(CONDITIONS)}, or a table"
 
 
