@@ -60,7 +60,7 @@ small at 0.5 %. Polach's $k_S$ and the softening of the modified FASTSIM describ
 seeks the peak should not be tuned with the other laws. `strip_theory` is the table on a flat ellipse; `kalker_linear` has
 no limit of friction.
 
-**What the means do not determine.** Up to the 1.9 m/s of slip that were measured, A cannot be told from B (a fit of both
+**What the means do not determine.** Up to the 1.9 m/s of slip that were measured, A cannot be separated from B (a fit of both
 ends at A = 0), nor k_A from k_S: A = 0.40 and, in Polach's law, k_A = 1 are held at those of the dry rail. The means at
 4.6 and 6.0 % rise again ({again[0]:.3f}, {again[1]:.3f}); no law with falling friction does (`eurosprinter`:
 {falls[0]:.3f}, {falls[1]:.3f}).
