@@ -1,4 +1,6 @@
-"""A locomotive's measured adhesion: creep laws, condition `eurosprinter`, a bogie on track and rig; docs/measured.md.
+"""What was measured on vehicles, beside the program; docs/measured.md.
+
+A locomotive's adhesion: creep laws, condition `eurosprinter`, a bogie on track and rig; stopping distances with sand.
 
 Bars: 12 of 13 means within 3 standard errors; r.m.s. of a bogie's means 0.010, a third of the scatter of single points.
 """
@@ -12,7 +14,7 @@ import pytest
 
 from rollerrig import load_case
 from rollerrig.config.schema.adhesion import CONDITIONS
-from validation import write_measured
+from validation import sanding_trial, write_measured
 from validation.locomotive_adhesion import FREE, WHEEL, at, bins, bogie, coefficient, fit, rms, sets, traction, within
 from validation.test_page import differences
 
@@ -96,3 +98,22 @@ def test_the_ellipse_has_the_given_shape() -> None:
     a, b = WHEEL.semi_axes
     assert a / b == pytest.approx(0.5, rel=1e-9)
     assert (a, b) == pytest.approx((6.30e-3, 12.61e-3), rel=1e-3)  # test_creep_laws.py
+
+
+def test_the_case_with_sand_is_calibrated_on_one_sander_of_fixed_rate() -> None:
+    case, here = load_case("sanding_trial"), sanding_trial.recorded()
+    assert case.sanding is not None
+    assert case.sanding.flow == sanding_trial.FIXED
+    assert here["one sander, fixed rate"] == pytest.approx(800.0, rel=0.01)
+    for stop in sanding_trial.STOPS:
+        error = here[stop.name] / stop.measured - 1
+        assert error > 0 if stop.at_least else abs(error) < 0.15, stop
+
+
+STOPS = [pytest.param(s, marks=pytest.mark.slow if s.sanders == 2 else pytest.mark.long) for s in sanding_trial.STOPS]
+
+
+@pytest.mark.parametrize("stop", STOPS, ids=lambda stop: stop.name)
+def test_recorded_stops_are_what_the_program_computes(stop: sanding_trial.Stop) -> None:
+    """If not: python tests/validation/sanding_trial.py. Within 1 %: single dump cycles differ between processors."""
+    assert sanding_trial.distance(stop) == pytest.approx(sanding_trial.recorded()[stop.name], rel=0.01)
