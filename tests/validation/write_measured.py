@@ -98,12 +98,13 @@ Without sand nothing is fitted: the friction is the trial's. One number is calib
 `saturation`, 4.2 g/m; it predicts the second sander of fixed rate within 15 %. The rate of the variable sanders was not at
 hand: the `flow` of the fourth row is fitted to its distance (5.1 kg/min beside 2 kg/min), and predicts two of them within 15 %.
 
-**These rows say less than those above.** The friction of 0.02 is as reported, one value for a treated rail. A train has eight
-axles at most in this program, the trial's had sixteen: each axle stands for two, with `kept` 0.49 in place of 0.7. The report
-names axle 3 for the first sander. That the second one is at axle 7, the rate of 2 kg/min, `kept` and the friction of a sanded
-rail (0.25) are assumptions. With `kept` 0.7 or 0.3 for two axles, and `saturation` calibrated anew (7.25, 2.25 g/m), two
-sanders of fixed rate need 595 or 564 m. `flow` is one number: a rate that rises with the speed cannot be given. Two sanders do more than measured at
-the fixed rate and less at the variable one; the one curve of saturation (A19) cannot do both.
+**These rows say less than those above.** The friction of 0.02 is as reported, one value for a treated rail. A train has
+eight axles at most in this program, the trial's had sixteen: each axle stands for two, with `kept` 0.49 in place of 0.7.
+The report names axle 3 for the first sander. That the second one is at axle 7, the rate of 2 kg/min, `kept` and the
+friction of a sanded rail (0.25) are assumptions. With `kept` 0.7 or 0.3 for two axles, and `saturation` calibrated anew
+(7.25, 2.25 g/m), two sanders of fixed rate need 595 or 564 m. `flow` is one number: a rate that rises with the speed
+cannot be given. Two sanders do more than measured at the fixed rate and less at the variable one; the one curve of
+saturation (A19) cannot do both.
 
 `rollerrig run sanding_trial` is one sander of fixed rate, with `sanding.axles = ["wheelset_1", "wheelset_2"]` it is two.
 `python tests/validation/sanding_trial.py` computes all five stops.
