@@ -81,6 +81,8 @@ def test_a_locomotive_s_bogie_pulls_as_measured(on_rig: bool) -> None:
     curve = bogie(bins().creepage, on_rig)
     assert rms(curve - bins().mean) < 0.010
     assert within(curve) >= 12
+    readme = (write_measured.PAGE.parents[1] / "README.md").read_text(encoding="utf-8")
+    assert f"within\n{rms(curve - bins().mean):.3f} of the load" in readme
 
 
 def test_the_bogie_has_the_measured_wheel_and_its_load_counts() -> None:
