@@ -42,6 +42,9 @@ ANSWERS = {
     "08_to_matlab": ([r"vertical_force: time wheel, N", r"the same numbers: True"], ["run.mat", "run.csv", "run.parquet"]),
     "13_wide_curve": ([r"1445 mm, new rails: Y .* 24\.\d kN, .* 4[89]\d N", r"1435 mm, .* 24\.\d kN, .* 4[56]\d N",
                        r"right rail worn: .* 4[23]\d N"], ["worn_rail.txt"]),
+    # Errors of the means are 0.003 to 0.015, docs/measured.md.
+    "14_measured_adhesion": ([r"0\.5 %: measured 0\.251, here 0\.24\d", r"2\.9 %: .* here 0\.30\d, error -0\.00\d",
+                              r"19\.0 %: .* error \+0\.00\d"], []),
     "09_gymnasium": ([r"always filled: .* slip 100 %", r"vent above 20 %: .* slip 2\d %"], []),
 }  # fmt: skip
 """Script -> patterns of its output in their order, and files that it leaves."""

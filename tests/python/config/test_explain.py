@@ -29,7 +29,7 @@ def test_every_key_is_explained() -> None:
         ("support.mounting.misalignment", ["list of numbers, each a number in rad", "none: empty"]),
         ("vehicle.body.position", ["list of 3 values, each a number in m"]),
         ("contact.friction", ["a number or a table of a kind: constant, falling"]),
-        ("adhesion.rail", ["dry, wet, low, very_low or a table"]),
+        ("adhesion.rail", ["dry, eurosprinter, wet, low, very_low or a table"]),
         ("vehicle.element.at", ["tables by name"]),
     ],
 )  # fmt: skip

@@ -16,7 +16,7 @@ from rollerrig.simulation.controllers import COMMANDS
             {"adhesion.rail": {"friction": 1.6}},
             "adhesion.rail.friction.mu_0: 1.6; allowed: a number, from 0 to 1.5",
         ),
-        ({"adhesion.rail": "soapy"}, "allowed: dry, wet, low, very_low, or a table"),
+        ({"adhesion.rail": "soapy"}, "allowed: dry, eurosprinter, wet, low, very_low, or a table"),
         (
             {"adhesion.piece": [{"distance": "50 m", "rail": "dry"}, {"distance": "20 m", "rail": "low"}]},
             "pieces in ascending order",

@@ -12,15 +12,18 @@ from rollerrig.config.schema.contact import AnyFriction, FallingFriction, Share
 from rollerrig.config.schema.units import Quantity
 
 CONDITIONS: Mapping[str, Mapping[str, Any]] = {
-    name: {"friction": {"kind": "falling", "mu_0": mu_0, "A": 0.40, "B": b}, "k_A": k_a, "k_S": k_s}
-    for name, mu_0, b, k_a, k_s in (
-        ("dry", 0.55, 0.60, 1.0, 0.4),
-        ("wet", 0.30, 0.20, 0.3, 0.1),
-        ("low", 0.08, 0.20, 0.3, 0.1),
-        ("very_low", 0.04, 0.20, 0.3, 0.1),
+    name: {"friction": {"kind": "falling", "mu_0": mu_0, "A": a, "B": b}, "k_A": k_a, "k_S": k_s}
+    for name, mu_0, a, b, k_a, k_s in (
+        ("dry", 0.55, 0.40, 0.60, 1.0, 0.4),
+        ("eurosprinter", 0.358, 0.40, 0.56, 1.0, 0.38),
+        ("wet", 0.30, 0.40, 0.20, 0.3, 0.1),
+        ("low", 0.08, 0.40, 0.20, 0.3, 0.1),
+        ("very_low", 0.04, 0.40, 0.20, 0.3, 0.1),
     )
 }
-"""Named conditions; dry and wet after Polach (2005), low and very low engineering values with the shape of wet."""
+"""Named conditions: dry and wet after Polach (2005); eurosprinter fitted by us to the measured adhesion of that locomotive
+(Engel, Beck, Alders 1998; docs/measured.md); low and very low engineering values with the shape of wet."""
+ALLOWED = f"{', '.join(CONDITIONS)}, or a table"
 
 
 class Condition(Table):
@@ -50,7 +53,7 @@ def _by_name(value: Any) -> Any:
     if value in CONDITIONS:
         return dict(CONDITIONS[value])
     guess = nearest(value, tuple(CONDITIONS))
-    allowed = f"allowed: {', '.join(CONDITIONS)}, or a table with friction, k_A, k_S"
+    allowed = f"allowed: {ALLOWED} with friction, k_A, k_S"
     allowed += f"; did you mean {show_value(guess)}?" if guess else ""
     raise PydanticCustomError("condition", "{allowed}", {"allowed": allowed})
 
@@ -78,13 +81,13 @@ class Piece(Table):
     time: Annotated[float, Quantity("s", 1e-6, 1e6)] | None = Field(
         default=None, description="when it begins, in its place"
     )
-    rail: AnyCondition = Field(description="dry, wet, low, very_low, or a table")
+    rail: AnyCondition = Field(description=ALLOWED)
 
 
 class Adhesion(Table):
     """Adhesion of the rail: on track of the rail itself, on a rig of the virtual rail that the rollers reproduce."""
 
-    rail: AnyCondition = Field(description="condition at the start: dry, wet, low, very_low, or a table")
+    rail: AnyCondition = Field(description=f"condition at the start: {ALLOWED}")
     piece: tuple[Piece, ...] = Field(
         default=(), max_length=10_000, description="where or when it changes, in ascending order"
     )

@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 
 from pydantic import AfterValidator, Discriminator, Field, StrictInt, model_validator
 
-from rollerrig.config.schema.adhesion import AnyCondition, Condition
+from rollerrig.config.schema.adhesion import ALLOWED, AnyCondition, Condition
 from rollerrig.config.schema.base import Table, by_kind, in_order, refused
 from rollerrig.config.schema.contact import AnyFriction, FallingFriction
 from rollerrig.config.schema.units import Mass, Quantity, Time
@@ -340,5 +340,5 @@ class Sanding(Table):
     )
     rail: AnyCondition = Field(
         default=Condition(friction=FallingFriction(kind="falling", mu_0=0.25, A=0.6, B=0.2), k_A=0.3, k_S=0.1),
-        description="condition of a rail with much sand: dry, wet, low, very_low, or a table",
+        description=f"condition of a rail with much sand: {ALLOWED}",
     )

@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Discriminator, Field, ValidationInfo, field_validator, model_validator
 from pydantic_core import PydanticCustomError
 
-from rollerrig.config.schema.adhesion import Adhesion, AnyCondition, Piece
+from rollerrig.config.schema.adhesion import ALLOWED, Adhesion, AnyCondition, Piece
 from rollerrig.config.schema.base import Table, refused
 from rollerrig.config.schema.brakes import Pressure
 from rollerrig.config.schema.units import Quantity, RunningSpeed
@@ -30,7 +30,7 @@ class BrakedRun(Table):
     duration: Annotated[float, Quantity("s", 1.0, 1e4)] = Field(
         default=120.0, description="longest; where the train has not stopped by then nothing is decided"
     )
-    rail: AnyCondition = Field(description="condition of the rail at the start: dry, wet, low, very_low, or a table")
+    rail: AnyCondition = Field(description=f"condition of the rail at the start: {ALLOWED}")
 
     @property
     def stops(self) -> bool:
