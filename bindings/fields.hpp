@@ -10,15 +10,13 @@
 /// Binds a struct by its own list of fields; the class has their names and units as `fields`.
 template <rollerrig::Described S>
 nb::class_<S> bind_struct(nb::module_& m, char const* name, char const* doc) {
-  return std::apply(
-      [&](auto... fields) {
-        auto type = bind_description<S>(m, name, doc, fields...);
-        nb::dict units;
-        ((units[fields.name] = fields.unit), ...);
-        type.attr("fields") = units;
-        return type;
-      },
-      S::fields());
+  return S::fields()([&](auto... fields) {
+    auto type = bind_description<S>(m, name, doc, fields...);
+    nb::dict units;
+    ((units[fields.name] = fields.unit), ...);
+    type.attr("fields") = units;
+    return type;
+  });
 }
 
 /// kalker_saturated -> KalkerSaturated; with a family behind it where names alone say too little

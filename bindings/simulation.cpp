@@ -17,6 +17,7 @@
 #include "arguments.hpp"
 #include "integrator_options.hpp"
 #include "rollerrig/contact/adhesion/recovered_rail.hpp"
+#include "rollerrig/simulate/driver.hpp"
 #include "rollerrig/simulate/held_speed.hpp"
 #include "rollerrig/simulate/linear_model.hpp"
 #include "rollerrig/simulate/recorder.hpp"

@@ -17,8 +17,7 @@ if(MSVC)
 elseif(CMAKE_CXX_COMPILER_ID MATCHES "GNU|Clang")
   # No -ffast-math: NaN and infinity are how a diverging run is noticed.  The two flags below only
   # drop errno and floating-point traps, which nothing here reads; results are unchanged.
-  target_compile_options(rollerrig_code_generation INTERFACE
-    $<$<CONFIG:Release>:-O3> -fno-math-errno -fno-trapping-math)
+  target_compile_options(rollerrig_code_generation INTERFACE -fno-math-errno -fno-trapping-math)
   target_compile_options(rollerrig_warnings INTERFACE -Wall -Wextra -Wpedantic -Wshadow)
   # GCC 12 trips over its own vector intrinsics (`__m256d __Y = __Y;`) wherever Eigen uses them.
   target_compile_options(rollerrig_warnings INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-maybe-uninitialized>)

@@ -14,20 +14,20 @@ struct Complete {
   int steps{3};
 
   static constexpr auto fields() {
-    return std::tuple{
+    return members(
         Member{"gain", &Complete::gain, "1", "gain"}, Member{"mass", &Complete::mass, "kg", "mass", positive},
-        Member{"limit", &Complete::limit, "N", "largest force; absent: no limit"}, Member{"steps", &Complete::steps}};
+        Member{"limit", &Complete::limit, "N", "largest force; absent: no limit"}, Member{"steps", &Complete::steps});
   }
 };
 
 struct Forgotten {
   double gain{};
-  static constexpr auto fields() { return std::tuple{Member{"gain", &Forgotten::gain}}; }
+  static constexpr auto fields() { return members(Member{"gain", &Forgotten::gain}); }
 };
 
 struct ForgottenOptional {
   std::optional<double> gain{};
-  static constexpr auto fields() { return std::tuple{Member{"gain", &ForgottenOptional::gain, "1", ""}}; }
+  static constexpr auto fields() { return members(Member{"gain", &ForgottenOptional::gain, "1", ""}); }
 };
 
 // What the parameters of a plant demand of every struct that they are taken from.

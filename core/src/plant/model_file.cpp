@@ -23,10 +23,10 @@ struct Content {
 
   static constexpr auto fields() {
     using P = Content;
-    return std::tuple{Member{"name", &P::name},       Member{"model", &P::model},
-                      Member{"setup", &P::setup},     Member{"names", &P::names},
-                      Member{"options", &P::options}, Member{"start_time", &P::start_time, "s", "time at the start"},
-                      Member{"start", &P::start},     Member{"disturbances", &P::disturbances}};
+    return members(Member{"name", &P::name}, Member{"model", &P::model}, Member{"setup", &P::setup},
+                   Member{"names", &P::names}, Member{"options", &P::options},
+                   Member{"start_time", &P::start_time, "s", "time at the start"}, Member{"start", &P::start},
+                   Member{"disturbances", &P::disturbances});
   }
 };
 

@@ -77,7 +77,7 @@ struct ModelParameters::Walk {
             value);
       }
     };
-    std::apply([&](auto const&... field) { (one(field), ...); }, S::fields());
+    S::fields()([&](auto const&... field) { (one(field), ...); });
   }
 
   /// What acts: a body that is held has no mass of its own here, one that only spins a single moment of inertia.

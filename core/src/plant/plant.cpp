@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "rollerrig/integrate/integrator.hpp"
 #include "rollerrig/plant/model_file.hpp"
 #include "rollerrig/plant/state_archive.hpp"
 

@@ -5,8 +5,10 @@
 #include <limits>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "rollerrig/integrate/integrator.hpp"
 #include "rollerrig/system/outputs.hpp"
 
 namespace rollerrig {
@@ -49,6 +51,13 @@ Driver::Driver(std::shared_ptr<Model const> model, std::optional<MechatronicSetu
   system_.emplace(*setup_);
 }
 
+Driver::~Driver() = default;
+
+double Driver::time() const { return integrator_ ? integrator_->time() : 0.0; }
+double const* Driver::states() const { return integrator_->states(); }
+integrate::Statistics const& Driver::statistics() const { return integrator_->statistics(); }
+void Driver::sample_states(double t, double* x, double* z) { integrator_->sample(t, x, z); }
+
 Status Driver::start(integrate::Options options, double t0, double const* x0) {
   check_settings(options, t0, setup_ ? setup_->step : 0.0);
   plant_.reset_run();
@@ -71,7 +80,8 @@ Status Driver::start(integrate::Options options, double t0, double const* x0) {
   start_without_slip(x.data());
   x_.resize(x.size());
   z_.resize(static_cast<std::size_t>(plant_.sizes().quadratures));
-  integrator_.emplace(driven_, std::move(options));
+  integrator_.reset();
+  integrator_ = std::make_unique<integrate::Integrator<DrivenDynamics>>(driven_, std::move(options));
   status_ = integrator_->start(t0, x.data());
   if (system_) system_->start(plant_);
   return status_;
@@ -92,6 +102,37 @@ void Driver::start_without_slip(double* x) {
 std::int64_t Driver::steps_until(double t_stop) const {
   double const steps = std::floor(std::min(t_stop, final_time_) / setup_->step + 1e-6);
   return std::llround(std::clamp(steps, -1.0, longest_count));
+}
+
+Status Driver::advance(double t_stop, Observer observer) {
+  if (!system_) {
+    if (held_) integrator_->hold_until(t_stop);
+    return status_ = integrator_->advance(t_stop, observer);
+  }
+  std::int64_t const last = steps_until(t_stop);
+  while (status_ == Status::ok && step_ < last) {
+    if (!std::exchange(sampled_, true)) sample();
+    if (answers_) system_->answer(step_);
+    if (system_->waits()) return status_;
+    if (!std::exchange(machines_asked_, true)) system_->ask_machines(step_);
+    if (answers_) system_->ask_nobody();  // the caller's command for the brake unit stands since answer()
+    if (system_->waits()) return status_;
+    show(observer);
+    advance_step();
+  }
+  if (ended_as_planned()) {
+    sample_end();
+    show(observer);
+  }
+  return status_;
+}
+
+void Driver::show(Observer const& observer) const {
+  if (step_ % output_every_ == 0) observer(integrator_->time(), integrator_->states(), integrator_->quadratures());
+}
+
+void Driver::sample_now() {
+  if (system_ && status_ == Status::ok && !std::exchange(sampled_, true)) sample();
 }
 
 void Driver::sample() {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "rollerrig/integrate/amplification.hpp"
+#include "rollerrig/simulate/driver.hpp"
 #include "rollerrig/simulate/recorded_rows.hpp"
 
 namespace rollerrig {

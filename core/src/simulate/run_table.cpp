@@ -1,5 +1,7 @@
 #include "rollerrig/simulate/run_table.hpp"
 
+#include "rollerrig/simulate/driver.hpp"
+
 namespace rollerrig {
 
 Status advance(Driver& driver, double t_stop, TimedRows& rows, Readings* readings) {

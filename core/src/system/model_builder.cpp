@@ -98,7 +98,7 @@ bool same(std::variant<Laws...> const& a, std::variant<Laws...> const& b) {
 }
 template <Described V>
 bool same(V const& a, V const& b) {
-  return std::apply([&](auto const&... field) { return (same(a.*field.member, b.*field.member) && ...); }, V::fields());
+  return V::fields()([&](auto const&... field) { return (same(a.*field.member, b.*field.member) && ...); });
 }
 
 /// Contacts that one call of each law may see together. Friction is asked patch by patch.

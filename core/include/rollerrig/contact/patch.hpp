@@ -23,14 +23,12 @@ struct ContactLaws {
   double creepage_regularisation_speed{0.1};
   RollerEffects roller{};  ///< which of the roller's differences from a rail count
   static constexpr auto fields() {
-    return std::tuple{Member{"material", &ContactLaws::material},
-                      Member{"normal", &ContactLaws::normal},
-                      Member{"damping", &ContactLaws::damping, not_negative},
-                      Member{"creep", &ContactLaws::creep},
-                      Member{"friction", &ContactLaws::friction},
-                      Member{"creepage_regularisation_speed", &ContactLaws::creepage_regularisation_speed, "m/s",
-                             "rolling speed below which creepage turns into viscous friction, V_s", not_negative},
-                      Member{"roller", &ContactLaws::roller}};
+    return members(Member{"material", &ContactLaws::material}, Member{"normal", &ContactLaws::normal},
+                   Member{"damping", &ContactLaws::damping, not_negative}, Member{"creep", &ContactLaws::creep},
+                   Member{"friction", &ContactLaws::friction},
+                   Member{"creepage_regularisation_speed", &ContactLaws::creepage_regularisation_speed, "m/s",
+                          "rolling speed below which creepage turns into viscous friction, V_s", not_negative},
+                   Member{"roller", &ContactLaws::roller});
   }
 
   // What follows from them and from the wheel's profile; set by system/model_builder.hpp.

@@ -20,8 +20,8 @@ struct RollerEffects {
   bool spin{true};       ///< the roller's turning counts in the spin creepage
   bool yaw{true};        ///< points and normals lie on a round roller; off: on a straight rail of the same head
   static constexpr auto fields() {
-    return std::tuple{Member{"curvature", &RollerEffects::curvature}, Member{"conicity", &RollerEffects::conicity},
-                      Member{"spin", &RollerEffects::spin}, Member{"yaw", &RollerEffects::yaw}};
+    return members(Member{"curvature", &RollerEffects::curvature}, Member{"conicity", &RollerEffects::conicity},
+                   Member{"spin", &RollerEffects::spin}, Member{"yaw", &RollerEffects::yaw});
   }
   bool all() const { return curvature && conicity && spin && yaw; }
 };

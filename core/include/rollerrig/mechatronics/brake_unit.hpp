@@ -98,7 +98,7 @@ struct BrakeUnit {
   std::vector<int> reservoir{};  ///< number of the reservoir that feeds each axle; empty: one feeds all
 
   static constexpr auto fields() {
-    return std::tuple{Member{"pneumatics", &BrakeUnit::pneumatics}, Member{"reservoir", &BrakeUnit::reservoir}};
+    return members(Member{"pneumatics", &BrakeUnit::pneumatics}, Member{"reservoir", &BrakeUnit::reservoir});
   }
 
   using State = BrakeCylinders;

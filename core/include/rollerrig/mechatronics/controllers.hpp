@@ -23,8 +23,8 @@ struct Sampling {
   bool external{false};  ///< the caller computes the command
 
   static constexpr auto fields() {
-    return std::tuple{Member{"every", &Sampling::every, sampling_steps}, Member{"delay", &Sampling::delay, delay_steps},
-                      Member{"external", &Sampling::external}};
+    return members(Member{"every", &Sampling::every, sampling_steps}, Member{"delay", &Sampling::delay, delay_steps},
+                   Member{"external", &Sampling::external});
   }
 };
 
@@ -34,7 +34,7 @@ struct SampledController {
 
   static constexpr auto fields() {
     using P = SampledController;
-    return std::tuple{Member{"sampling", &P::sampling}, Member{"controller", &P::controller}};
+    return members(Member{"sampling", &P::sampling}, Member{"controller", &P::controller});
   }
 };
 

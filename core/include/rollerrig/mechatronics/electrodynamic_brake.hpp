@@ -39,7 +39,7 @@ struct ElectrodynamicBrake {
 
   static constexpr auto fields() {
     using P = ElectrodynamicBrake;
-    return std::tuple{
+    return members(
         Member{"characteristic", &P::characteristic},
         Member{"wheel_radius", &P::wheel_radius, "m", "radius of the wheels, r", positive},
         Member{"share", &P::share, "1", "largest share of the axle's torque demand, s", fraction},
@@ -50,7 +50,7 @@ struct ElectrodynamicBrake {
         Member{"reduction_rate", &P::reduction_rate, "1/s",
                "reduction rate of the factor k while the cylinder is vented", not_negative},
         Member{"restoring_rate", &P::restoring_rate, "1/s",
-               "restoring rate of the factor k while the cylinder is filled", not_negative}};
+               "restoring rate of the factor k while the cylinder is filled", not_negative});
   }
 
   /// Largest torque [N m], not negative, at an axle speed [rad/s].

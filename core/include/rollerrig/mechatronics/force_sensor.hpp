@@ -20,11 +20,10 @@ struct ForceSensor {
 
   static constexpr auto fields() {
     using P = ForceSensor;
-    return std::tuple{
-        Member{"bandwidth", &P::bandwidth, "rad/s", "bandwidth of the lag; absent: no lag", positive},
-        Member{"noise", &P::noise, "N or N m", "standard deviation of a reading", not_negative},
-        Member{"resolution", &P::resolution, "N or N m", "resolution of a reading; 0: none", not_negative},
-        Member{"range", &P::range, "N or N m", "largest |reading|; absent: no limit", positive}};
+    return members(Member{"bandwidth", &P::bandwidth, "rad/s", "bandwidth of the lag; absent: no lag", positive},
+                   Member{"noise", &P::noise, "N or N m", "standard deviation of a reading", not_negative},
+                   Member{"resolution", &P::resolution, "N or N m", "resolution of a reading; 0: none", not_negative},
+                   Member{"range", &P::range, "N or N m", "largest |reading|; absent: no limit", positive});
   }
 };
 

@@ -17,7 +17,7 @@ struct FrictionBrake {
 
   static constexpr auto fields() {
     using P = FrictionBrake;
-    return std::tuple{
+    return members(
         Member{"piston_area", &P::piston_area, "m^2",
                "piston area of an axle, times ratio and efficiency of the rigging", not_negative},
         Member{"spring_force", &P::spring_force, "N", "force of the retracting spring, at the pads"},
@@ -27,7 +27,7 @@ struct FrictionBrake {
                "effective radius of the disc; of a tread brake the wheel radius", not_negative},
         Member{"faces", &P::faces, "1", "number of friction faces of an axle that the force presses on", not_negative},
         Member{"friction_regularisation_speed", &P::friction_regularisation_speed, "m/s",
-               "sliding speed below which friction turns into viscous drag", positive}};
+               "sliding speed below which friction turns into viscous drag", positive});
   }
 
   /// Torque on the axle [N m], against its turning.

@@ -23,7 +23,7 @@ struct Motor {
   std::optional<double> largest_torque{}, largest_power{}, largest_speed{};
 
   static constexpr auto fields() {
-    return std::tuple{
+    return members(
         Member{"envelope", &Motor::envelope, "N m", "largest |torque| over |speed| [rad/s]; empty: no limit"},
         Member{"bandwidth", &Motor::bandwidth, "rad/s", "bandwidth of the torque loop", positive},
         Member{"damping_ratio", &Motor::damping_ratio, "1",
@@ -33,7 +33,7 @@ struct Motor {
         Member{"largest_power", &Motor::largest_power, "W",
                "largest |torque x speed| of the driven axle; absent: no limit", not_negative},
         Member{"largest_speed", &Motor::largest_speed, "rad/s",
-               "speed of the driven axle beyond which there is no torque; absent: no limit", not_negative}};
+               "speed of the driven axle beyond which there is no torque; absent: no limit", not_negative});
   }
 
   /// The command within what the motor can do at this speed.

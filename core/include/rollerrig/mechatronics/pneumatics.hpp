@@ -19,7 +19,7 @@ struct Pneumatics {
   AnyAir air{};
 
   static constexpr auto fields() {
-    return std::tuple{Member{"control_valve", &Pneumatics::control_valve}, Member{"air", &Pneumatics::air}};
+    return members(Member{"control_valve", &Pneumatics::control_valve}, Member{"air", &Pneumatics::air});
   }
 };
 

@@ -46,18 +46,14 @@ struct RigController {
 
   static constexpr auto fields() {
     using P = RigController;
-    return std::tuple{Member{"assumed", &P::assumed},
-                      Member{"estimator", &P::estimator},
-                      Member{"axle_torque", &P::axle_torque},
-                      Member{"feedback", &P::feedback},
-                      Member{"drive_command", &P::drive_command},
-                      Member{"largest", &P::largest, "N m", "largest torque command of a roller's drive", not_negative},
-                      Member{"commanded_torque", &P::commanded_torque},
-                      Member{"measured_loads", &P::measured_loads},
-                      Member{"locked_speed", &P::locked_speed, "m/s",
-                             "wheel speed below which a wheel of a faster train is locked, (D15)"},
-                      Member{"train", &P::train},
-                      Member{"rail", &P::rail}};
+    return members(Member{"assumed", &P::assumed}, Member{"estimator", &P::estimator},
+                   Member{"axle_torque", &P::axle_torque}, Member{"feedback", &P::feedback},
+                   Member{"drive_command", &P::drive_command},
+                   Member{"largest", &P::largest, "N m", "largest torque command of a roller's drive", not_negative},
+                   Member{"commanded_torque", &P::commanded_torque}, Member{"measured_loads", &P::measured_loads},
+                   Member{"locked_speed", &P::locked_speed, "m/s",
+                          "wheel speed below which a wheel of a faster train is locked, (D15)"},
+                   Member{"train", &P::train}, Member{"rail", &P::rail});
   }
 
   struct AxleState {

@@ -23,13 +23,13 @@ struct Sanding {
 
   static constexpr auto fields() {
     using P = Sanding;
-    return std::tuple{
+    return members(
         Member{"start", &P::start},
         Member{"flow", &P::flow, "kg/s", "mass flow on each rail in front of a sanding axle", not_negative},
         Member{"delay", &P::delay, "s", "delay from the demand to the sand on the rail, and back", not_negative},
         Member{"run_on", &P::run_on, "s", "duration of sanding after its reason has gone", not_negative},
         Member{"least_speed", &P::least_speed, "m/s", "train speed below which there is no sanding", not_negative},
-        Member{"kept", &P::kept, "1", "share of the sand on the rail that a wheel leaves behind", fraction}};
+        Member{"kept", &P::kept, "1", "share of the sand on the rail that a wheel leaves behind", fraction});
   }
 };
 

@@ -28,9 +28,9 @@ struct Sensors {
 
   static constexpr auto fields() {
     using P = Sensors;
-    return std::tuple{Member{"axles", &P::axles},         Member{"rollers", &P::rollers},
-                      Member{"vehicle", &P::vehicle},     Member{"roller_torque", &P::roller_torque},
-                      Member{"axle_load", &P::axle_load}, Member{"seed", &P::seed, any_integer}};
+    return members(Member{"axles", &P::axles}, Member{"rollers", &P::rollers}, Member{"vehicle", &P::vehicle},
+                   Member{"roller_torque", &P::roller_torque}, Member{"axle_load", &P::axle_load},
+                   Member{"seed", &P::seed, any_integer});
   }
 };
 

@@ -33,14 +33,14 @@ struct SimulatedAxles {
 
   static constexpr auto fields() {
     using P = SimulatedAxles;
-    return std::tuple{Member{"wheelset_inertia", &P::wheelset_inertia, "kg m^2",
-                             "moment of inertia of a wheelset with the rotor of its motor, J_w", not_negative},
-                      Member{"wheel_radius", &P::wheel_radius, "m", "radius of the wheels, r", not_negative},
-                      Member{"gradient_force", &P::gradient_force, "m/s^2", "downhill force per mass, g i"},
-                      Member{"static_load", &P::static_load, "N", "static load of each axle, N_i0", positive},
-                      Member{"load_transfer", &P::load_transfer, "kg", "load transfer of each axle, t_i in (D9)"},
-                      Member{"position", &P::position, "m",
-                             "position of each axle along the running direction, as of the axles under test"}};
+    return members(Member{"wheelset_inertia", &P::wheelset_inertia, "kg m^2",
+                          "moment of inertia of a wheelset with the rotor of its motor, J_w", not_negative},
+                   Member{"wheel_radius", &P::wheel_radius, "m", "radius of the wheels, r", not_negative},
+                   Member{"gradient_force", &P::gradient_force, "m/s^2", "downhill force per mass, g i"},
+                   Member{"static_load", &P::static_load, "N", "static load of each axle, N_i0", positive},
+                   Member{"load_transfer", &P::load_transfer, "kg", "load transfer of each axle, t_i in (D9)"},
+                   Member{"position", &P::position, "m",
+                          "position of each axle along the running direction, as of the axles under test"});
   }
 };
 

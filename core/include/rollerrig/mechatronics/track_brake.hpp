@@ -27,14 +27,13 @@ struct TrackBrake {
 
   static constexpr auto fields() {
     using P = TrackBrake;
-    return std::tuple{
-        Member{"law", &P::law},
-        Member{"bogies", &P::bogies, "1", "number of bogies under test that have it", not_negative},
-        Member{"demand", &P::demand, "1", "demanded excitation, 0 to 1", fraction},
-        Member{"delay", &P::delay, "s", "delay from the demand to the first force: lowering", not_negative},
-        Member{"rise_time", &P::rise_time, "s", "rise time of the excitation, from none to full", positive},
-        Member{"release_speed", &P::release_speed, "m/s", "train speed below which the magnets are lifted",
-               not_negative}};
+    return members(Member{"law", &P::law},
+                   Member{"bogies", &P::bogies, "1", "number of bogies under test that have it", not_negative},
+                   Member{"demand", &P::demand, "1", "demanded excitation, 0 to 1", fraction},
+                   Member{"delay", &P::delay, "s", "delay from the demand to the first force: lowering", not_negative},
+                   Member{"rise_time", &P::rise_time, "s", "rise time of the excitation, from none to full", positive},
+                   Member{"release_speed", &P::release_speed, "m/s", "train speed below which the magnets are lifted",
+                          not_negative});
   }
 
   /// Of one bogie in full excitation, against running [N], at a speed over the rail [m/s].

@@ -27,7 +27,7 @@ struct VirtualTrain {
 
   static constexpr auto fields() {
     using P = VirtualTrain;
-    return std::tuple{
+    return members(
         Member{"mass", &P::mass, "kg", "mass that these axles carry and brake, M", positive},
         Member{"wheelset_inertia", &P::wheelset_inertia, "kg m^2",
                "moment of inertia of a wheelset about its axis, J_w", positive},
@@ -40,7 +40,7 @@ struct VirtualTrain {
         Member{"gravity", &P::gravity, "m/s^2", "acceleration of free fall, g"},
         Member{"static_load", &P::static_load, "N", "static load of each axle, N_i0"},
         Member{"load_transfer", &P::load_transfer, "kg", "load transfer of each axle, t_i in (D9)"},
-        Member{"position", &P::position, "m", "position of each axle along the train"}};
+        Member{"position", &P::position, "m", "position of each axle along the train"});
   }
 
   double resistance(double v) const {

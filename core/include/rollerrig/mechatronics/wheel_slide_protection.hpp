@@ -23,7 +23,7 @@ struct WheelSlideProtection {
 
   AnySlideProtection law{};
 
-  static constexpr auto fields() { return std::tuple{Member{"law", &WheelSlideProtection::law}}; }
+  static constexpr auto fields() { return members(Member{"law", &WheelSlideProtection::law}); }
 
   using State = BrakedAxles;
 

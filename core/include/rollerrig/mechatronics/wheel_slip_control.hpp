@@ -22,7 +22,7 @@ struct WheelSlipControl {
 
   static constexpr auto fields() {
     using P = WheelSlipControl;
-    return std::tuple{
+    return members(
         Member{"wheel_radius", &P::wheel_radius, "m", "radius of the wheels as assumed", positive},
         Member{"reference_acceleration", &P::reference_acceleration, "m/s^2",
                "largest acceleration of the reference speed"},
@@ -43,7 +43,7 @@ struct WheelSlipControl {
         Member{"least_acceleration", &P::least_acceleration, "m/s^2",
                "least acceleration of the reference speed between releases"},
         Member{"regained_after", &P::regained_after, "s",
-               "duration without slip after which the axles run at the train's speed"}};
+               "duration without slip after which the axles run at the train's speed"});
   }
 
   struct AxleState {

@@ -27,15 +27,14 @@ struct Body {
 
   static constexpr auto fields() {
     using P = Body;
-    return std::tuple{
+    return members(
         Member{"mass", &P::mass, "kg", "mass", positive},
         Member{"inertia", &P::inertia, "kg m^2", "principal moments of inertia Ixx, Iyy, Izz", positive},
         Member{"position", &P::position, "m", "design position of the centre of mass, world"},
-        Member{"axisymmetric", &P::axisymmetric},
-        Member{"locked", &P::locked},
+        Member{"axisymmetric", &P::axisymmetric}, Member{"locked", &P::locked},
         Member{"speed_controlled_radius", &P::speed_controlled_radius, "m",
                "radius V over pitch rate of a roller whose pitch rate is prescribed; 0: it is free", not_negative},
-        Member{"in_moving_frame", &P::in_moving_frame}};
+        Member{"in_moving_frame", &P::in_moving_frame});
   }
 
   /// A roller on rigid bearings: its frame coincides with the world's.

@@ -27,10 +27,10 @@ struct ForceElement {
 
   static constexpr auto fields() {
     using P = ForceElement;
-    return std::tuple{
+    return members(
         Member{"body_a", &P::body_a, index_or_none}, Member{"body_b", &P::body_b, index_or_none},
         Member{"point_on_b", &P::r_b, "m", "point of action P_b from b's centre of mass, body frame at design"},
-        Member{"law", &P::law}, Member{"clamped", &P::clamped}};
+        Member{"law", &P::law}, Member{"clamped", &P::clamped});
   }
 
   int first_node() const { return node.front(); }

@@ -21,7 +21,7 @@ struct PartNames {
 
   static constexpr auto fields() {
     using P = PartNames;
-    return std::tuple{Member{"bodies", &P::bodies}, Member{"elements", &P::elements}, Member{"axles", &P::axles}};
+    return members(Member{"bodies", &P::bodies}, Member{"elements", &P::elements}, Member{"axles", &P::axles});
   }
 };
 

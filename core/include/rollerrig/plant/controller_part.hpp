@@ -26,13 +26,11 @@ struct ControllerPart {
 
   static constexpr auto fields() {
     using P = ControllerPart;
-    return std::tuple{Member{"name", &P::name},
-                      Member{"step", &P::step, "s", "sampling step of the case", positive},
-                      Member{"controller", &P::controller},
-                      Member{"axles", &P::axles},
-                      Member{"train_speed", &P::train_speed, "m/s", "train speed at the start"},
-                      Member{"axle_speed", &P::axle_speed, "rad/s", "speed of each axle at the start"},
-                      Member{"roller_speed", &P::roller_speed, "rad/s", "speed of each roller axle at the start"}};
+    return members(Member{"name", &P::name}, Member{"step", &P::step, "s", "sampling step of the case", positive},
+                   Member{"controller", &P::controller}, Member{"axles", &P::axles},
+                   Member{"train_speed", &P::train_speed, "m/s", "train speed at the start"},
+                   Member{"axle_speed", &P::axle_speed, "rad/s", "speed of each axle at the start"},
+                   Member{"roller_speed", &P::roller_speed, "rad/s", "speed of each roller axle at the start"});
   }
 };
 

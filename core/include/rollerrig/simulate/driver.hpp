@@ -10,18 +10,40 @@
 // travelling frame and the dissipated energy, shifts a velocity by less than step / 2 times the jump, docs/theory/rig_control.md
 // (D8). An adaptive method evaluates it anew.
 #pragma once
+#include <concepts>
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <utility>
 #include <vector>
 
-#include "rollerrig/integrate/integrator.hpp"
+#include "rollerrig/integrate/differential_equation.hpp"
+#include "rollerrig/integrate/options.hpp"
 #include "rollerrig/simulate/mechatronic_system.hpp"
 #include "rollerrig/simulate/recorder.hpp"
 #include "rollerrig/system/dynamics.hpp"
 
 namespace rollerrig {
+
+namespace integrate {
+template <DifferentialEquation System>
+class Integrator;
+}
+
+/// Who sees the outputs of a run, see(t, x, z); it must outlive the call that it is given to.
+class Observer {
+ public:
+  template <class See>
+    requires(!std::same_as<See, Observer>)
+  Observer(See const& see)  // NOLINT: a function is an observer
+      : see_{&see}, call_{[](void const* of, double t, double const* x, double const* z) {
+          (*static_cast<See const*>(of))(t, x, z);
+        }} {}
+  void operator()(double t, double const* x, double const* z) const { call_(see_, t, x, z); }
+
+ private:
+  void const* see_;
+  void (*call_)(void const*, double, double const*, double const*);
+};
 
 /// Every number of the settings, and every length of a step that a run may be cut into against its duration: throws
 /// std::invalid_argument for a run that would not end.
@@ -33,41 +55,16 @@ class Driver {
   Driver& operator=(Driver const&) = delete;
   /// Throws std::invalid_argument for a setup that cannot be run.
   Driver(std::shared_ptr<Model const> model, std::optional<MechatronicSetup> setup);
+  ~Driver();
 
   /// Begins a run; throws std::invalid_argument for impossible options, and for an end that the steps would never reach.
   Status start(integrate::Options options, double t0, double const* x0);
 
   /// Runs to time t_stop, to where an external controller waits, or to the end; shows the observer each output time.
-  ///
-  /// @param observer  observer(t, x, z)
-  template <class Observer>
-  Status advance(double t_stop, Observer&& observer) {
-    if (!system_) {
-      if (held_) integrator_->hold_until(t_stop);
-      return status_ = integrator_->advance(t_stop, observer);
-    }
-    std::int64_t const last = steps_until(t_stop);
-    while (status_ == Status::ok && step_ < last) {
-      if (!std::exchange(sampled_, true)) sample();
-      if (answers_) system_->answer(step_);
-      if (system_->waits()) return status_;
-      if (!std::exchange(machines_asked_, true)) system_->ask_machines(step_);
-      if (answers_) system_->ask_nobody();  // the caller's command for the brake unit stands since answer()
-      if (system_->waits()) return status_;
-      show(observer);
-      advance_step();
-    }
-    if (ended_as_planned()) {
-      sample_end();
-      show(observer);
-    }
-    return status_;
-  }
+  Status advance(double t_stop, Observer observer);
 
   /// Reads the sensors and asks the controllers at this instant, as advance() would before its next step.
-  void sample_now() {
-    if (system_ && status_ == Status::ok && !std::exchange(sampled_, true)) sample();
-  }
+  void sample_now();
   /// Where another program integrates: at each instant of sampling, in the states it found, what happens between two steps of a
   /// run. The inputs then hold to the next.
   Status pass_sample(double const* x, double const* z);
@@ -93,10 +90,10 @@ class Driver {
   void record_at(double t, double* row);
   int width() const { return recorder_.width() + (system_ ? system_->width() : 0); }
 
-  bool started() const { return integrator_.has_value(); }
-  double time() const { return integrator_ ? integrator_->time() : 0.0; }
-  double const* states() const { return integrator_->states(); }
-  integrate::Statistics const& statistics() const { return integrator_->statistics(); }
+  bool started() const { return integrator_ != nullptr; }
+  double time() const;
+  double const* states() const;
+  integrate::Statistics const& statistics() const;
   int failed_contact() const { return plant_.failed_contact(); }
   Dynamics& plant() { return plant_; }
   Dynamics const& plant() const { return plant_; }
@@ -104,14 +101,14 @@ class Driver {
   Dynamics const& observed() const { return observed_; }
   Inputs const& inputs() const { return inputs_; }  ///< that act on the plant
   /// Within the last step, step_start() <= t <= time(); x and z as record() takes them.
-  void sample_states(double t, double* x, double* z) { integrator_->sample(t, x, z); }
+  void sample_states(double t, double* x, double* z);
   MechatronicSystem* system() { return system_ ? &*system_ : nullptr; }
   MechatronicSystem const* system() const { return system_ ? &*system_ : nullptr; }
   void set_command(std::string_view controller, std::span<double const> command) {
     system_->set_command(controller, command, step_);
   }
 
-  /// Everything that changes in a run, for plant/state_archive.hpp; of a run that has begun.
+  /// Everything that changes in a run, for plant/state_archive.hpp, where the integrator is known; of a run that has begun.
   template <class Archive>
   void state(Archive& archive) {
     archive(plant_, inputs_, observed_);
@@ -133,10 +130,7 @@ class Driver {
     bool const by_block = status_ == Status::stopped || status_ == Status::rollers_protected;
     return by_block || (status_ == Status::ok && step_ == steps_until(final_time_));
   }
-  template <class Observer>
-  void show(Observer& observer) {
-    if (step_ % output_every_ == 0) observer(integrator_->time(), integrator_->states(), integrator_->quadratures());
-  }
+  void show(Observer const& observer) const;
 
   Dynamics plant_;
   Inputs inputs_;
@@ -146,7 +140,7 @@ class Driver {
   Recorder recorder_;
   std::optional<MechatronicSetup> setup_;
   std::optional<MechatronicSystem> system_;
-  std::optional<integrate::Integrator<DrivenDynamics>> integrator_;
+  std::unique_ptr<integrate::Integrator<DrivenDynamics>> integrator_;
   double final_time_{0.0};
   std::int64_t step_{0};          ///< sampling steps done
   std::int64_t output_every_{1};  ///< in sampling steps

@@ -6,9 +6,12 @@
 #pragma once
 #include <span>
 
-#include "rollerrig/simulate/driver.hpp"
+#include "rollerrig/integrate/options.hpp"
+#include "rollerrig/system/dynamics.hpp"
 
 namespace rollerrig {
+
+class Driver;
 
 /// u: torques of the model's axles, then of its rollers [N m], then the pressures of its brakes' cylinders [Pa].
 /// y: the recorder's columns of all bodies, then of all wheels.

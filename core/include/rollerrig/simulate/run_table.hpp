@@ -6,9 +6,11 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "rollerrig/simulate/driver.hpp"
+#include "rollerrig/status.hpp"
 
 namespace rollerrig {
+
+class Driver;
 
 /// Room for rows of `width` numbers, each at its time; what does not fit is counted.
 struct TimedRows {

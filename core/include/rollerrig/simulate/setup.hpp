@@ -40,16 +40,12 @@ struct AxleParts {
 
   static constexpr auto fields() {
     using P = AxleParts;
-    return std::tuple{Member{"wheelset", &P::wheelset, index_or_none},
-                      Member{"axle_torque", &P::axle_torque, index_or_none},
-                      Member{"brake", &P::brake, index_or_none},
-                      Member{"roller", &P::roller, index_or_none},
-                      Member{"roller_torque", &P::roller_torque, index_or_none},
-                      Member{"contacts", &P::contacts, index_or_none},
-                      Member{"has_brake", &P::has_brake},
-                      Member{"has_motor", &P::has_motor},
-                      Member{"electrodynamic", &P::electrodynamic},
-                      Member{"sands", &P::sands}};
+    return members(
+        Member{"wheelset", &P::wheelset, index_or_none}, Member{"axle_torque", &P::axle_torque, index_or_none},
+        Member{"brake", &P::brake, index_or_none}, Member{"roller", &P::roller, index_or_none},
+        Member{"roller_torque", &P::roller_torque, index_or_none}, Member{"contacts", &P::contacts, index_or_none},
+        Member{"has_brake", &P::has_brake}, Member{"has_motor", &P::has_motor},
+        Member{"electrodynamic", &P::electrodynamic}, Member{"sands", &P::sands});
   }
 };
 
@@ -67,17 +63,15 @@ struct Actuators {
 
   static constexpr auto fields() {
     using P = Actuators;
-    return std::tuple{
-        Member{"brake", &P::brake},
-        Member{"pneumatics", &P::pneumatics},
-        Member{"motors_stand_in", &P::motors_stand_in},
-        Member{"electrodynamic", &P::electrodynamic},
+    return members(
+        Member{"brake", &P::brake}, Member{"pneumatics", &P::pneumatics},
+        Member{"motors_stand_in", &P::motors_stand_in}, Member{"electrodynamic", &P::electrodynamic},
         Member{"track_brake", &P::track_brake},
         Member{"brake_demand", &P::brake_demand, "Pa", "demanded cylinder pressure over the ambient, over time"},
         Member{"motor", &P::motor},
         Member{"torque_demand", &P::torque_demand, "N m",
                "demanded torque of the traction motor of each axle, positive forward, over time"},
-        Member{"roller_drive", &P::roller_drive}};
+        Member{"roller_drive", &P::roller_drive});
   }
 };
 
@@ -86,10 +80,10 @@ struct RollerProtection {
   double slip{}, time{};
 
   static constexpr auto fields() {
-    return std::tuple{
+    return members(
         Member{"slip", &RollerProtection::slip, "m/s", "real sliding between wheel and roller that damages them",
                not_negative},
-        Member{"time", &RollerProtection::time, "s", "duration of such sliding that ends a test", not_negative}};
+        Member{"time", &RollerProtection::time, "s", "duration of such sliding that ends a test", not_negative});
   }
 };
 
@@ -99,10 +93,9 @@ struct TravellingFrame {
 
   static constexpr auto fields() {
     using P = TravellingFrame;
-    return std::tuple{
-        Member{"train_mass", &P::train_mass, "kg",
-               "mass that these axles brake or pull; 0: on a rig the frame does not move", not_negative},
-        Member{"fixed_mass", &P::fixed_mass, "kg", "part of it that is fixed in the frame", not_negative}};
+    return members(Member{"train_mass", &P::train_mass, "kg",
+                          "mass that these axles brake or pull; 0: on a rig the frame does not move", not_negative},
+                   Member{"fixed_mass", &P::fixed_mass, "kg", "part of it that is fixed in the frame", not_negative});
   }
 };
 
@@ -143,30 +136,24 @@ struct MechatronicSetup {
 
   static constexpr auto fields() {
     using P = MechatronicSetup;
-    return std::tuple{
+    return members(
         Member{"step", &P::step, "s", "sampling step: all samples and changes of commands lie on its multiples",
                positive},
         Member{"speed", &P::speed, "m/s", "speed at the start"},
         Member{"stop_speed", &P::stop_speed, "m/s",
                "speed below which a train has stopped; 0: it starts from rest and runs on"},
-        Member{"axles", &P::axles},
-        Member{"actuators", &P::actuators},
-        Member{"sensors", &P::sensors},
-        Member{"controllers", &P::controllers},
-        Member{"protection", &P::protection},
-        Member{"frame", &P::frame},
+        Member{"axles", &P::axles}, Member{"actuators", &P::actuators}, Member{"sensors", &P::sensors},
+        Member{"controllers", &P::controllers}, Member{"protection", &P::protection}, Member{"frame", &P::frame},
         Member{"rail_cell", &P::rail_cell, "m", "length of the cells of rail in which dissipated energy is kept",
                positive},
         Member{"energy_width", &P::energy_width, "m",
                "width of rail over which dissipated energy is spread; 0: that of the patches", not_negative},
         Member{"wheel_memory", &P::wheel_memory, "m",
                "rolling distance over which a wheel's own cleaning fades; 0: it keeps nothing", not_negative},
-        Member{"sanding", &P::sanding},
-        Member{"simulated", &P::simulated},
-        Member{"rail", &P::rail},
+        Member{"sanding", &P::sanding}, Member{"simulated", &P::simulated}, Member{"rail", &P::rail},
         Member{"brake_delay", &P::brake_delay, "s", "delay of the demand at each axle, (N3); empty: none",
                not_negative},
-        Member{"reservoir", &P::reservoir}};
+        Member{"reservoir", &P::reservoir});
   }
 };
 

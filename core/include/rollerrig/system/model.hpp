@@ -51,16 +51,15 @@ struct AxleTorque {
 
   static constexpr auto fields() {
     using P = AxleTorque;
-    return std::tuple{Member{"wheelset", &P::wheelset, an_index},
-                      Member{"reaction", &P::reaction, index_or_none},
-                      Member{"torque", &P::torque, "N m", "torque over time, beside that of the inputs"},
-                      Member{"link", &P::link, "m",
-                             "x of the link by which an axle-hung motor hangs on the reaction body, from the axle; 0: "
-                             "the reaction is a moment"},
-                      Member{"gear_ratio", &P::gear_ratio, "1",
-                             "speed of the rotor over that of the axle; negative: they turn against each other"},
-                      Member{"rotor_inertia", &P::rotor_inertia, "kg m^2",
-                             "moment of inertia of the rotor about its shaft", not_negative}};
+    return members(Member{"wheelset", &P::wheelset, an_index}, Member{"reaction", &P::reaction, index_or_none},
+                   Member{"torque", &P::torque, "N m", "torque over time, beside that of the inputs"},
+                   Member{"link", &P::link, "m",
+                          "x of the link by which an axle-hung motor hangs on the reaction body, from the axle; 0: "
+                          "the reaction is a moment"},
+                   Member{"gear_ratio", &P::gear_ratio, "1",
+                          "speed of the rotor over that of the axle; negative: they turn against each other"},
+                   Member{"rotor_inertia", &P::rotor_inertia, "kg m^2",
+                          "moment of inertia of the rotor about its shaft", not_negative});
   }
 };
 
@@ -72,12 +71,12 @@ struct RollerTorque {
 
   static constexpr auto fields() {
     using P = RollerTorque;
-    return std::tuple{Member{"roller", &P::roller, an_index},
-                      Member{"torque", &P::torque, "N m", "torque over time, beside that of the inputs"},
-                      Member{"gear_ratio", &P::gear_ratio, "1",
-                             "speed of the rotor over that of the axle; negative: they turn against each other"},
-                      Member{"rotor_inertia", &P::rotor_inertia, "kg m^2",
-                             "moment of inertia of the rotor about its shaft", not_negative}};
+    return members(Member{"roller", &P::roller, an_index},
+                   Member{"torque", &P::torque, "N m", "torque over time, beside that of the inputs"},
+                   Member{"gear_ratio", &P::gear_ratio, "1",
+                          "speed of the rotor over that of the axle; negative: they turn against each other"},
+                   Member{"rotor_inertia", &P::rotor_inertia, "kg m^2",
+                          "moment of inertia of the rotor about its shaft", not_negative});
   }
 };
 
@@ -89,8 +88,8 @@ struct AxleBrake {
 
   static constexpr auto fields() {
     using P = AxleBrake;
-    return std::tuple{Member{"wheelset", &P::wheelset, an_index}, Member{"reaction", &P::reaction, index_or_none},
-                      Member{"brake", &P::brake}};
+    return members(Member{"wheelset", &P::wheelset, an_index}, Member{"reaction", &P::reaction, index_or_none},
+                   Member{"brake", &P::brake});
   }
 };
 
@@ -101,11 +100,11 @@ struct RunningResistance {
 
   static constexpr auto fields() {
     using P = RunningResistance;
-    return std::tuple{Member{"body", &P::body, index_or_none},
-                      Member{"constant", &P::constant, "N", "running resistance R = A + B v + C v^2: A"},
-                      Member{"linear", &P::linear, "N s/m", "running resistance R = A + B v + C v^2: B"},
-                      Member{"quadratic", &P::quadratic, "N s^2/m^2", "running resistance R = A + B v + C v^2: C"},
-                      Member{"gradient", &P::gradient, "1", "gradient of the line, positive uphill"}};
+    return members(Member{"body", &P::body, index_or_none},
+                   Member{"constant", &P::constant, "N", "running resistance R = A + B v + C v^2: A"},
+                   Member{"linear", &P::linear, "N s/m", "running resistance R = A + B v + C v^2: B"},
+                   Member{"quadratic", &P::quadratic, "N s^2/m^2", "running resistance R = A + B v + C v^2: C"},
+                   Member{"gradient", &P::gradient, "1", "gradient of the line, positive uphill"});
   }
 
   template <Scalar T>
@@ -120,7 +119,7 @@ struct BodyTrackBrake {
   TrackBrake brake{};
 
   static constexpr auto fields() {
-    return std::tuple{Member{"body", &BodyTrackBrake::body, an_index}, Member{"brake", &BodyTrackBrake::brake}};
+    return members(Member{"body", &BodyTrackBrake::body, an_index}, Member{"brake", &BodyTrackBrake::brake});
   }
 };
 

@@ -29,19 +29,16 @@ struct ContactDescription {
 
   static constexpr auto fields() {
     using P = ContactDescription;
-    return std::tuple{
-        Member{"wheelset", &P::wheelset, an_index},
-        Member{"roller", &P::roller, index_or_none},
+    return members(
+        Member{"wheelset", &P::wheelset, an_index}, Member{"roller", &P::roller, index_or_none},
         Member{"roller_radius", &P::roller_radius, "m", "radius of the roller at the crown; 0: a rail", not_negative},
-        Member{"right", &P::right},
-        Member{"wheel_profile", &P::wheel_profile, an_index},
+        Member{"right", &P::right}, Member{"wheel_profile", &P::wheel_profile, an_index},
         Member{"rail_profile", &P::rail_profile, an_index},
         Member{"wheel_radius", &P::wheel_radius, "m", "radius of the wheel at the tape circle", positive},
         Member{"tape_circle_y", &P::tape_circle_y, "m", "lateral position of the tape circle on the wheelset"},
         Member{"rail_origin_y", &P::rail_origin_y, "m",
                "lateral position of the highest point of the left roller or rail"},
-        Member{"size", &P::size, "1", "size over a full-scale wheel and rail", contact_size},
-        Member{"laws", &P::laws}};
+        Member{"size", &P::size, "1", "size over a full-scale wheel and rail", contact_size}, Member{"laws", &P::laws});
   }
 };
 

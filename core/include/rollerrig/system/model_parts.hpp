@@ -32,25 +32,17 @@ struct ModelParts {
 
   static constexpr auto fields() {
     using P = ModelParts;
-    return std::tuple{Member{"gravity", &P::gravity, "m/s^2", "acceleration of free fall"},
-                      Member{"bodies", &P::bodies},
-                      Member{"elements", &P::elements},
-                      Member{"profiles", &P::profiles},
-                      Member{"contacts", &P::contacts},
-                      Member{"axle_torques", &P::axle_torques},
-                      Member{"roller_torques", &P::roller_torques},
-                      Member{"brakes", &P::brakes},
-                      Member{"track_brakes", &P::track_brakes},
-                      Member{"rolling_wheelsets", &P::rolling_wheelsets, an_index},
-                      Member{"resistance", &P::resistance},
-                      Member{"speed", &P::speed, "m/s", "running speed over time"},
-                      Member{"line", &P::line},
-                      Member{"start", &P::start, "m", "arc length of the vehicle's reference point at time 0"},
-                      Member{"irregularity", &P::irregularity},
-                      Member{"left_heads", &P::left_heads},
-                      Member{"right_heads", &P::right_heads},
-                      Member{"contact_loss_limit", &P::contact_loss_limit, "s",
-                             "duration without contact that ends a run", positive}};
+    return members(Member{"gravity", &P::gravity, "m/s^2", "acceleration of free fall"}, Member{"bodies", &P::bodies},
+                   Member{"elements", &P::elements}, Member{"profiles", &P::profiles}, Member{"contacts", &P::contacts},
+                   Member{"axle_torques", &P::axle_torques}, Member{"roller_torques", &P::roller_torques},
+                   Member{"brakes", &P::brakes}, Member{"track_brakes", &P::track_brakes},
+                   Member{"rolling_wheelsets", &P::rolling_wheelsets, an_index}, Member{"resistance", &P::resistance},
+                   Member{"speed", &P::speed, "m/s", "running speed over time"}, Member{"line", &P::line},
+                   Member{"start", &P::start, "m", "arc length of the vehicle's reference point at time 0"},
+                   Member{"irregularity", &P::irregularity}, Member{"left_heads", &P::left_heads},
+                   Member{"right_heads", &P::right_heads},
+                   Member{"contact_loss_limit", &P::contact_loss_limit, "s", "duration without contact that ends a run",
+                          positive});
   }
 };
 

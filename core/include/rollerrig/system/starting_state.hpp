@@ -19,9 +19,8 @@ struct Disturbance {
 
   static constexpr auto fields() {
     using P = Disturbance;
-    return std::tuple{Member{"body", &P::body, an_index},
-                      Member{"coordinate", &P::coordinate, Range{0.0, 5.0, "0 to 5"}},
-                      Member{"offset", &P::offset, "m or rad", "offset from the undisturbed equilibrium"}};
+    return members(Member{"body", &P::body, an_index}, Member{"coordinate", &P::coordinate, Range{0.0, 5.0, "0 to 5"}},
+                   Member{"offset", &P::offset, "m or rad", "offset from the undisturbed equilibrium"});
   }
 };
 

@@ -18,9 +18,9 @@ struct StandingBody {
 
   static constexpr auto fields() {
     using P = StandingBody;
-    return std::tuple{Member{"mass", &P::mass, "kg", "mass", not_negative},
-                      Member{"position", &P::position, "m", "position of the centre of mass"},
-                      Member{"on_wheels", &P::on_wheels}};
+    return members(Member{"mass", &P::mass, "kg", "mass", not_negative},
+                   Member{"position", &P::position, "m", "position of the centre of mass"},
+                   Member{"on_wheels", &P::on_wheels});
   }
 };
 
@@ -31,8 +31,8 @@ struct LoadSpring {
 
   static constexpr auto fields() {
     using P = LoadSpring;
-    return std::tuple{Member{"body_a", &P::body_a, an_index}, Member{"body_b", &P::body_b, an_index},
-                      Member{"point", &P::point, "m", "point of action of its force"}};
+    return members(Member{"body_a", &P::body_a, an_index}, Member{"body_b", &P::body_b, an_index},
+                   Member{"point", &P::point, "m", "point of action of its force"});
   }
 };
 

@@ -27,18 +27,14 @@ struct ServerSettings {
     constexpr Range from_zero{0.0, 1e9, "a count from 0 to 1e9"};
     constexpr Range patience_range{1e-3, 1e6, "from 0.001 to 1e6 s"};
     constexpr Range spin_range{0.0, 1.0, "from 0 to 1 s"};
-    return std::tuple{Member{"period", &P::period, "s", "period of the loop", a_period},
-                      Member{"periods", &P::periods, count},
-                      Member{"session", &P::session, count},
-                      Member{"oldest", &P::oldest, from_zero},
-                      Member{"patience", &P::patience, count},
-                      Member{"ramp", &P::ramp, from_zero},
-                      Member{"lock_step", &P::lock_step},
-                      Member{"at_once", &P::at_once},
-                      Member{"give_up", &P::give_up, "s",
-                             "duration without a command after which a run in lock-step ends", patience_range},
-                      Member{"spin", &P::spin, "s", "busy waiting before each deadline", spin_range},
-                      Member{"record", &P::record}};
+    return members(
+        Member{"period", &P::period, "s", "period of the loop", a_period}, Member{"periods", &P::periods, count},
+        Member{"session", &P::session, count}, Member{"oldest", &P::oldest, from_zero},
+        Member{"patience", &P::patience, count}, Member{"ramp", &P::ramp, from_zero},
+        Member{"lock_step", &P::lock_step}, Member{"at_once", &P::at_once},
+        Member{"give_up", &P::give_up, "s", "duration without a command after which a run in lock-step ends",
+               patience_range},
+        Member{"spin", &P::spin, "s", "busy waiting before each deadline", spin_range}, Member{"record", &P::record});
   }
 
   std::int64_t period_ns() const { return std::llround(1e9 * period); }

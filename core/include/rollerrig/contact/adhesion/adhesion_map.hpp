@@ -23,11 +23,11 @@ struct RailCondition {
   FrictionLaw friction{};
   double k_A{1.0}, k_S{1.0};
   static constexpr auto fields() {
-    return std::tuple{Member{"friction", &RailCondition::friction},
-                      Member{"k_A", &RailCondition::k_A, "1",
-                             "stiffness of the creep curve on the area of adhesion; k_A = k_S = 1: clean", fraction},
-                      Member{"k_S", &RailCondition::k_S, "1",
-                             "stiffness of the creep curve on the area of slip, at most k_A", fraction}};
+    return members(Member{"friction", &RailCondition::friction},
+                   Member{"k_A", &RailCondition::k_A, "1",
+                          "stiffness of the creep curve on the area of adhesion; k_A = k_S = 1: clean", fraction},
+                   Member{"k_S", &RailCondition::k_S, "1",
+                          "stiffness of the creep curve on the area of slip, at most k_A", fraction});
   }
 
   template <Scalar T>
@@ -52,12 +52,12 @@ struct RailAdhesion {
   RailCondition sanded{};
   double sand_constant{0.0};
   static constexpr auto fields() {
-    return std::tuple{Member{"degraded", &RailAdhesion::degraded}, Member{"recovered", &RailAdhesion::recovered},
-                      Member{"recovery_constant", &RailAdhesion::recovery_constant, "m^2/J",
-                             "recovery by dissipated energy per area, tau; 0: none", not_negative},
-                      Member{"sanded", &RailAdhesion::sanded},
-                      Member{"sand_constant", &RailAdhesion::sand_constant, "m/kg",
-                             "effect of sand by mass per length of rail, 1/q_0; 0: none", not_negative}};
+    return members(Member{"degraded", &RailAdhesion::degraded}, Member{"recovered", &RailAdhesion::recovered},
+                   Member{"recovery_constant", &RailAdhesion::recovery_constant, "m^2/J",
+                          "recovery by dissipated energy per area, tau; 0: none", not_negative},
+                   Member{"sanded", &RailAdhesion::sanded},
+                   Member{"sand_constant", &RailAdhesion::sand_constant, "m/kg",
+                          "effect of sand by mass per length of rail, 1/q_0; 0: none", not_negative});
   }
 
   /// @param sand  mass per length on the rail [kg/m]
@@ -79,12 +79,12 @@ struct AdhesionMap {
   double blend{0.0};
   bool over_time{false};  ///< borders are times
   static constexpr auto fields() {
-    return std::tuple{
+    return members(
         Member{"pieces", &AdhesionMap::pieces},
         Member{"borders", &AdhesionMap::borders, "m or s", "begin of piece k + 1, ascending; one less than pieces"},
         Member{"blend", &AdhesionMap::blend, "m or s", "length of the transition behind a border; 0: a step",
                not_negative},
-        Member{"over_time", &AdhesionMap::over_time}};
+        Member{"over_time", &AdhesionMap::over_time});
   }
 
   void check() const {

@@ -28,9 +28,9 @@ struct Friction {
   std::shared_ptr<AdhesionMap const> map{};  ///< in place of the law
   double gauge_face{-1.0};
   static constexpr auto fields() {
-    return std::tuple{Member{"law", &Friction::law}, OptionalMember{"map", &Friction::map},
-                      Member{"gauge_face", &Friction::gauge_face, "1",
-                             "friction coefficient on the gauge face; -1: as on top of the rail"}};
+    return members(Member{"law", &Friction::law}, OptionalMember{"map", &Friction::map},
+                   Member{"gauge_face", &Friction::gauge_face, "1",
+                          "friction coefficient on the gauge face; -1: as on top of the rail"});
   }
 
   /// @param top  friction on top of the rail

@@ -16,7 +16,7 @@ struct ConstantFriction {
   static constexpr char const* name = "constant";
   double mu_0{0.3};
   static constexpr auto fields() {
-    return std::tuple{Member{"mu_0", &ConstantFriction::mu_0, "1", "friction coefficient", not_negative}};
+    return members(Member{"mu_0", &ConstantFriction::mu_0, "1", "friction coefficient", not_negative});
   }
 
   template <Scalar T>
@@ -30,9 +30,9 @@ struct FallingFriction {
   static constexpr char const* name = "falling";
   double mu_0{0.3}, A{1.0}, B{0.0};
   static constexpr auto fields() {
-    return std::tuple{Member{"mu_0", &FallingFriction::mu_0, "1", "friction coefficient at no slip", not_negative},
-                      Member{"A", &FallingFriction::A, "1", "friction at large slip over mu_0"},
-                      Member{"B", &FallingFriction::B, "s/m", "rate at which friction falls with slip velocity"}};
+    return members(Member{"mu_0", &FallingFriction::mu_0, "1", "friction coefficient at no slip", not_negative},
+                   Member{"A", &FallingFriction::A, "1", "friction at large slip over mu_0"},
+                   Member{"B", &FallingFriction::B, "s/m", "rate at which friction falls with slip velocity"});
   }
 
   /// @param slip  slip velocity, not negative [m/s]

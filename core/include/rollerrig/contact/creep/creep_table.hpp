@@ -118,7 +118,7 @@ struct TableLaw {
   static constexpr char const* name = "table";
   static constexpr bool in_lanes = true;
   std::shared_ptr<CreepTable const> table{};
-  static constexpr auto fields() { return std::tuple{Member{"table", &TableLaw::table}}; }
+  static constexpr auto fields() { return members(Member{"table", &TableLaw::table}); }
 
   template <Scalar T>
   CreepForce<T> operator()(CreepQuery<T> const& query) const {

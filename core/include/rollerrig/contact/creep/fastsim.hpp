@@ -146,7 +146,7 @@ CreepForce<T> fastsim_force(CreepQuery<T> const& query, T const& tau, bool modif
 /// Kalker's algorithm with three flexibilities.
 struct Fastsim {
   static constexpr char const* name = "fastsim";
-  static constexpr auto fields() { return std::tuple{}; }
+  static constexpr auto fields() { return members(); }
 
   template <Scalar T>
   CreepForce<T> operator()(CreepQuery<T> const& query) const {
@@ -162,11 +162,11 @@ struct ModifiedFastsim {
   static constexpr char const* name = "modified_fastsim";
   double k_0{1.0}, k_inf{1.0}, beta{0.0};
   static constexpr auto fields() {
-    return std::tuple{Member{"k_0", &ModifiedFastsim::k_0, "1",
-                             "factor of roughness and contamination on Kalker's stiffness at small creepage"},
-                      Member{"k_inf", &ModifiedFastsim::k_inf, "1", "part of k_0 that is left at large creepage"},
-                      Member{"beta", &ModifiedFastsim::beta, "1",
-                             "decrease of the factor with eps = pi/4 k_0 times linear force over mu N"}};
+    return members(Member{"k_0", &ModifiedFastsim::k_0, "1",
+                          "factor of roughness and contamination on Kalker's stiffness at small creepage"},
+                   Member{"k_inf", &ModifiedFastsim::k_inf, "1", "part of k_0 that is left at large creepage"},
+                   Member{"beta", &ModifiedFastsim::beta, "1",
+                          "decrease of the factor with eps = pi/4 k_0 times linear force over mu N"});
   }
 
   template <Scalar T>

@@ -11,7 +11,7 @@ namespace rollerrig {
 struct KalkerLinear {
   static constexpr char const* name = "kalker_linear";
   static constexpr bool in_lanes = true;
-  static constexpr auto fields() { return std::tuple{}; }
+  static constexpr auto fields() { return members(); }
 
   template <Scalar T>
   CreepForce<T> operator()(CreepQuery<T> const& query) const {
@@ -25,7 +25,7 @@ struct KalkerSaturated {
   static constexpr bool in_lanes = true;
   bool saturate_spin_moment{false};
   static constexpr auto fields() {
-    return std::tuple{Member{"saturate_spin_moment", &KalkerSaturated::saturate_spin_moment}};
+    return members(Member{"saturate_spin_moment", &KalkerSaturated::saturate_spin_moment});
   }
 
   template <Scalar T>

@@ -61,9 +61,9 @@ struct Polach {
   static constexpr bool in_lanes = true;
   double k_A{1.0}, k_S{1.0};
   static constexpr auto fields() {
-    return std::tuple{
+    return members(
         Member{"k_A", &Polach::k_A, "1", "stiffness on the area of adhesion; k_A = k_S = 1: clean", fraction},
-        Member{"k_S", &Polach::k_S, "1", "stiffness on the area of slip, at most k_A", fraction}};
+        Member{"k_S", &Polach::k_S, "1", "stiffness on the area of slip, at most k_A", fraction});
   }
 
   template <Scalar T>

@@ -208,7 +208,7 @@ struct StripTheory {
   static constexpr bool in_lanes = true;
   static constexpr bool follows_strips = true;
   std::shared_ptr<CreepTable const> table{};
-  static constexpr auto fields() { return std::tuple{Member{"table", &StripTheory::table}}; }
+  static constexpr auto fields() { return members(Member{"table", &StripTheory::table}); }
 
   /// How far the table's correction of the strips counts: to the end of its ratios of the axes, then fading. (C21)
   template <Scalar T>

@@ -30,9 +30,9 @@ struct HertzEllipses {
   static constexpr char const* name = "hertz";
   double merging_criterion{0.01};
   static constexpr auto fields() {
-    return std::tuple{Member{"merging_criterion", &HertzEllipses::merging_criterion, "1",
-                             "criterion of normal/blending_weight.hpp; 0: patches appear and vanish at full force",
-                             not_negative}};
+    return members(Member{"merging_criterion", &HertzEllipses::merging_criterion, "1",
+                          "criterion of normal/blending_weight.hpp; 0: patches appear and vanish at full force",
+                          not_negative});
   }
 
   template <Scalar T, std::derived_from<NormalPatch<T>> P>

@@ -12,10 +12,10 @@ namespace rollerrig {
 struct NormalDamping {
   double damping{1e5}, smoothing_speed{1e-4};
   static constexpr auto fields() {
-    return std::tuple{
+    return members(
         Member{"damping", &NormalDamping::damping, "N s/m", "damping while the surfaces approach, k_v", not_negative},
         Member{"smoothing_speed", &NormalDamping::smoothing_speed, "m/s",
-               "approach speed over which the damping sets in", not_negative}};
+               "approach speed over which the damping sets in", not_negative});
   }
 
   /// k_v max(0, -gap_rate) with its corner rounded: departs from (12) by at most k_v smoothing_speed / 2 (5 N), so that

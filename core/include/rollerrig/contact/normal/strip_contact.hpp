@@ -141,7 +141,7 @@ StripSolution<T> strip_contact(NormalSetting const& wheel, RelativePose<T> const
 /// (S6)-(S9)
 struct ElasticStrips {
   static constexpr char const* name = "strips";
-  static constexpr auto fields() { return std::tuple{}; }
+  static constexpr auto fields() { return members(); }
 
   template <Scalar T, std::derived_from<NormalPatch<T>> P>
   void operator()(std::span<NormalContact<T, P> const> contacts) const {

@@ -41,14 +41,14 @@ struct ControlValve {
 
   static constexpr auto fields() {
     using P = ControlValve;
-    return std::tuple{
+    return members(
         Member{"application_rate", &P::application_rate, "Pa/s", "largest rise of the control valve's pressure",
                not_negative},
         Member{"release_rate", &P::release_rate, "Pa/s", "largest fall of the control valve's pressure", not_negative},
         Member{"follow_rate", &P::follow_rate, "1/s", "rate at which the control valve closes in on the demand",
                not_negative},
         Member{"ambient_pressure", &P::ambient_pressure, "Pa", "absolute pressure of the ambient air", positive},
-        Member{"volume", &P::volume, "m^3", "volume of an axle's cylinder and its pipe", positive}};
+        Member{"volume", &P::volume, "m^3", "volume of an axle's cylinder and its pipe", positive});
   }
 
   double rate(double control, double demand) const {

@@ -28,7 +28,7 @@ struct ReservoirAir {
 
   static constexpr auto fields() {
     using P = ReservoirAir;
-    return std::tuple{
+    return members(
         Member{"fill_conductance", &P::fill_conductance, "m^3/(s Pa)",
                "sonic conductance from the reservoir to a cylinder, C", not_negative},
         Member{"vent_conductance", &P::vent_conductance, "m^3/(s Pa)",
@@ -49,7 +49,7 @@ struct ReservoirAir {
         Member{"charging_conductance", &P::charging_conductance, "m^3/(s Pa)",
                "sonic conductance of the choke between main pipe and reservoir, C", not_negative},
         Member{"reference_pressure", &P::reference_pressure, "Pa",
-               "absolute pressure at which conductances are stated, p_0", positive}};
+               "absolute pressure at which conductances are stated, p_0", positive});
   }
 
   AirSupply start() const { return {.reservoir = reservoir_pressure, .drawn = 0.0}; }

@@ -20,10 +20,10 @@ struct UnlimitedAir {
   double fill_rate{}, vent_rate{};
 
   static constexpr auto fields() {
-    return std::tuple{Member{"fill_rate", &UnlimitedAir::fill_rate, "1/s",
-                             "filling rate of the cylinder through the choked inlet, p'/p_supply", not_negative},
-                      Member{"vent_rate", &UnlimitedAir::vent_rate, "1/s",
-                             "venting rate of the cylinder through the choked outlet, -p'/p_cylinder", not_negative}};
+    return members(Member{"fill_rate", &UnlimitedAir::fill_rate, "1/s",
+                          "filling rate of the cylinder through the choked inlet, p'/p_supply", not_negative},
+                   Member{"vent_rate", &UnlimitedAir::vent_rate, "1/s",
+                          "venting rate of the cylinder through the choked outlet, -p'/p_cylinder", not_negative});
   }
 
   AirSupply start() const { return {}; }

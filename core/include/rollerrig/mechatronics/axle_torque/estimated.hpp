@@ -9,7 +9,7 @@ namespace rollerrig {
 
 struct EstimatedTorque {
   static constexpr char const* name = "estimated";
-  static constexpr auto fields() { return std::tuple{}; }
+  static constexpr auto fields() { return members(); }
 
   struct State {};
 

@@ -18,9 +18,9 @@ struct ExtrapolatedTorque {
   double ahead{}, bandwidth{};
 
   static constexpr auto fields() {
-    return std::tuple{Member{"ahead", &ExtrapolatedTorque::ahead, "s", "lead of the estimate, a", not_negative},
-                      Member{"bandwidth", &ExtrapolatedTorque::bandwidth, "rad/s",
-                             "bandwidth of the low-pass on its slope, G", positive}};
+    return members(Member{"ahead", &ExtrapolatedTorque::ahead, "s", "lead of the estimate, a", not_negative},
+                   Member{"bandwidth", &ExtrapolatedTorque::bandwidth, "rad/s",
+                          "bandwidth of the low-pass on its slope, G", positive});
   }
 
   struct State {

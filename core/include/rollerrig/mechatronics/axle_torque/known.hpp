@@ -21,10 +21,10 @@ struct KnownTorque {
   double bandwidth{}, brake_friction{};
 
   static constexpr auto fields() {
-    return std::tuple{Member{"bandwidth", &KnownTorque::bandwidth, "rad/s",
-                             "bandwidth of the correction by the estimate, G_c", positive},
-                      Member{"brake_friction", &KnownTorque::brake_friction, "1",
-                             "friction of the pads as assumed, over the real one, f", not_negative}};
+    return members(Member{"bandwidth", &KnownTorque::bandwidth, "rad/s",
+                          "bandwidth of the correction by the estimate, G_c", positive},
+                   Member{"brake_friction", &KnownTorque::brake_friction, "1",
+                          "friction of the pads as assumed, over the real one, f", not_negative});
   }
 
   struct State {

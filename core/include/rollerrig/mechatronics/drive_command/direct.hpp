@@ -9,7 +9,7 @@ namespace rollerrig {
 
 struct DirectCommand {
   static constexpr char const* name = "direct";
-  static constexpr auto fields() { return std::tuple{}; }
+  static constexpr auto fields() { return members(); }
 
   struct State {};
 

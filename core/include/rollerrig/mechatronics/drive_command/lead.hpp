@@ -17,7 +17,7 @@ struct LeadCommand {
   double ahead{};
 
   static constexpr auto fields() {
-    return std::tuple{Member{"ahead", &LeadCommand::ahead, "s", "lead of the feed-forward, a", not_negative}};
+    return members(Member{"ahead", &LeadCommand::ahead, "s", "lead of the feed-forward, a", not_negative});
   }
 
   struct State {

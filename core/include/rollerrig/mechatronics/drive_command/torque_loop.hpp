@@ -17,7 +17,7 @@ struct TorqueLoop {
   double gain{};
 
   static constexpr auto fields() {
-    return std::tuple{Member{"gain", &TorqueLoop::gain, "1", "gain on demanded less measured torque, g", not_negative}};
+    return members(Member{"gain", &TorqueLoop::gain, "1", "gain on demanded less measured torque, g", not_negative});
   }
 
   struct State {};

@@ -17,12 +17,11 @@ struct ConstantPowerBrake {
 
   static constexpr auto fields() {
     using P = ConstantPowerBrake;
-    return std::tuple{
-        Member{"largest_force", &P::largest_force, "N", "largest force of one axle at the wheels' circumference, F_max",
-               not_negative},
-        Member{"largest_power", &P::largest_power, "W", "largest power of one axle, P", not_negative},
-        Member{"fade_from", &P::fade_from, "m/s", "speed below which the force fades, v_1", positive},
-        Member{"fade_to", &P::fade_to, "m/s", "speed from which down there is no force, v_0", not_negative}};
+    return members(Member{"largest_force", &P::largest_force, "N",
+                          "largest force of one axle at the wheels' circumference, F_max", not_negative},
+                   Member{"largest_power", &P::largest_power, "W", "largest power of one axle, P", not_negative},
+                   Member{"fade_from", &P::fade_from, "m/s", "speed below which the force fades, v_1", positive},
+                   Member{"fade_to", &P::fade_to, "m/s", "speed from which down there is no force, v_0", not_negative});
   }
 
   /// Largest force [N] at a speed of the wheels' circumference, not negative [m/s].

@@ -13,8 +13,8 @@ struct ForceTableBrake {
   TimeTable forces{};
 
   static constexpr auto fields() {
-    return std::tuple{Member{"forces", &ForceTableBrake::forces, "N",
-                             "largest force of one axle over the speed of the wheels' circumference [m/s]"}};
+    return members(Member{"forces", &ForceTableBrake::forces, "N",
+                          "largest force of one axle over the speed of the wheels' circumference [m/s]"});
   }
 
   /// Largest force [N] at a speed of the wheels' circumference, not negative [m/s]; constant beyond the ends of the table.

@@ -17,12 +17,12 @@ struct AssumedParameters {
 
   static constexpr auto fields() {
     using P = AssumedParameters;
-    return std::tuple{Member{"roller_inertia", &P::roller_inertia, "kg m^2",
-                             "moment of inertia of a roller axle about its axis as assumed, J_r", positive},
-                      Member{"roller_radius", &P::roller_radius, "m", "radius of the rollers as assumed, R", positive},
-                      Member{"wheelset_inertia", &P::wheelset_inertia, "kg m^2",
-                             "moment of inertia of a wheelset about its axis as assumed, J_w", positive},
-                      Member{"wheel_radius", &P::wheel_radius, "m", "radius of the wheels as assumed, r", positive}};
+    return members(Member{"roller_inertia", &P::roller_inertia, "kg m^2",
+                          "moment of inertia of a roller axle about its axis as assumed, J_r", positive},
+                   Member{"roller_radius", &P::roller_radius, "m", "radius of the rollers as assumed, R", positive},
+                   Member{"wheelset_inertia", &P::wheelset_inertia, "kg m^2",
+                          "moment of inertia of a wheelset about its axis as assumed, J_w", positive},
+                   Member{"wheel_radius", &P::wheel_radius, "m", "radius of the wheels as assumed, r", positive});
   }
 };
 

@@ -8,7 +8,7 @@ namespace rollerrig {
 
 struct ExactForces {
   static constexpr char const* name = "exact";
-  static constexpr auto fields() { return std::tuple{}; }
+  static constexpr auto fields() { return members(); }
 
   struct State {};
 

@@ -16,7 +16,7 @@ struct FilteredDerivative {
   double bandwidth{};
 
   static constexpr auto fields() {
-    return std::tuple{Member{"bandwidth", &FilteredDerivative::bandwidth, "rad/s", "pole of the filter", positive}};
+    return members(Member{"bandwidth", &FilteredDerivative::bandwidth, "rad/s", "pole of the filter", positive});
   }
 
   struct State {

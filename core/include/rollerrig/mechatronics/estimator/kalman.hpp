@@ -18,13 +18,13 @@ struct KalmanFilter {
 
   static constexpr auto fields() {
     using P = KalmanFilter;
-    return std::tuple{
+    return members(
         Member{"bandwidth", &P::bandwidth, "rad/s", "bandwidth from which absent changes follow, (D12)", positive},
         Member{"speed_noise", &P::speed_noise, "rad/s", "standard deviation of a measured speed", not_negative},
         Member{"force_change", &P::force_change, "N", "standard deviation of the contact force's change over 1 s",
                not_negative},
         Member{"torque_change", &P::torque_change, "N m", "standard deviation of the axle torque's change over 1 s",
-               not_negative}};
+               not_negative});
   }
 
   /// Rows W, w, T, C over the innovations of W and w.

@@ -18,9 +18,9 @@ struct DisturbanceObserver {
 
   static constexpr auto fields() {
     using P = DisturbanceObserver;
-    return std::tuple{
+    return members(
         Member{"bandwidth", &P::bandwidth, "rad/s", "natural frequency of the observer's poles, w", positive},
-        Member{"damping_ratio", &P::damping_ratio, "1", "damping ratio of the observer's poles, zeta", positive}};
+        Member{"damping_ratio", &P::damping_ratio, "1", "damping ratio of the observer's poles, zeta", positive});
   }
 
   struct State {

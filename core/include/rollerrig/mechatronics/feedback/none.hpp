@@ -9,7 +9,7 @@ namespace rollerrig {
 
 struct NoFeedback {
   static constexpr char const* name = "none";
-  static constexpr auto fields() { return std::tuple{}; }
+  static constexpr auto fields() { return members(); }
 
   struct State {};
 

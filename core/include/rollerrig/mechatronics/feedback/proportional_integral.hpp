@@ -21,10 +21,10 @@ struct ProportionalIntegral {
 
   static constexpr auto fields() {
     using P = ProportionalIntegral;
-    return std::tuple{Member{"bandwidth", &P::bandwidth, "rad/s", "bandwidth of the loop, w", positive},
-                      Member{"damping_ratio", &P::damping_ratio, "1", "damping ratio of the loop, zeta", not_negative},
-                      Member{"proportional", &P::proportional, "N m s/rad", "proportional gain k_p in place of (D6)"},
-                      Member{"integral", &P::integral, "N m/rad", "integral gain k_i in place of (D6)"}};
+    return members(Member{"bandwidth", &P::bandwidth, "rad/s", "bandwidth of the loop, w", positive},
+                   Member{"damping_ratio", &P::damping_ratio, "1", "damping ratio of the loop, zeta", not_negative},
+                   Member{"proportional", &P::proportional, "N m s/rad", "proportional gain k_p in place of (D6)"},
+                   Member{"integral", &P::integral, "N m/rad", "integral gain k_i in place of (D6)"});
   }
 
   struct Gains {

@@ -13,9 +13,9 @@ struct SlidingMode {
 
   static constexpr auto fields() {
     using P = SlidingMode;
-    return std::tuple{Member{"switching", &P::switching, "N m", "largest torque of the feedback"},
-                      Member{"boundary_layer", &P::boundary_layer, "rad/s",
-                             "speed error at which the largest torque is reached", positive}};
+    return members(Member{"switching", &P::switching, "N m", "largest torque of the feedback"},
+                   Member{"boundary_layer", &P::boundary_layer, "rad/s",
+                          "speed error at which the largest torque is reached", positive});
   }
 
   struct State {};

@@ -12,9 +12,9 @@ struct SandFromDistance {
   double begin{}, end{};
 
   static constexpr auto fields() {
-    return std::tuple{
+    return members(
         Member{"begin", &SandFromDistance::begin, "m", "begin of sanding, distance of the train since the start"},
-        Member{"end", &SandFromDistance::end, "m", "end of sanding"}};
+        Member{"end", &SandFromDistance::end, "m", "end of sanding"});
   }
   bool wanted(SandingMoment const& now) const { return now.distance >= begin && now.distance < end; }
 };

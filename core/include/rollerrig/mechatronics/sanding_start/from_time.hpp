@@ -12,8 +12,8 @@ struct SandFromTime {
   double begin{}, end{};
 
   static constexpr auto fields() {
-    return std::tuple{Member{"begin", &SandFromTime::begin, "s", "begin of sanding"},
-                      Member{"end", &SandFromTime::end, "s", "end of sanding"}};
+    return members(Member{"begin", &SandFromTime::begin, "s", "begin of sanding"},
+                   Member{"end", &SandFromTime::end, "s", "end of sanding"});
   }
   bool wanted(SandingMoment const& now) const { return now.time >= begin && now.time < end; }
 };

@@ -9,7 +9,7 @@ namespace rollerrig {
 
 struct SandOnSlide {
   static constexpr char const* name = "on_slide";
-  static constexpr auto fields() { return std::tuple{}; }
+  static constexpr auto fields() { return members(); }
 
   bool wanted(SandingMoment const& now) const { return now.slides; }
 };

@@ -23,7 +23,7 @@ struct SlipAndDeceleration {
 
   static constexpr auto fields() {
     using P = SlipAndDeceleration;
-    return std::tuple{
+    return members(
         Member{"wheel_radius", &P::wheel_radius, "m", "radius of the wheels as assumed", positive},
         Member{"reference_deceleration", &P::reference_deceleration, "m/s^2",
                "largest deceleration of the reference speed"},
@@ -47,7 +47,7 @@ struct SlipAndDeceleration {
         Member{"least_deceleration", &P::least_deceleration, "m/s^2",
                "least deceleration of the reference speed between releases"},
         Member{"regained_after", &P::regained_after, "s",
-               "duration without slip after which an axle counts as gripping again"}};
+               "duration without slip after which an axle counts as gripping again"});
   }
 
   /// One sample: new valve states.

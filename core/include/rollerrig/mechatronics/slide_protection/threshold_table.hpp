@@ -31,7 +31,7 @@ struct ThresholdTable {
 
   static constexpr auto fields() {
     using P = ThresholdTable;
-    return std::tuple{
+    return members(
         Member{"wheel_radius", &P::wheel_radius, "m", "radius of the wheels as assumed", positive},
         Member{"reference_deceleration", &P::reference_deceleration, "m/s^2",
                "largest deceleration of the reference speed"},
@@ -57,7 +57,7 @@ struct ThresholdTable {
         Member{"least_deceleration", &P::least_deceleration, "m/s^2",
                "least deceleration of the reference speed between releases"},
         Member{"regained_after", &P::regained_after, "s",
-               "duration without slip after which an axle counts as gripping again"}};
+               "duration without slip after which an axle counts as gripping again"});
   }
 
   /// One sample: new valve states.

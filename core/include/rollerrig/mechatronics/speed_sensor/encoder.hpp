@@ -24,10 +24,10 @@ struct Encoder {
   int window{};  ///< samples over which counts are differenced, 1..16
 
   static constexpr auto fields() {
-    return std::tuple{
+    return members(
         Member{"counts", &Encoder::counts, "1", "counts per turn; 0: an ideal sensor", not_negative},
         Member{"jitter", &Encoder::jitter, "1", "standard deviation of the edges' position, in counts", not_negative},
-        Member{"window", &Encoder::window, window_range}};
+        Member{"window", &Encoder::window, window_range});
   }
 
   struct State {

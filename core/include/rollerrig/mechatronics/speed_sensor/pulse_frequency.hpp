@@ -18,11 +18,11 @@ struct PulseFrequency {
 
   static constexpr auto fields() {
     using P = PulseFrequency;
-    return std::tuple{
+    return members(
         Member{"teeth", &P::teeth, "1", "number of teeth", positive},
         Member{"pitch_error", &P::pitch_error, "1", "standard deviation of a tooth's position, in pitches",
                not_negative},
-        Member{"gate_time", &P::gate_time, "s", "least duration over which edges are counted", not_negative}};
+        Member{"gate_time", &P::gate_time, "s", "least duration over which edges are counted", not_negative});
   }
 
   struct State {

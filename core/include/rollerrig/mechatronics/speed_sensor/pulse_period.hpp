@@ -22,14 +22,14 @@ struct PulsePeriod {
 
   static constexpr auto fields() {
     using P = PulsePeriod;
-    return std::tuple{
+    return members(
         Member{"teeth", &P::teeth, "1", "number of teeth", positive},
         Member{"pitch_error", &P::pitch_error, "1", "standard deviation of a tooth's position, in pitches",
                not_negative},
         Member{"averaging_time", &P::averaging_time, "s",
                "least duration over which edges are timed; 0: from sample to sample", not_negative},
         Member{"timeout", &P::timeout, "s", "duration without an edge after which the axle stands", positive},
-        Member{"clock", &P::clock, "Hz", "frequency of the clock that times the edges; 0: exact", not_negative}};
+        Member{"clock", &P::clock, "Hz", "frequency of the clock that times the edges; 0: exact", not_negative});
   }
 
   struct State {

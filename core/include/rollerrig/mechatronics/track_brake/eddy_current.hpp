@@ -18,10 +18,10 @@ struct EddyCurrentTrackBrake {
 
   static constexpr auto fields() {
     using P = EddyCurrentTrackBrake;
-    return std::tuple{Member{"largest_force", &P::largest_force, "N",
-                             "largest force of all magnets of a bogie together, F_k", not_negative},
-                      Member{"critical_speed", &P::critical_speed, "m/s",
-                             "speed at which the largest force is reached, v_k", positive}};
+    return members(Member{"largest_force", &P::largest_force, "N",
+                          "largest force of all magnets of a bogie together, F_k", not_negative},
+                   Member{"critical_speed", &P::critical_speed, "m/s",
+                          "speed at which the largest force is reached, v_k", positive});
   }
 
   /// Against running [N], at a speed over the rail [m/s].

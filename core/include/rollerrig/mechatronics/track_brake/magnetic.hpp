@@ -20,11 +20,11 @@ struct MagneticTrackBrake {
 
   static constexpr auto fields() {
     using P = MagneticTrackBrake;
-    return std::tuple{
+    return members(
         Member{"attraction", &P::attraction, "N", "attraction of all magnets of a bogie together, N", not_negative},
         Member{"friction", &P::friction},
         Member{"regularisation_speed", &P::regularisation_speed, "m/s",
-               "speed below which friction turns into viscous drag, v_r", positive}};
+               "speed below which friction turns into viscous drag, v_r", positive});
   }
 
   /// Against running [N], at a speed over the rail [m/s].

@@ -12,7 +12,7 @@ struct LinearDamper {
   static constexpr char const* name = "damping";
   double damping{0.0};
   static constexpr auto fields() {
-    return std::tuple{Member{"damping", &LinearDamper::damping, "N s/m or N m s/rad", "damping"}};
+    return members(Member{"damping", &LinearDamper::damping, "N s/m or N m s/rad", "damping"});
   }
 
   template <Scalar T>
@@ -27,7 +27,7 @@ struct TabulatedDamper {
   static constexpr char const* name = "damping_table";
   PiecewiseLinear damping_table{};
   static constexpr auto fields() {
-    return std::tuple{Member{"damping_table", &TabulatedDamper::damping_table, "N or N m", "force over rate"}};
+    return members(Member{"damping_table", &TabulatedDamper::damping_table, "N or N m", "force over rate"});
   }
 
   template <Scalar T>

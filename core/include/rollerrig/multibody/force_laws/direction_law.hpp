@@ -55,8 +55,8 @@ struct DirectionLaw {
 
   static constexpr auto fields() {
     using P = DirectionLaw;
-    return std::tuple{Member{"preload", &P::preload, "N or N m", "force on b along +axis at zero deflection"},
-                      Member{"laws", &P::laws}};
+    return members(Member{"preload", &P::preload, "N or N m", "force on b along +axis at zero deflection"},
+                   Member{"laws", &P::laws});
   }
 
   bool active() const { return preload != 0.0 || !laws.empty(); }

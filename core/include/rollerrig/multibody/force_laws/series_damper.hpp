@@ -13,9 +13,9 @@ struct SeriesDamper {
   static constexpr char const* name = "damper";
   double damping{0.0}, series_stiffness{0.0};
   static constexpr auto fields() {
-    return std::tuple{Member{"damping", &SeriesDamper::damping, "N s/m or N m s/rad", "damping, c"},
-                      Member{"series_stiffness", &SeriesDamper::series_stiffness, "N/m or N m/rad",
-                             "stiffness of the series spring, k_s"}};
+    return members(Member{"damping", &SeriesDamper::damping, "N s/m or N m s/rad", "damping, c"},
+                   Member{"series_stiffness", &SeriesDamper::series_stiffness, "N/m or N m/rad",
+                          "stiffness of the series spring, k_s"});
   }
 
   InnerNode node() const { return {damping, series_stiffness}; }

@@ -12,7 +12,7 @@ struct LinearSpring {
   static constexpr char const* name = "stiffness";
   double stiffness{0.0};
   static constexpr auto fields() {
-    return std::tuple{Member{"stiffness", &LinearSpring::stiffness, "N/m or N m/rad", "stiffness"}};
+    return members(Member{"stiffness", &LinearSpring::stiffness, "N/m or N m/rad", "stiffness"});
   }
 
   template <Scalar T>
@@ -27,7 +27,7 @@ struct TabulatedSpring {
   static constexpr char const* name = "table";
   PiecewiseLinear table{};
   static constexpr auto fields() {
-    return std::tuple{Member{"table", &TabulatedSpring::table, "N or N m", "force over deflection"}};
+    return members(Member{"table", &TabulatedSpring::table, "N or N m", "force over deflection"});
   }
 
   template <Scalar T>
