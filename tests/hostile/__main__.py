@@ -11,7 +11,9 @@ from hostile.runner import KINDS, Counted, attack, table
 
 def main() -> int:
     """Attack; 1: something was found."""
-    parser = argparse.ArgumentParser(prog="python -m hostile", description="Hostile inputs, counted by what they end in.")
+    parser = argparse.ArgumentParser(
+        prog="python -m hostile", description="Hostile inputs, counted by what they end in."
+    )
     parser.add_argument("kind", nargs="*", choices=[*KINDS, []], help=f"{', '.join(KINDS)}; none: all of them")
     parser.add_argument("--inputs", type=int, default=1000, help="of each kind")
     parser.add_argument("--first", type=int, default=0, help="seed of the first; each input has its own")

@@ -12,9 +12,9 @@ from typing import Any
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "python" / "core" / "border"))
 
-from abuses import exercise, made, replacements, spoiled_parts  # noqa: E402
-from examples import Call, Examples  # noqa: E402
-from recipes import Recipe  # noqa: E402
+from abuses import exercise, made, replacements, spoiled_parts
+from examples import Call, Examples
+from recipes import Recipe
 
 REFUSALS = (ValueError, TypeError)
 _MODELS = 0.05

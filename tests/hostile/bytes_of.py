@@ -9,7 +9,22 @@ import struct
 import numpy as np
 
 _POLYNOMIAL = 0xC96C5795D7870F42
-NUMBERS = (0.0, -0.0, -1.0, 1e-300, 1e300, -1e300, 1e30, 1e9, -1e9, 1e-12, 0.5, float("nan"), float("inf"), float("-inf"))
+NUMBERS = (
+    0.0,
+    -0.0,
+    -1.0,
+    1e-300,
+    1e300,
+    -1e300,
+    1e30,
+    1e9,
+    -1e9,
+    1e-12,
+    0.5,
+    float("nan"),
+    float("inf"),
+    float("-inf"),
+)
 WHOLE = (0, 1, 2, 7, 8, 255, 2**31 - 1, 2**31, 2**32 - 1, 2**63 - 1, 2**63, 2**64 - 1, 2**40)
 
 

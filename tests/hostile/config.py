@@ -8,10 +8,10 @@ import string
 from typing import Any
 
 import tomli_w
+
 from hostile.bytes_of import spoiled
 from python.config.schema_walk import whole_cases
 from python.config.test_mutants import SMALL, Mutator, places
-
 from rollerrig.cli.describe import describe_case
 from rollerrig.config import ConfigError, case_from_toml
 from rollerrig.simulation.starting_state import StartError
@@ -48,7 +48,7 @@ def hostile_text(cases: dict[str, Any], choose: random.Random) -> str:
     try:
         text = tomli_w.dumps(raw)
     except (TypeError, ValueError, AttributeError):  # no TOML has that
-        text = "[x]\ny = " + choose.choice(["[", "{a = ", "[[", '"'] ) * choose.choice([1, 50, 3000])
+        text = "[x]\ny = " + choose.choice(["[", "{a = ", "[[", '"']) * choose.choice([1, 50, 3000])
     match choose.choice(["", "", "", "bytes", "noise"]):
         case "bytes":
             return spoiled(text.encode(), choose).decode(errors="replace")

@@ -14,9 +14,8 @@ import zipfile
 from pathlib import Path
 from typing import Any
 
-from hostile.bytes_of import NUMBERS, crc64, spoiled
-
 import rollerrig as rr
+from hostile.bytes_of import NUMBERS, crc64, spoiled
 from rollerrig.interfaces.fmu.export import export_part
 
 REFUSALS = ()
@@ -71,7 +70,11 @@ class Fmu:
         return found
 
 
-KINDS = (("adhesion_brake", "both", None), ("wheelset_rollers", "both", None), ("adhesion_brake", "cs", "slide_protection"))
+KINDS = (
+    ("adhesion_brake", "both", None),
+    ("wheelset_rollers", "both", None),
+    ("adhesion_brake", "cs", "slide_protection"),
+)
 
 
 def prepare() -> list[Fmu]:

@@ -7,9 +7,9 @@ import tempfile
 from pathlib import Path
 
 import numpy as np
+
 from hostile.bytes_of import NUMBERS, spoiled
 from python.profiles.test_measured import rail_points, simpack, wheel_points
-
 from rollerrig.config import ConfigError, load_profile
 
 REFUSALS = (ConfigError,)

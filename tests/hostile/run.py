@@ -6,9 +6,8 @@ import random
 import tempfile
 from pathlib import Path
 
-from hostile.bytes_of import spoiled
-
 import rollerrig as rr
+from hostile.bytes_of import spoiled
 from rollerrig import results
 from rollerrig.results import ResultsError
 

@@ -11,7 +11,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
 
-KINDS = ("border", "config", "profile", "run", "state", "model", "fmu", "packets", "play", "sizes")
+KINDS = ("border", "config", "profile", "run", "state", "model", "fmu", "packets", "play", "sizes", "absurd")
 SOUND = ("refused", "ran")
 FAULTS = ("crash", "hang", "traceback", "nonsense")
 """Nonsense: accepted, and the answer is none; in the energy audit, for one."""
@@ -81,7 +81,5 @@ def table(counted: dict[str, Counted]) -> str:
     columns = (*SOUND, *FAULTS)
     lines = [f"{'kind':<10}{'inputs':>9}" + "".join(f"{name:>11}" for name in columns)]
     for kind, one in counted.items():
-        lines.append(
-            f"{kind:<10}{one.outcomes.total():>9}" + "".join(f"{one.outcomes[name]:>11}" for name in columns)
-        )
+        lines.append(f"{kind:<10}{one.outcomes.total():>9}" + "".join(f"{one.outcomes[name]:>11}" for name in columns))
     return "\n".join(lines)

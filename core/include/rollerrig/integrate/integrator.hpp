@@ -152,8 +152,7 @@ class Integrator {
     auto const* adams = std::get_if<ExponentialAdams>(&method_);
     bool const on_grid =
         adams != nullptr
-            ? !adams->planned() ||
-                  (near(grid_time(*adams, 0), 0.0) && adams->tick() >= round_off && adams->tick() <= options_.step)
+            ? !adams->planned() || (near(grid_time(*adams, 0), 0.0) && adams->tick() <= options_.step)
             : options_.step == 0 || near(t0_ + static_cast<double>(grid_steps_) * options_.step, options_.step);
     return t0_ <= t_old_ && t_old_ <= t_ && t_ < options_.final_time + minimum_step() && hold_ >= t_ && h_ >= 0 &&
            on_grid && (!has_breakpoint() || options_.breakpoints[next_breakpoint_] > t_);
@@ -271,7 +270,7 @@ class Integrator {
     double const tolerance = 1e-9 * options_.step;
     while (true) {
       if (budget_spent()) return Status::too_many_steps;
-      if (!method.planned() || grid_time(method, method.step_ticks()) > limit() + tolerance)
+      if (!method.planned() || crawls(method) || grid_time(method, method.step_ticks()) > limit() + tolerance)
         if (auto e = plan(method); e != Status::ok) return e;
       double const grid = grid_time(method, method.step_ticks());
       double const end = std::abs(grid - limit()) <= tolerance ? limit() : grid;
@@ -295,6 +294,11 @@ class Integrator {
       if (!method.can_halve()) return status;
       method.halve();
     }
+  }
+
+  /// Planned for a limit that came at once: with such steps it would never reach the present one.
+  bool crawls(ExponentialAdams const& method) const {
+    return 1e5 * method.tick() < std::min(options_.step, limit() - t_);
   }
 
   double grid_time(ExponentialAdams const& method, std::int64_t ticks) const {
