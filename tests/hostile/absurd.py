@@ -1,4 +1,4 @@
-"""Cases with absurd numbers that are valid, run for a moment: what ran with its energy open, or its wheels in the air, says so."""
+"""Valid cases with absurd numbers, run for a moment: where energy is open or wheels are in the air, the results say so."""
 
 from __future__ import annotations
 

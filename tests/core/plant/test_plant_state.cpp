@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <cstring>
-
 #include <utility>
 
 #include "models.hpp"
