@@ -152,7 +152,8 @@ std::vector<double> ContinuousPlant::save() const {
 }
 
 bool ContinuousPlant::restore(std::span<double const> numbers) {
-  if (numbers.size() != 2 + state_.size()) return false;
+  if (numbers.size() != 2 + state_.size() || !std::ranges::all_of(numbers, [](double v) { return std::isfinite(v); }))
+    return false;
   time_ = numbers[0];
   passed_ = numbers[1];
   set_states(numbers.subspan(2));

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <tuple>
 #include <utility>
 
 #include "rollerrig/plant/state_archive.hpp"
@@ -208,7 +209,7 @@ void ControllerPlant::sample() {
 
 std::vector<std::byte> ControllerPlant::save() {
   StateWriter archive;
-  archive(state_, value_, samples_, time_);
+  archive(state_, value_, time_, samples_);
   auto const seed = crc64(write_part(part_));
   ByteWriter out;
   out.number(crc64(archive.out.bytes(), seed));
@@ -221,10 +222,22 @@ bool ControllerPlant::restore(std::span<std::byte const> bytes) {
   if (bytes.size() < head) return false;
   ByteReader in(bytes);
   if (in.number<std::uint64_t>() != crc64(bytes.subspan(head), crc64(write_part(part_)))) return false;
-  start(no_limit);
-  StateReader archive(bytes.subspan(head));
-  archive(state_, value_, samples_, time_);
-  return true;
+  auto const before = std::tuple(state_, value_, samples_, time_);
+  try {
+    start(no_limit);
+    StateReader archive(bytes.subspan(head));
+    archive(state_, value_, time_);
+    std::int64_t const every = part_.controller.sampling.every;
+    archive.within(samples_, std::int64_t{0}, (std::int64_t{1} << 60) / every);
+    for (std::size_t i = 0; i < value_.size(); ++i)
+      archive.need(variables_[i].causality == Causality::output || variables_[i].allows(value_[i]));
+    archive.need(std::fabs(part_.step * static_cast<double>(samples_ * every) - time_) < 2.0 * period());
+    archive.end(false);
+    return true;
+  } catch (FormatError const&) {
+    std::tie(state_, value_, samples_, time_) = before;
+    return false;
+  }
 }
 
 }  // namespace rollerrig

@@ -54,6 +54,7 @@ Driver::Driver(std::shared_ptr<Model const> model, std::optional<MechatronicSetu
 Driver::~Driver() = default;
 
 double Driver::time() const { return integrator_ ? integrator_->time() : 0.0; }
+double Driver::step_start() const { return integrator_->step_start(); }
 double const* Driver::states() const { return integrator_->states(); }
 integrate::Statistics const& Driver::statistics() const { return integrator_->statistics(); }
 void Driver::sample_states(double t, double* x, double* z) { integrator_->sample(t, x, z); }

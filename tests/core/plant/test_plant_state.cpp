@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <utility>
 
 #include "models.hpp"
 #include "rollerrig/plant/plant.hpp"
@@ -84,4 +85,40 @@ TEST_CASE("a state that is cut, changed or of another model is refused and chang
   Plant another(test::assembled(test::small_parts(true)));
   CHECK_FALSE(another.restore(state));
   CHECK(same_bits(drive(plant, 10, 20), drive(untouched, 10, 20)));
+}
+
+TEST_CASE("a state that was changed and given the right checksum is refused, or goes on; refused, it changes nothing") {
+  Plant plant(test::braked());
+  REQUIRE(plant.start(1.0) == Status::ok);
+  drive(plant, 0, 10);
+  auto const sound = plant.save();
+  constexpr std::size_t head = 2 * sizeof(std::uint64_t);
+  std::uint64_t model = 0;
+  std::memcpy(&model, sound.data(), sizeof model);
+  int refused = 0, taken = 0;
+  for (std::uint64_t const number : {std::uint64_t{1} << 40, ~std::uint64_t{0}, std::uint64_t{0x7FF8000000000000}})
+    for (std::size_t i = head; i + sizeof number <= sound.size(); i += 8 + sound.size() / 512) {
+      auto changed = sound;
+      std::memcpy(changed.data() + i, &number, sizeof number);
+      std::uint64_t const crc = crc64(std::span(std::as_const(changed)).subspan(head), model);
+      std::memcpy(changed.data() + sizeof crc, &crc, sizeof crc);
+      bool const good = plant.restore(changed);
+      ++(good ? taken : refused);
+      if (good)
+        plant.advance(0.012);
+      else
+        REQUIRE(plant.save() == sound);
+      REQUIRE(plant.restore(sound));
+    }
+  CHECK(refused > 100);
+  CHECK(taken > 10);
+}
+
+TEST_CASE("after a step of next to nothing the next one does not take for ever") {
+  Plant plant(with_method(test::assembled(test::small_parts(false)), Method::exponential_adams));
+  REQUIRE(plant.start(1.0) == Status::ok);
+  REQUIRE(plant.set_input(plant.find("body_0.left.friction_change"), -0.5));
+  REQUIRE(plant.advance(1e-300) == Status::ok);
+  REQUIRE(plant.advance(0.002) == Status::ok);
+  CHECK(plant.driver().statistics().steps < 1000);
 }

@@ -163,7 +163,10 @@ class ExponentialAdams {
   template <class Archive>
   void state(Archive& archive) {
     archive(jacobian_, linear_, past_, f_start_, f_end_, stage_, slope_, sum_, error_, d1_, d2_, d3_);
-    archive(h_, level_, ticks_, since_, has_end_slope_, planned_);
+    archive(h_, has_end_slope_, planned_);
+    archive.within(level_, 0, halvings);
+    for (std::int64_t* count : {&ticks_, &since_}) archive.within(*count, std::int64_t{0}, std::int64_t{1} << 60);
+    archive.need(h_ >= 0.0 && (!planned_ || (h_ > 0.0 && past_.known() > 0)));
     if constexpr (Archive::reading)
       if (h_ > 0.0) phi_.compute(jacobian_, h_, weights_);
   }

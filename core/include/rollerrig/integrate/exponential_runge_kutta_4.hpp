@@ -138,9 +138,10 @@ class ExponentialRungeKutta4 {
   }
 
   /// Everything that changes in a run, for plant/state_archive.hpp.
-  template <class Archive>
-  void state(Archive& archive) {
-    archive(now_, next_, renewed_, modes_, k1_, k2_, k3_, k4_, k_end_, stage_, error_, has_end_slope_);
+  void state(auto& archive) {
+    for (StiffModes* modes : {&now_, &next_}) modes->state(archive, static_cast<int>(k1_.size()));
+    archive.list(modes_, now_.size());
+    archive(renewed_, k1_, k2_, k3_, k4_, k_end_, stage_, error_, has_end_slope_);
   }
 
  private:
@@ -149,12 +150,14 @@ class ExponentialRungeKutta4 {
     double rate{-1.0}, step{0.0};  // that they belong to
     double decay_half, decay;
     double half, b1, b2, c1, c3, d1, d2, d4;
+    void state(auto& archive) { archive(rate, step, decay_half, decay, half, b1, b2, c1, c3, d1, d2, d4); }
   };
   /// One mode in the present step.
   struct ModeState {
     Weights w;
     double start, now;  ///< s at the step's start, and at the last stage less the trend until then
     double n1, n2, n3, n4;
+    void state(auto& archive) { archive(w, start, now, n1, n2, n3, n4); }
   };
 
   static void weigh(double rate, double h, Weights& w) {

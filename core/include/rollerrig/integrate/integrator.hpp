@@ -130,13 +130,33 @@ class Integrator {
   /// Everything that changes in a run, for plant/state_archive.hpp.
   template <class Archive>
   void state(Archive& archive) {
-    archive(f_.statistics, method_, controller_, y_, y_old_, y_new_, y_out_, options_.final_time, status_, t0_, t_,
-            t_old_);
-    archive(h_, step_length_, planned_at_, grid_steps_, outputs_, next_breakpoint_, crawled_, pending_output_,
-            prepared_, hold_);
+    archive(f_.statistics, method_, controller_, y_, y_old_, y_new_, y_out_, t0_, t_, t_old_, h_, step_length_,
+            planned_at_, pending_output_, prepared_);
+    archive.within(status_, Status::ok, Status::controller_failed);
+    archive.time(options_.final_time);
+    archive.time(hold_);
+    for (std::int64_t* count : {&grid_steps_, &outputs_}) archive.within(*count, std::int64_t{0}, most_counted);
+    archive.within(next_breakpoint_, std::size_t{0}, options_.breakpoints.size());
+    archive.within(crawled_, 0, longest_crawl);
+    if constexpr (Archive::reading) archive.need(status_ != Status::ok || moves_on());
   }
 
  private:
+  static constexpr std::int64_t most_counted = std::int64_t{1} << 60;
+  /// Whether times stand in their order and on the grid of steps: what was read may have been written by anyone.
+  bool moves_on() const {
+    double const round_off = 1e-6 * options_.step;
+    auto const near = [&](double from, double length) {
+      return t_ >= from - round_off && t_ <= from + length + round_off;
+    };
+    auto const* adams = std::get_if<ExponentialAdams>(&method_);
+    bool const on_grid =
+        adams != nullptr
+            ? !adams->planned() || (near(grid_time(*adams, 0), 0.0) && adams->tick() <= options_.step)
+            : options_.step == 0 || near(t0_ + static_cast<double>(grid_steps_) * options_.step, options_.step);
+    return t0_ <= t_old_ && t_old_ <= t_ && t_ < options_.final_time + minimum_step() && hold_ >= t_ && h_ >= 0 &&
+           on_grid && (!has_breakpoint() || options_.breakpoints[next_breakpoint_] > t_);
+  }
   using AnyMethod = std::variant<RungeKutta4, ExponentialRungeKutta4, ExponentialAdams, DormandPrince, Rodas4>;
   static constexpr double crawling_step = 1e-9;  ///< [s] thousands of times below any step that a vehicle asks for ...
   static constexpr int longest_crawl = 1'000;    ///< ... so many of them in a row: the run will not end
@@ -250,7 +270,7 @@ class Integrator {
     double const tolerance = 1e-9 * options_.step;
     while (true) {
       if (budget_spent()) return Status::too_many_steps;
-      if (!method.planned() || grid_time(method, method.step_ticks()) > limit() + tolerance)
+      if (!method.planned() || crawls(method) || grid_time(method, method.step_ticks()) > limit() + tolerance)
         if (auto e = plan(method); e != Status::ok) return e;
       double const grid = grid_time(method, method.step_ticks());
       double const end = std::abs(grid - limit()) <= tolerance ? limit() : grid;
@@ -274,6 +294,11 @@ class Integrator {
       if (!method.can_halve()) return status;
       method.halve();
     }
+  }
+
+  /// Planned for a limit that came at once: with such steps it would never reach the present one.
+  bool crawls(ExponentialAdams const& method) const {
+    return 1e5 * method.tick() < std::min(options_.step, limit() - t_);
   }
 
   double grid_time(ExponentialAdams const& method, std::int64_t ticks) const {

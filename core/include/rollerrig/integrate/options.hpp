@@ -62,6 +62,13 @@ struct Statistics {
   std::int64_t factorisations = 0;
   double smallest_step = std::numeric_limits<double>::infinity();  ///< [s] accepted
   double largest_step = 0;                                         ///< [s] accepted
+
+  void state(auto& archive) {
+    for (std::int64_t* count : {&steps, &rejected_steps, &derivative_calls, &jacobian_calls, &factorisations})
+      archive.within(*count, std::int64_t{0}, std::int64_t{1} << 60);
+    archive.time(smallest_step);
+    archive(largest_step);
+  }
 };
 
 }  // namespace rollerrig::integrate

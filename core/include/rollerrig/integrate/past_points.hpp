@@ -69,9 +69,9 @@ class PastPoints {
   }
 
   /// Everything that changes in a run, for plant/state_archive.hpp.
-  template <class Archive>
-  void state(Archive& archive) {
-    archive(point_, known_);
+  void state(auto& archive) {
+    archive(point_);
+    archive.within(known_, 0, most);
   }
 
  private:

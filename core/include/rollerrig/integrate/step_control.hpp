@@ -56,6 +56,11 @@ class StepController {
     return 0.5 * h;
   }
 
+  void state(auto& archive) {
+    archive(rejected_, last_step_, last_error_);
+    archive.need(last_step_ >= 0 && last_error_ > 0);
+  }
+
  private:
   static constexpr double safety = 0.9;
   static constexpr double largest_shrink = 5;

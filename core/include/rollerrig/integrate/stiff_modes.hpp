@@ -18,13 +18,15 @@ class StiffModes {
  public:
   /// One state's part in a mode, or with d = 0 what a quadrature, behind the states, gains when s_i is moved.
   struct Entry {
-    int state;
+    int place;  ///< of the state
     double d, u;
+    void state(auto& archive) { archive(place, d, u); }
   };
   struct Mode {
     double rate;   ///< [1/s]
     double trend;  ///< of the value it decays to [unit of s_i over s]
     std::size_t first, count;
+    void state(auto& archive) { archive(rate, trend, first, count); }
   };
 
   StiffModes() = default;
@@ -55,20 +57,26 @@ class StiffModes {
   /// s of mode i.
   double along(std::size_t i, double const* x) const {
     double s = 0.0;
-    for (Entry const& e : entries(i)) s += e.d * x[e.state];
+    for (Entry const& e : entries(i)) s += e.d * x[e.place];
     return s;
   }
   /// Moves x so that s of mode i grows by `distance` and no other does.
   void move(std::size_t i, double distance, double* x) const {
-    for (Entry const& e : entries(i)) x[e.state] += e.u * distance;
+    for (Entry const& e : entries(i)) x[e.place] += e.u * distance;
   }
 
   std::vector<double> origin;  ///< what the system made them from, for it to compare
 
   /// Everything that changes in a run, for plant/state_archive.hpp.
-  template <class Archive>
-  void state(Archive& archive) {
-    archive(origin, mode_, entry_);
+  ///
+  /// @param states  numbers that a mode may move
+  void state(auto& archive, int states) {
+    archive.list(origin, origin.capacity());
+    archive.list(mode_, mode_.capacity());
+    archive.list(entry_, entry_.capacity());
+    for (Mode const& mode : mode_)
+      archive.need(mode.first <= entry_.size() && mode.count <= entry_.size() - mode.first);
+    for (Entry const& entry : entry_) archive.need(entry.place >= 0 && entry.place < states);
   }
 
  private:

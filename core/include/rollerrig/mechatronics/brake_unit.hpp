@@ -81,6 +81,8 @@ class BrakeCylinders {
     }
   }
 
+  void state(auto& archive) { archive(cylinder_, supply_); }
+
  private:
   std::size_t axles_{0}, supplies_{1};
   PerAxle<Cylinder> cylinder_{};                     ///< reservoir by reservoir

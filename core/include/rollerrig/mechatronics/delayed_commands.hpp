@@ -34,15 +34,22 @@ class DelayedCommands {
   }
 
   /// Everything that changes in a run, for plant/state_archive.hpp.
-  template <class Archive>
-  void state(Archive& archive) {
-    archive(acting_, sent_, first_, count_);
+  void state(auto& archive) {
+    archive(acting_, sent_);
+    archive.within(first_, std::size_t{0}, sent_.size() - 1);
+    archive.within(count_, std::size_t{0}, sent_.size());
+  }
+  /// Those that act and those that will.
+  void each(auto const& look) const {
+    look(acting_);
+    for (Sent const& sent : sent_) look(sent.value);
   }
 
  private:
   struct Sent {
     PerAxle<double> value{};
     std::int64_t acts_at{0};
+    void state(auto& archive) { archive(value, acts_at); }
   };
 
   int delay_;

@@ -29,6 +29,10 @@ class MagnetValve {
     if (age_ < settled) ++age_;
   }
   bool open() const { return open_; }
+  void state(auto& archive) {
+    archive(open_, commanded_);
+    archive.within(age_, 0, settled);
+  }
 
  private:
   static constexpr int settled = 1 << 30;
@@ -44,6 +48,7 @@ class DumpUnit {
   }
   bool inlet_open() const { return inlet_.open(); }
   bool outlet_open() const { return outlet_.open(); }
+  void state(auto& archive) { archive(inlet_, outlet_); }
 
  private:
   MagnetValve inlet_{true}, outlet_{false};

@@ -67,6 +67,7 @@ struct ElectrodynamicBrake {
     bool off{false};     ///< until the brake is released
     double torque{};     ///< on the axle, against its turning [N m]
     double counted{};    ///< what the friction brake need not give [N m]
+    void state(auto& archive) { archive(able, factor, off, torque, counted); }
   };
 
   /// One step.

@@ -55,6 +55,8 @@ class ForceReading {
     return reading;
   }
 
+  void state(auto& archive) { archive(filtered_, last_, samples_); }
+
  private:
   double filtered_{0.0}, last_{0.0};
   std::uint64_t samples_{0};
@@ -75,6 +77,11 @@ class MeanTorque {
     sum_ = 0.0;
     steps_ = 0;
     return mean;
+  }
+
+  void state(auto& archive) {
+    archive(now_, sum_, begun_);
+    archive.within(steps_, 0, 1 << 30);
   }
 
  private:

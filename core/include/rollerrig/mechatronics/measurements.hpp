@@ -2,6 +2,8 @@
 //
 //   plant -> sensors -> [measurements] -> controllers -> [commands], after their delay -> actuators
 #pragma once
+#include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <string_view>
 
@@ -29,6 +31,13 @@ struct Measurements {
   double rail_friction{1.0};                     ///< of the virtual rail, over what its law says
   /// What really acts: T of (D1) [N], torque of motor and brake [N m]; for the estimator `exact` alone.
   PerAxle<double> true_force{}, true_torque{};
+
+  /// For plant/state_archive.hpp: what changes in a run.
+  void state(auto& archive) {
+    archive(time, axle_speed, roller_speed, vehicle_axle_speed, roller_torque, drive_torque, motor_torque, brake_torque,
+            axle_load, dump_valve, brake_demand, sand_flow, track_brake_force, force_of_others, rail_friction,
+            true_force, true_torque);
+  }
 };
 
 /// What an actuator of each axle takes from a controller.
@@ -39,6 +48,11 @@ struct CommandField {
   double initial;          ///< before the first command
   double lowest, highest;  ///< allowed
   bool whole;              ///< only whole numbers are
+
+  bool allows(PerAxle<double> const& values) const {
+    return std::ranges::all_of(values,
+                               [&](double v) { return v >= lowest && v <= highest && (!whole || v == std::round(v)); });
+  }
 };
 
 constexpr double unlimited = 1e300;       ///< beyond any torque

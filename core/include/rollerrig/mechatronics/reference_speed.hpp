@@ -63,6 +63,10 @@ class ReferenceSpeed {
 
   double value() const { return value_; }
   bool releases(int axle) const { return axle == released_; }
+  void state(auto& archive) {
+    archive(value_, slope_, known_, since_known_, released_for_);
+    for (int* axle : {&released_, &next_}) archive.within(*axle, none, most_axles - 1);
+  }
 
  private:
   void know(double speed) {

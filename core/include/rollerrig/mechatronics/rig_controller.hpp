@@ -66,12 +66,16 @@ struct RigController {
     double energy{};       ///< dissipated per area of the virtual rail under the axle, and of its wheels [J/m^2]
     CleanedWheel wheel{};  ///< the virtual ones
     double sand{};         ///< mass per length of the virtual rail under the axle [kg/m]
+    void state(auto& archive) {
+      archive(estimator, axle_torque, feedback, drive_command, estimate, feed_forward, energy, wheel, sand);
+    }
   };
   struct State {
     PerAxle<AxleState> axle{};
     VirtualTrainState train{};
     RecoveredRail rail{};
     SandedRail sand{};
+    void state(auto& archive) { archive(axle, train, rail, sand); }
   };
 
   State start(Measurements const& now, double train_speed, double period) const;

@@ -43,6 +43,8 @@ class SandingSwitch {
     return (reason || since_ <= sanding.run_on) && train_speed >= sanding.least_speed;
   }
 
+  void state(auto& archive) { archive(since_); }
+
  private:
   double since_{1e300};  ///< there was a reason [s]; at the start: never
 };

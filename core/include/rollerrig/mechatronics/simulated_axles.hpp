@@ -73,6 +73,7 @@ class SimulatedAxleStates {
     double dissipated{};  ///< by slip [J]
     double sand{};        ///< mass per length of the rail under the axle [kg/m]
     CleanedWheel cleaned{};
+    void state(auto& archive) { archive(wheels, angle, slip, load, energy, work, to_train, dissipated, sand, cleaned); }
   };
 
   explicit SimulatedAxleStates(SimulatedAxles const& axles, double speed) : axle_(axles.count()) {

@@ -49,6 +49,7 @@ class VirtualAxle {
   double rate() const { return rate_; }            ///< over the last step [rad/s^2]
   double force() const { return force_; }          ///< T [N]
   double brake_torque() const { return brake_; }   ///< B [N m]
+  void state(auto& archive) { archive(speed_, middle_, rate_, force_, brake_, locked_); }
 
  private:
   /// theta h: 1/2 h, or (1 - 1/(lambda h)) h for a rate lambda beyond 2/h.

@@ -92,6 +92,7 @@ class VirtualTrainState {
   double axle_speed(int i) const { return axle_[index(i)].speed(); }
   double axle_rate(int i) const { return axle_[index(i)].rate(); }  ///< over the last sample [rad/s^2]
   double force(int i) const { return axle_[index(i)].force(); }     ///< T_v [N]
+  void state(auto& archive) { archive(speed_, distance_, acceleration_, axle_); }
 
  private:
   static std::size_t index(int i) { return static_cast<std::size_t>(i); }

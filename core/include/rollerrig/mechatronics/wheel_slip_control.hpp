@@ -49,6 +49,7 @@ struct WheelSlipControl {
   struct AxleState {
     double speed{}, acceleration{};  ///< at the wheel's circumference [m/s], [m/s^2]
     double factor{1.0};
+    void state(auto& archive) { archive(speed, acceleration, factor); }
   };
   struct State {
     PerAxle<AxleState> axle{};
@@ -56,6 +57,7 @@ struct WheelSlipControl {
     double no_slip_for{1e9};  ///< [s]; before the first slip: for ever
 
     double reference_speed() const { return reference.value(); }
+    void state(auto& archive) { archive(axle, reference, no_slip_for); }
   };
 
   State start(Measurements const& /*now*/, double train_speed, double /*period*/) const {

@@ -15,6 +15,8 @@
 
 namespace rollerrig {
 
+inline constexpr Range lever_arm{0.0, 1e5, "within 1e5 m", false, false, true};
+
 struct ForceElement {
   int body_a{-1};  ///< -1: ground
   int body_b{-1};
@@ -27,10 +29,10 @@ struct ForceElement {
 
   static constexpr auto fields() {
     using P = ForceElement;
-    return members(
-        Member{"body_a", &P::body_a, index_or_none}, Member{"body_b", &P::body_b, index_or_none},
-        Member{"point_on_b", &P::r_b, "m", "point of action P_b from b's centre of mass, body frame at design"},
-        Member{"law", &P::law}, Member{"clamped", &P::clamped});
+    return members(Member{"body_a", &P::body_a, index_or_none}, Member{"body_b", &P::body_b, index_or_none},
+                   Member{"point_on_b", &P::r_b, "m",
+                          "point of action P_b from b's centre of mass, body frame at design", lever_arm},
+                   Member{"law", &P::law}, Member{"clamped", &P::clamped});
   }
 
   int first_node() const { return node.front(); }

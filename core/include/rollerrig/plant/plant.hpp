@@ -44,7 +44,7 @@ class Plant {
   /// on from it gives the same numbers as never having stopped. Empty: no run has begun.
   std::vector<std::byte> save();
   /// Goes on from there; also in another plant of the same model, begun or not. False, and nothing is changed: bytes of another
-  /// model, cut or changed.
+  /// model, cut or changed, or numbers that no run has. Allocates.
   bool restore(std::span<std::byte const> bytes);
 
   /// Outputs are from here on those at t in these states and quadratures, which live longer; of none: those of the run again.
@@ -77,6 +77,14 @@ class Plant {
   std::uint64_t identity();
 
   void renew();
+  void state(auto& archive) {
+    driver_->state(archive);
+    archive(value_, time_);
+    archive.time(ramp_end_);
+    archive.within(status_, Status::ok, Status::controller_failed);
+  }
+  void read(std::span<std::byte const> state);
+  void take_parameters();
 
   AssembledModel assembled_;
   ModelParameters parameters_;

@@ -25,6 +25,10 @@ struct CallerDemands {
   PerAxle<double> roller_speed{};   ///< that speed [rad/s]
   double train_force{0.0};          ///< on the train, forward [N]
   double rail_friction{1.0};        ///< of the virtual rail and under simulated axles, over what its law says
+
+  void state(auto& archive) {
+    archive(commands, brake_demand, motor_torque, speed_control, roller_speed, train_force, rail_friction);
+  }
 };
 
 /// Cylinder pressure asked of an axle, by the case and by the caller [Pa].
@@ -45,6 +49,7 @@ class ActuatorStates {
 
     /// Of the traction motor on the axle, driving and braking [N m].
     double of_motor() const { return motor[0] + electrodynamic.torque; }
+    void state(auto& archive) { archive(motor, drive, stand_in, asked, electrodynamic, drive_wanted, drive_limited); }
   };
 
   explicit ActuatorStates(MechatronicSetup const& setup);

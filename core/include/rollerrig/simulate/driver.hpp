@@ -10,6 +10,7 @@
 // travelling frame and the dissipated energy, shifts a velocity by less than step / 2 times the jump, docs/theory/rig_control.md
 // (D8). An adaptive method evaluates it anew.
 #pragma once
+#include <cmath>
 #include <concepts>
 #include <cstdint>
 #include <memory>
@@ -92,6 +93,7 @@ class Driver {
 
   bool started() const { return integrator_ != nullptr; }
   double time() const;
+  double step_start() const;
   double const* states() const;
   integrate::Statistics const& statistics() const;
   int failed_contact() const { return plant_.failed_contact(); }
@@ -109,11 +111,16 @@ class Driver {
   }
 
   /// Everything that changes in a run, for plant/state_archive.hpp, where the integrator is known; of a run that has begun.
-  template <class Archive>
-  void state(Archive& archive) {
-    archive(plant_, inputs_, observed_);
+  void state(auto& archive) {
+    plant_.list_inputs(archive, inputs_);
+    archive(plant_, observed_);
     if (system_) archive(*system_);
-    archive(*integrator_, final_time_, step_, output_every_, sampled_, machines_asked_, acted_, held_, status_);
+    archive(*integrator_, sampled_, machines_asked_, acted_, held_);
+    archive.time(final_time_);
+    archive.within(step_, std::int64_t{0}, std::int64_t{1} << 60);
+    archive.within(status_, Status::ok, Status::controller_failed);
+    bool const exchanged = !system_ || acted_ || status_ != Status::ok;
+    archive.need(exchanged || std::fabs(time() - setup_->step * static_cast<double>(step_)) < 0.5 * setup_->step);
   }
 
  private:

@@ -73,12 +73,18 @@ class MechatronicSystem {
   void set_command(std::string_view controller, std::span<double const> command, std::int64_t step);
 
   /// Everything that changes in a run, for plant/state_archive.hpp.
-  template <class Archive>
-  void state(Archive& archive) {
+  void state(auto& archive) {
     archive(measured_, sensors_, actuators_, train_, simulated_, impulse_of_simulated_);
-    for (Controller& own : controllers_) archive(own.state, own.commands, own.waits);
+    for (Controller& own : controllers_) {
+      archive(own.state, own.commands, own.waits);
+      own.commands.each(
+          [&](PerAxle<double> const& values) { archive.need(command_fields[own.command].allows(values)); });
+    }
     archive(caller_, speed_control_, acting_, rail_, wheel_, slides_for_, sanding_, sand_, sanded_, sand_used_,
             track_brake_power_, track_brake_energy_);
+    for (std::size_t c = 0; c < command_count; ++c)
+      archive.need(command_fields[c].allows(caller_.commands[c]) && command_fields[c].allows(acting_[c]));
+    archive.need(command_fields[0].allows(measured_.dump_valve));
   }
 
  private:

@@ -50,6 +50,10 @@ class SensorReadings {
     MeanTorque drive;
     double torque{0.0},
         sampled_torque{0.0};  ///< of the flange now, and at the last sample of the rig's controller [N m]
+    void state(auto& archive) {
+      for (SpeedSensor* one : {&speed, &roller_speed, &vehicle_speed}) archive(one->state, one->now);
+      archive(torque_flange, load_cell, drive, torque, sampled_torque);
+    }
   };
   std::vector<Axle> axle_;
 };

@@ -27,6 +27,8 @@ class TrainMotion {
   double distance() const { return distance_; }          ///< since the start [m]
   double acceleration() const { return acceleration_; }  ///< [m/s^2]
 
+  void state(auto& archive) { archive(speed_, distance_, acceleration_, last_, first_); }
+
  private:
   double speed_, distance_{0.0}, acceleration_{0.0}, last_{0.0};
   bool first_{true};

@@ -18,6 +18,11 @@ struct ContactCounters {
   std::int64_t lost{0};                  ///< wheels without contact
   std::int64_t negative_dissipation{0};  ///< patches whose creep law fed energy in
   std::int64_t checked{0};               ///< wheels looked at
+
+  void state(auto& archive) {
+    archive(limited_curvature, clamped_aspect, overlapping, several_patches, refined, faded, lost, negative_dissipation,
+            checked);
+  }
 };
 
 /// When a wheel was without contact, between the accepted steps that first saw it lost and found again.
@@ -28,6 +33,7 @@ struct ContactLoss {
   double longest_from{0.0};  ///< when it began [s]
 
   void add(double from, double to);
+  void state(auto& archive) { archive(spells, total, longest, longest_from); }
 };
 
 class ContactMonitor {
@@ -45,9 +51,9 @@ class ContactMonitor {
   int failed_contact() const { return failed_contact_; }
 
   /// Everything that changes in a run, for plant/state_archive.hpp.
-  template <class Archive>
-  void state(Archive& archive) {
-    archive(lost_since_, losses_, checked_at_, counters_, failed_contact_);
+  void state(auto& archive) {
+    archive(lost_since_, losses_, checked_at_, counters_);
+    archive.within(failed_contact_, -1, static_cast<int>(losses_.size()) - 1);
   }
 
  private:

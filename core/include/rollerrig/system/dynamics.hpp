@@ -5,6 +5,7 @@
 // One evaluation: unpack the bodies' motion; suspension; contact geometry and contact forces per wheel; actuators; Newton and
 // Euler. Everything that changes is in here: each run has its own, and two runs of one model know nothing of each other.
 #pragma once
+#include <cmath>
 #include <limits>
 #include <memory>
 #include <vector>
@@ -55,10 +56,22 @@ class Dynamics {
   std::vector<ContactLoss> contact_losses() const { return monitor_.losses(); }
   int failed_contact() const { return monitor_.failed_contact(); }
 
-  /// Everything that changes in a run, for plant/state_archive.hpp.
+  /// Everything that changes in a run, for plant/state_archive.hpp; what was evaluated last is evaluated again.
   template <class Archive>
   void state(Archive& archive) {
-    archive(evaluation_, monitor_, evaluated_time_, evaluated_, evaluated_inputs_);
+    bool known = !std::isnan(evaluated_time_);
+    archive(monitor_, known);
+    if (!known) return;
+    double t = evaluated_time_;
+    std::vector<double> x = evaluated_;
+    Inputs inputs = evaluated_inputs_;
+    archive(t, x);
+    list_inputs(archive, inputs);
+    if constexpr (Archive::reading) evaluate(t, x.data(), inputs);
+  }
+  void list_inputs(auto& archive, Inputs& inputs) const {
+    inputs.state(archive, model_->axle_torques.size(), model_->roller_torques.size(), model_->brakes.size(),
+                 model_->contacts.size());
   }
 
  private:

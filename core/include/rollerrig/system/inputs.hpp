@@ -18,6 +18,8 @@ struct HeldInput {
   double value{0.0};  ///< there
   double slope{0.0};  ///< per second
 
+  void state(auto& archive) { archive(time, value, slope); }
+
   template <Scalar T>
   T at(T const& t) const {
     return value + slope * (t - time);
@@ -38,10 +40,17 @@ struct Inputs {
   HeldInput speed{};                      ///< [m/s]
   double distance{0.0};                   ///< s at speed.time [m]
 
-  template <class Archive>
-  void state(Archive& archive) {
-    archive(axle_torque, roller_torque, cylinder, dissipated_energy, sand, friction, track_brake, frame_moves, speed,
-            distance);
+  /// For plant/state_archive.hpp, of a model with so many torques, brakes and contacts. A list is as long as at the start of a
+  /// run, or whole.
+  void state(auto& archive, std::size_t axles, std::size_t rollers, std::size_t brakes, std::size_t contacts) {
+    auto const list = [&](auto& values, std::size_t whole) {
+      std::size_t const before = values.size();
+      archive.list(values, whole);
+      archive.need(values.size() == before || values.size() == whole);
+    };
+    list(axle_torque, axles), list(roller_torque, rollers), list(cylinder, brakes);
+    list(dissipated_energy, contacts), list(sand, contacts), list(friction, contacts);
+    archive(track_brake, frame_moves, speed, distance);
   }
 };
 

@@ -64,14 +64,6 @@ struct Workspace {
     for (auto const& contact : model.contacts)
       if (follows_strips(contact.laws.creep)) strips.resize(model.contacts.size());
   }
-
-  /// All that outlives an evaluation, for plant/state_archive.hpp.
-  template <class Archive>
-  void state(Archive& archive) {
-    archive(motion, wrench, acceleration, constraint_moment, node, node_rate, ground_motion, power, axle_creep,
-            gyroscopic, coupling_load, placed, patches, patch_count, travel, offset, curved, frame, common,
-            common_wrench);
-  }
 };
 
 /// An evaluation in double, with what outputs, controllers and the Jacobian read from it.
@@ -94,11 +86,6 @@ struct Evaluation {
       RailHeads const& heads = c.right ? model.right_heads : model.left_heads;
       head.emplace_back(heads.empty() ? 0 : model.profiles[static_cast<std::size_t>(heads.profiles[0])]->pieces.size());
     }
-  }
-
-  template <class Archive>
-  void state(Archive& archive) {
-    archive(work, element_force, element_deflection, brake_torque, rolling_force, longitudinal_force);
   }
 
   int patch_count(int contact) const { return work.patch_count[static_cast<std::size_t>(contact)]; }

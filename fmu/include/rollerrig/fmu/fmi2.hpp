@@ -13,6 +13,7 @@
 #include "fmi2Functions.h"
 #include "rollerrig/fmu/exchange.hpp"
 #include "rollerrig/fmu/instance.hpp"
+#include "rollerrig/fmu/live.hpp"
 #include "rollerrig/fmu/shell.hpp"
 #include "rollerrig/fmu/states.hpp"
 
@@ -66,31 +67,41 @@ struct Fmi2 {
       auto plant = Shell::open(resources, guid);
       bool const exchange = type == fmi2ModelExchange;
       if (exchange && !plant->exchangeable()) return refuse("a controller alone is for co-simulation");
-      return new Component(listener, std::move(plant), exchange);
+      return live().keep(std::make_unique<Component>(listener, std::move(plant), exchange));
     } catch (std::exception const& problem) {
       listener.log()(Answer::error, "fmi2Instantiate: %s", problem.what());
       return nullptr;
     }
   }
 
-  static void free(fmi2Component c) { delete static_cast<Component*>(c); }
+  static Live<Component>& live() {
+    static Live<Component> all;
+    return all;
+  }
+  static void free(fmi2Component c) { live().free(c); }
 
   /// Gives the instance to a call; nothing is thrown into the tool.
   template <class Call>
   static fmi2Status with(fmi2Component c, char const* name, Call call) {
-    if (c == nullptr) return fmi2Error;
-    auto& instance = static_cast<Component*>(c)->instance;
-    try {
-      return fmi2_status(call(instance));
-    } catch (std::exception const& problem) {
-      return fmi2_status(instance.log(Answer::error, "%s: %s", name, problem.what()));
-    }
+    return with_component(c, name, [&](Component& component) { return call(component.instance); });
   }
 
   /// The same, with the states that the instance has given out.
   template <class Call>
   static fmi2Status with_states(fmi2Component c, char const* name, Call call) {
-    return with(c, name, [&](auto& instance) { return call(static_cast<Component*>(c)->states, instance); });
+    return with_component(c, name, [&](Component& component) { return call(component.states, component.instance); });
+  }
+
+  template <class Call>
+  static fmi2Status with_component(fmi2Component c, char const* name, Call call) {
+    Component* const component = live().find(c);
+    if (component == nullptr) return fmi2Error;
+    auto& instance = component->instance;
+    try {
+      return fmi2_status(call(*component));
+    } catch (std::exception const& problem) {
+      return fmi2_status(instance.log(Answer::error, "%s: %s", name, problem.what()));
+    }
   }
 
   /// A function that this FMU does not offer; with nothing asked for it is an empty task.

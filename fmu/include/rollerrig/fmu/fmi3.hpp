@@ -12,6 +12,7 @@
 #include "fmi3Functions.h"
 #include "rollerrig/fmu/exchange.hpp"
 #include "rollerrig/fmu/instance.hpp"
+#include "rollerrig/fmu/live.hpp"
 #include "rollerrig/fmu/shell.hpp"
 #include "rollerrig/fmu/states.hpp"
 
@@ -68,31 +69,41 @@ struct Fmi3 {
         listener.log()(Answer::error, "%s: a controller alone is for co-simulation", call);
         return nullptr;
       }
-      return new Component(listener, std::move(plant), exchange);
+      return live().keep(std::make_unique<Component>(listener, std::move(plant), exchange));
     } catch (std::exception const& problem) {
       listener.log()(Answer::error, "%s: %s", call, problem.what());
       return nullptr;
     }
   }
 
-  static void free(fmi3Instance c) { delete static_cast<Component*>(c); }
+  static Live<Component>& live() {
+    static Live<Component> all;
+    return all;
+  }
+  static void free(fmi3Instance c) { live().free(c); }
 
   /// Gives the instance to a call; nothing is thrown into the tool.
   template <class Call>
   static fmi3Status with(fmi3Instance c, char const* name, Call call) {
-    if (c == nullptr) return fmi3Error;
-    auto& instance = static_cast<Component*>(c)->instance;
-    try {
-      return fmi3_status(call(instance));
-    } catch (std::exception const& problem) {
-      return fmi3_status(instance.log(Answer::error, "%s: %s", name, problem.what()));
-    }
+    return with_component(c, name, [&](Component& component) { return call(component.instance); });
   }
 
   /// The same, with the states that the instance has given out.
   template <class Call>
   static fmi3Status with_states(fmi3Instance c, char const* name, Call call) {
-    return with(c, name, [&](auto& instance) { return call(static_cast<Component*>(c)->states, instance); });
+    return with_component(c, name, [&](Component& component) { return call(component.states, component.instance); });
+  }
+
+  template <class Call>
+  static fmi3Status with_component(fmi3Instance c, char const* name, Call call) {
+    Component* const component = live().find(c);
+    if (component == nullptr) return fmi3Error;
+    auto& instance = component->instance;
+    try {
+      return fmi3_status(call(*component));
+    } catch (std::exception const& problem) {
+      return fmi3_status(instance.log(Answer::error, "%s: %s", name, problem.what()));
+    }
   }
 
   /// A function that this FMU does not offer; with nothing asked for it is an empty task.

@@ -5,6 +5,7 @@
 // Reference 0 is the time; reference i + 1 the i-th variable of the plant. A call that is refused changes nothing.
 // Source: FMI 2.0.4, sections 2.1 and 4.2; FMI 3.0.2, sections 2.3 and 4.2.
 #pragma once
+#include <bit>
 #include <cmath>
 #include <concepts>
 #include <cstddef>
@@ -64,6 +65,7 @@ struct StepEnd {
 };
 
 constexpr double longest_step = 86400.0;  ///< between communication points [s]: a day
+constexpr double longest_lag = 10.0;      ///< of a plant with sampled blocks behind the communication point [s]
 
 template <PlantLike P>
 class Instance {
@@ -264,14 +266,20 @@ class Instance {
     if (head.chosen != chosen_.size() || (head.exchange != 0) != exchange_)
       return log(Answer::error, "%s: the state of another FMU", call);
     auto fresh = anew(std::as_const(*plant_));
-    std::vector<double> states(head.states);
+    std::vector<double> states(head.states), chosen(head.chosen);
+    std::memcpy(chosen.data(), rest.data(), head.chosen * sizeof(double));
+    if (!sound(head) || !take_chosen(*fresh, chosen))
+      return log(Answer::error, "%s: no state that this FMU can be in", call);
     if (!states.empty())
       std::memcpy(states.data(), rest.data() + head.chosen * sizeof(double), head.states * sizeof(double));
     auto const run = rest.subspan((head.chosen + head.states) * sizeof(double));
     if (head.phase != instantiated && !(fresh->restore(run) && restore_states(*fresh, states)))
       return log(Answer::error, "%s: the state of another FMU", call);
+    double const lag = head.time - head.offset - fresh->time();
+    if (head.phase == stepping && !(lag > -longest_lag && lag < longest_lag))
+      return log(Answer::error, "%s: no state that this FMU can be in", call);
     plant_ = std::move(fresh);
-    std::memcpy(chosen_.data(), rest.data(), head.chosen * sizeof(double));
+    chosen_ = std::move(chosen);
     phase_ = static_cast<Phase>(head.phase);
     start_ = head.start, stop_ = head.stop, offset_ = head.offset, time_ = head.time, step_ = head.step;
     return Answer::ok;
@@ -286,6 +294,27 @@ class Instance {
   };
   static constexpr double unset = std::numeric_limits<double>::quiet_NaN();
   static constexpr double endless = std::numeric_limits<double>::infinity();
+
+  /// What any state has, whoever wrote its bytes.
+  bool sound(Head const& head) const {
+    std::uint64_t const own = exchange_ ? exchanging : stepping | step_failed;
+    bool const known =
+        std::has_single_bit(head.phase) && (head.phase & (instantiated | initializing | terminated | own)) != 0;
+    unsigned char over;
+    std::memcpy(&over, &head.step.run_over, 1);
+    return known && over <= 1 && std::isfinite(head.start) && std::isfinite(head.offset) && std::isfinite(head.time) &&
+           std::isfinite(head.step.time) && head.stop > head.start;
+  }
+  /// Parameters that were chosen before the run of a plant that has not begun; false: some number is not allowed.
+  bool take_chosen(P& fresh, std::span<double const> chosen) const {
+    for (std::size_t i = 0; i < chosen.size(); ++i) {
+      if (std::isnan(chosen[i])) continue;
+      bool const parameter = variables()[i].causality == Causality::parameter;
+      if (!variables()[i].allows(chosen[i]) || (parameter && !fresh.set_parameter(static_cast<int>(i), chosen[i])))
+        return false;
+    }
+    return true;
+  }
 
   /// The plant at its start, with what was chosen before; its own clock begins where its case does.
   Answer begin(char const* call) {

@@ -32,6 +32,8 @@ class CleanedWheel {
     energy_ = energy_ * std::exp(-fade) + gain * kept;
   }
 
+  void state(auto& archive) { archive(energy_); }
+
  private:
   double energy_{0.0};
 };

@@ -47,8 +47,14 @@ class RailCells {
          [&](double& value, double part) { value *= std::pow(kept, part); });
   }
 
+  void state(auto& archive) {
+    archive(density_);
+    archive.within(head_, none, farthest);
+    archive.need(head_ == none || head_ >= -farthest);
+  }
+
  private:
-  static constexpr std::int64_t none = -(std::int64_t{1} << 60);
+  static constexpr std::int64_t none = -(std::int64_t{1} << 60), farthest = 1'000'000'000'000'000;
 
   template <class Change>
   void each(std::int64_t first, std::int64_t last, double from, double to, Change&& change) {

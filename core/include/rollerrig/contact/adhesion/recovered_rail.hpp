@@ -24,6 +24,8 @@ class RecoveredRail {
   /// A wheel has run from one arc length to another (forward) and dissipated this energy per area.
   void dissipate(double from, double to, double energy_per_area) { energy_.add(from, to, energy_per_area); }
 
+  void state(auto& archive) { archive(energy_); }
+
  private:
   RailCells energy_;
 };

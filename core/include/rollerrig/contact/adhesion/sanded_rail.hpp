@@ -28,6 +28,8 @@ class SandedRail {
     if (kept < 1.0) sand_.keep(from - cell, to - cell, kept);
   }
 
+  void state(auto& archive) { archive(sand_); }
+
  private:
   static constexpr double shortest = 1e-9;  ///< way of a step [m]
   RailCells sand_;

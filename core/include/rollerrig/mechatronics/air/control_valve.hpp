@@ -23,6 +23,8 @@ struct Cylinder {
   int dump_cycles{};  ///< times that the outlet has opened
   DumpUnit unit{};    ///< of a law whose valves take time
 
+  void state(auto& archive) { archive(control, pressure, air, exhausted, inlet_open, outlet_open, dump_cycles, unit); }
+
   void move_valves(bool inlet, bool outlet) {
     dump_cycles += outlet && !outlet_open;
     inlet_open = inlet;
@@ -34,6 +36,7 @@ struct Cylinder {
 struct AirSupply {
   double reservoir{};  ///< its pressure [Pa]
   double drawn{};      ///< from the main pipe since the start [m^3]
+  void state(auto& archive) { archive(reservoir, drawn); }
 };
 
 struct ControlValve {

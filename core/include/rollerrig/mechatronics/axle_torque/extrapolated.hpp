@@ -25,6 +25,7 @@ struct ExtrapolatedTorque {
 
   struct State {
     double last{}, slope{};  ///< C_e [N m], its filtered rate [N m/s]
+    void state(auto& archive) { archive(last, slope); }
   };
 
   double step(State& s, TorqueSample const& now, double period) const {

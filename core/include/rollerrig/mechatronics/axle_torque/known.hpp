@@ -30,6 +30,7 @@ struct KnownTorque {
   struct State {
     double late{};        ///< G_e K [N m]
     double correction{};  ///< [N m]
+    void state(auto& archive) { archive(late, correction); }
   };
 
   double step(State& s, TorqueSample const& now, double period) const {

@@ -22,6 +22,7 @@ struct LeadCommand {
 
   struct State {
     double last{};  ///< feed-forward [N m]
+    void state(auto& archive) { archive(last); }
   };
 
   double step(State& s, WantedTorque const& now, double period) const {

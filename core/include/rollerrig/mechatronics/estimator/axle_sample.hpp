@@ -36,6 +36,7 @@ struct AxleSample {
 struct ContactForceEstimate {
   double force{};   ///< T [N]
   double torque{};  ///< C [N m]
+  void state(auto& archive) { archive(force, torque); }
 };
 
 /// C from the wheel's acceleration behind a low-pass of first order, (D2).
@@ -47,6 +48,7 @@ struct AxleTorqueFilter {
     last_speed = wheel_speed;
     return p.wheelset_inertia * rate + p.wheel_radius * force;
   }
+  void state(auto& archive) { archive(last_speed, rate); }
 };
 
 }  // namespace rollerrig

@@ -22,6 +22,7 @@ struct FilteredDerivative {
   struct State {
     double last_roller_speed{}, force{};
     AxleTorqueFilter axle{};
+    void state(auto& archive) { archive(last_roller_speed, force, axle); }
   };
 
   State start(AssumedParameters const& /*assumed*/, double /*period*/, AxleSample const& now) const {

@@ -35,6 +35,7 @@ struct KalmanFilter {
   struct State {
     double roller_speed{}, wheel_speed{}, force{}, torque{};
     Gain gain{};
+    void state(auto& archive) { archive(roller_speed, wheel_speed, force, torque, gain); }
   };
 
   State start(AssumedParameters const& assumed, double period, AxleSample const& now) const {

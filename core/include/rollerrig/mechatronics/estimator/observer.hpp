@@ -26,6 +26,7 @@ struct DisturbanceObserver {
   struct State {
     double roller_speed{}, force{};
     AxleTorqueFilter axle{};
+    void state(auto& archive) { archive(roller_speed, force, axle); }
   };
 
   State start(AssumedParameters const& /*assumed*/, double /*period*/, AxleSample const& now) const {

@@ -40,6 +40,7 @@ struct ProportionalIntegral {
 
   struct State {
     double integral{};  ///< of the error [rad]
+    void state(auto& archive) { archive(integral); }
   };
 
   double step(State& s, AssumedParameters const& assumed, TrackingError const& now, double limit) const {

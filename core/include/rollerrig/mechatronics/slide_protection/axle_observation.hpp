@@ -15,6 +15,7 @@ struct BrakedAxle {
   double pulse_clock{};            ///< [s]
   double grips_for{};              ///< [s]
   bool slid{false};                ///< and has not gripped for long since
+  void state(auto& archive) { archive(speed, acceleration, vents_for, pulse_clock, grips_for, slid); }
 };
 
 struct BrakedAxles {
@@ -22,6 +23,7 @@ struct BrakedAxles {
   ReferenceSpeed reference{true, 0.0};
 
   double reference_speed() const { return reference.value(); }
+  void state(auto& archive) { archive(axle, reference); }
 
   static BrakedAxles at(double train_speed) {
     BrakedAxles state{.axle = {}, .reference = {true, train_speed}};

@@ -7,6 +7,7 @@ struct AxleTurn {
   double time{};   ///< [s]
   double angle{};  ///< since the start [rad]
   double speed{};  ///< [rad/s]
+  void state(auto& archive) { archive(time, angle, speed); }
 };
 
 }  // namespace rollerrig

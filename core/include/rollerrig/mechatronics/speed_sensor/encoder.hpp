@@ -36,6 +36,10 @@ struct Encoder {
     int filled{0};
     double last_speed{0.0}, offset{0.0};
     std::uint64_t samples{0};
+    void state(auto& archive) {
+      archive(counts, last_speed, offset, samples);
+      for (int* place : {&head, &filled}) archive.within(*place, 0, longest_window);
+    }
   };
 
   State start(AxleTurn const& now, std::uint64_t /*stream*/) const {

@@ -40,6 +40,7 @@ struct PassedEdges {
   double edge{0.0};   ///< the last one behind the pick-up
   double angle{0.0};  ///< at the last step [rad]
   double time{0.0};   ///< of it [s]
+  void state(auto& archive) { archive(edge, angle, time); }
 
   /// One step on: number of edges passed; `at` becomes the time of the last of them, to within the change of speed over a step.
   double follow(PhonicWheel const& wheel, AxleTurn const& now, std::uint64_t stream, double& at) {

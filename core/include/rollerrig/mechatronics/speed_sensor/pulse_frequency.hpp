@@ -29,6 +29,7 @@ struct PulseFrequency {
     PassedEdges edges{};
     double opened{0.0};               ///< the gate [s]
     double counted{0.0}, speed{0.0};  ///< edges since; last result [rad/s]
+    void state(auto& archive) { archive(edges, opened, counted, speed); }
   };
 
   State start(AxleTurn const& now, std::uint64_t stream) const {

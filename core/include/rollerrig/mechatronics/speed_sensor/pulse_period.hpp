@@ -37,6 +37,7 @@ struct PulsePeriod {
     bool timing{false};               ///< the first edge after standstill only starts the clock
     double from{0.0}, last{0.0};      ///< times of the first and the last edge counted [s]
     double counted{0.0}, speed{0.0};  ///< edges between them; last result [rad/s]
+    void state(auto& archive) { archive(edges, timing, from, last, counted, speed); }
   };
 
   State start(AxleTurn const& now, std::uint64_t stream) const {
