@@ -32,10 +32,7 @@ struct JacobianData {
         f_t(Eigen::VectorXd::Zero(sizes.states)),
         g_t(Eigen::VectorXd::Zero(sizes.quadratures)) {}
 
-  template <class Archive>
-  void state(Archive& archive) {
-    archive(a, g, f_t, g_t);
-  }
+  void state(auto& archive) { archive(a, g, f_t, g_t); }
 };
 
 /// The least an integrator can work with.  z_dot may be a null pointer: then only f is wanted.

@@ -104,10 +104,7 @@ class DormandPrince {
   }
 
   /// Everything that changes in a run, for plant/state_archive.hpp.
-  template <class Archive>
-  void state(Archive& archive) {
-    archive(k_, error_, bend_, quartic_, has_end_slope_, has_polynomial_);
-  }
+  void state(auto& archive) { archive(k_, error_, bend_, quartic_, has_end_slope_, has_polynomial_); }
 
  private:
   /// out += h sum_j weight[j] k_j.

@@ -20,10 +20,7 @@ class PastPoints {
   struct Point {
     Vector x, nonlinear;
 
-    template <class Archive>
-    void state(Archive& archive) {
-      archive(x, nonlinear);
-    }
+    void state(auto& archive) { archive(x, nonlinear); }
   };
 
   PastPoints(int states, int nonlinear) {

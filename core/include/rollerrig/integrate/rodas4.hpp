@@ -95,10 +95,7 @@ class Rodas4 {
   }
 
   /// Everything that changes in a run, for plant/state_archive.hpp.
-  template <class Archive>
-  void state(Archive& archive) {
-    archive(jacobian_, u_, f0_, f_t_, stage_, error_, bend_, cubic_, has_polynomial_);
-  }
+  void state(auto& archive) { archive(jacobian_, u_, f0_, f_t_, stage_, error_, bend_, cubic_, has_polynomial_); }
 
  private:
   template <class System>

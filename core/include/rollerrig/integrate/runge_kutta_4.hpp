@@ -62,10 +62,7 @@ class RungeKutta4 {
   }
 
   /// Everything that changes in a run, for plant/state_archive.hpp.
-  template <class Archive>
-  void state(Archive& archive) {
-    archive(k1_, k2_, k3_, k4_, k_end_, stage_, error_, has_end_slope_);
-  }
+  void state(auto& archive) { archive(k1_, k2_, k3_, k4_, k_end_, stage_, error_, has_end_slope_); }
 
  private:
   Vector k1_, k2_, k3_, k4_, k_end_, stage_, error_;

@@ -122,10 +122,7 @@ class SimulatedAxleStates {
   double force() const { return force_; }  ///< (N2), mean of the last step [N]
 
   /// Everything that changes in a run, for plant/state_archive.hpp.
-  template <class Archive>
-  void state(Archive& archive) {
-    archive(axle_, force_);
-  }
+  void state(auto& archive) { archive(axle_, force_); }
 
  private:
   static constexpr double least_speed = 0.1;  ///< below it the dissipated energy is counted as at it [m/s]

@@ -63,10 +63,7 @@ class ActuatorStates {
   double track_brake() const { return track_brake_; }  ///< excitation, 0 to 1
 
   /// Everything that changes in a run, for plant/state_archive.hpp.
-  template <class Archive>
-  void state(Archive& archive) {
-    archive(axle_, cylinders_, track_brake_, counted_);
-  }
+  void state(auto& archive) { archive(axle_, cylinders_, track_brake_, counted_); }
 
  private:
   void step_drive(MechatronicSetup const& setup, std::size_t axle, double command, double roller_speed);

@@ -31,10 +31,7 @@ class SensorReadings {
   double torque_reading(std::size_t axle) const { return axle_[axle].torque; }  ///< of the torque flange [N m]
 
   /// Everything that changes in a run, for plant/state_archive.hpp.
-  template <class Archive>
-  void state(Archive& archive) {
-    archive(axle_);
-  }
+  void state(auto& archive) { archive(axle_); }
 
  private:
   struct SpeedSensor {
