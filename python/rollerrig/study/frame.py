@@ -219,16 +219,7 @@ def _plain(name: str, value: Any) -> Iterator[tuple[str, Any]]:
 
 @dataclass(frozen=True)
 class Outcome(Generic[R]):
-    """What a study found.
-
-    Attributes:
-        study: what was asked for.
-        results: what its jobs were collected into.
-        interrupted: whether Ctrl-C ended it early.
-        taken_over: jobs that were finished before.
-        checkpoint: of the finished jobs.
-        seconds: that it took.
-    """
+    """What a study found: what its jobs were collected into, and how many of them were finished before (`taken_over`)."""
 
     study: Study[R]
     results: R

@@ -307,14 +307,11 @@ class LateralStudy(Study[Found]):
         names = [q.name for q in QUANTITIES.below("guidance.*")]
         left = {key: self.guidance_of(results.runs[key]) for key in GUIDED if key in results.runs}
         runs = {key: run_numbers(run, begin) for key, run in results.runs.items()}
-        one = means({key: [runs[key], *others] for key, others in results.repeated.items() if others}, CHAOTIC)
         return {
             "case": self.case.name,
             "slide_begins_s": begin,
             "runs": runs,
-            "ensemble": {
-                str(key): {name: float(one[name].sel(variant=key)) for name in one} for key in one["variant"].to_numpy()
-            },
+            "ensemble": {k: means([runs[k], *others], CHAOTIC) for k, others in results.repeated.items() if others},
             "guidance": {
                 key: dict(zip(names, (one.slope, one.correlation, one.rolling, one.sliding), strict=True))
                 for key, one in left.items()

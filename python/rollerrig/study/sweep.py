@@ -24,8 +24,8 @@ from rollerrig.config.errors import nearest, one_of, show_value
 from rollerrig.config.validate.messages import validate
 from rollerrig.plot import sweep as figures
 from rollerrig.study.frame import Study
-from rollerrig.study.jobs import Done, Job, Progress, Round, call, job
-from rollerrig.study.measures import KINDS, MEASURES
+from rollerrig.study.jobs import Done, Job, Progress, Round
+from rollerrig.study.measures import MEASURES
 from rollerrig.study.quantities import Numbers, Quantities
 from rollerrig.study.report import Block, Picture, Section, Table, Text
 from rollerrig.study.runs.sweep import (
@@ -280,7 +280,7 @@ def sweep_study(case: Case, vary: Mapping[str, Any], measure: Any, design: Any, 
     if plan is None:
         raise ConfigError(problems)
     if compute is None and not plan.measure:
-        raise ConfigError([ConfigProblem("sweep", "measure", "missing", one_of(KINDS))])
+        raise ConfigError([ConfigProblem("sweep", "measure", "missing", one_of(tuple(MEASURES)))])
     return SweepStudy(plan_of_case(plan, case, "sweep"), many, compute)
 
 
@@ -321,8 +321,7 @@ def run_case(packed: bytes, changes: Mapping[str, Any], progress: Progress | Non
     try:
         changed = case.with_changes(changes)
         for measure in measures:
-            work = job(MEASURES[measure.kind].measure, changed, measure)
-            found = call(work, progress or (lambda _fraction, _text: None))
+            found = MEASURES[measure.kind].measure(changed, measure, progress)
             numbers |= {name: float(found[name]) for name in measure.keep or found}
         if compute is not None:
             numbers |= {str(name): float(value) for name, value in compute(changed).items()}
