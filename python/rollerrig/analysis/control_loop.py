@@ -14,7 +14,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from rollerrig import _core
 from rollerrig.analysis.mode_names import HUNTING_SHARE, wheelset_lateral_share
@@ -22,6 +21,7 @@ from rollerrig.analysis.modes import Lineariser, eigensystem, energy_shares, osc
 from rollerrig.assembly.actuators import assemble_with_actuators
 from rollerrig.assembly.laws import angular
 from rollerrig.cases import wheelsets, without_actuators
+from rollerrig.common.arrays import Array, Complex
 from rollerrig.config import Case, Rig
 from rollerrig.config.schema.rig_control import (
     BandwidthEstimator,
@@ -139,8 +139,6 @@ def slow_wavelength(lineariser: Lineariser, speed: float = SLOW) -> float:
         return math.nan
     return 2 * math.pi * speed / float(weaving[np.argmax(weaving.real)].imag)
 
-
-Array = NDArray[np.float64]
 
 ESTIMATORS = ("observer", "filtered_derivative", "kalman")
 """Kinds of estimator that the linear loop has equations for."""
@@ -316,7 +314,7 @@ class Margins:
     gain: float
 
 
-def open_loop(loop: Loop, frequency: Array) -> NDArray[np.complex128]:
+def open_loop(loop: Loop, frequency: Array) -> Complex:
     """Frequency response of the feedback's open loop, (Q1), over angular frequency [rad/s]."""
     s = 1j * np.asarray(frequency)
     wheel, w = loop.real, loop.drive_bandwidth

@@ -13,14 +13,12 @@ from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from rollerrig import _core
 from rollerrig.analysis.signals import half_waves
 from rollerrig.analysis.slide_statistics import slip, under_test, virtual_slip
+from rollerrig.common.arrays import Array
 from rollerrig.config import Case
-
-Array = NDArray[np.float64]
 
 SLIDES = 0.02
 """Slip from which on an axle counts as sliding: friction is used up long before, at some 0.5 %."""

@@ -19,9 +19,9 @@ from dataclasses import dataclass, field
 from typing import Generic, Literal, Protocol, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rollerrig.analysis.signals import final_motion
+from rollerrig.common.arrays import Array
 
 State = TypeVar("State")
 
@@ -325,7 +325,7 @@ def is_settled(amplitudes: Sequence[float], window: float) -> bool:
     return abs(slope) < TREND and abs(slope) * window * len(many) < scatter
 
 
-def decide_motion(time: NDArray[np.float64], signal: NDArray[np.float64], *, ended: bool = False) -> Decision:
+def decide_motion(time: Array, signal: Array, *, ended: bool = False) -> Decision:
     """The same of a signal, in windows of WAVES waves from its end on, by the range of its spline in each.
 
     Args:

@@ -35,6 +35,7 @@ from numpy.typing import NDArray
 
 from rollerrig.analysis.virtual_rail import patch_of, slipperiest_peak
 from rollerrig.assembly.model import assemble
+from rollerrig.common.arrays import Array, Mask
 from rollerrig.config import Case, Rig
 from rollerrig.config.schema.brakes import ReservoirAir
 from rollerrig.results import COMPLETED
@@ -111,8 +112,6 @@ def _relative(run: xr.Dataset, speed: xr.DataArray) -> xr.DataArray:
     train = run["train_speed"]
     return (speed / train).where(train > LEAST_SPEED)
 
-
-Array = NDArray[np.float64]
 
 RIPPLE_ABOVE = 10.0
 """Slide protection acts at a few hertz; what is faster is the loop or its noise [Hz]."""
@@ -317,7 +316,7 @@ def _valves(run: xr.Dataset) -> dict[str, float]:
     return {"dump_cycles": float(last["dump_cycles"]), "air_litres": 1e3 * float(last["air"])}
 
 
-def _acting(run: xr.Dataset) -> NDArray[np.bool_]:
+def _acting(run: xr.Dataset) -> Mask:
     """Whether brake or traction act on any axle, over time."""
     return np.asarray((_torque(run) > 1.0).any("axle"))
 
@@ -463,7 +462,7 @@ def flat_length(energy: float, radius: float, wear: float, width: float) -> floa
     return float(np.cbrt(12.0 * radius * wear * energy / width))
 
 
-def lock_energies(run: xr.Dataset) -> NDArray[np.float64]:
+def lock_energies(run: xr.Dataset) -> Array:
     """Energy dissipated under each wheel of an axle in each of its locks, of all axles [J].
 
     A lock lasts while the axle turns slower than LOCKED of the speed of a train that is not too slow for slips.

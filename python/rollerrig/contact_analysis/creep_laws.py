@@ -18,19 +18,17 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from rollerrig import _core
 from rollerrig.assembly.laws import CoreLaw, core_law
 from rollerrig.assembly.model import assemble
+from rollerrig.common.arrays import Array
 from rollerrig.config import Case
 from rollerrig.config.schema.contact import CREEP_LAWS, NORMAL_LAWS
 from rollerrig.config.schema.vehicle import DIRECTIONS as COORDINATES
 from rollerrig.contact_analysis.static_contact import contact_table, leading_wheelset
 from rollerrig.results import variable
 from rollerrig.simulation.starting_state import equilibrium
-
-Array = NDArray[np.float64]
 
 DIRECTIONS: dict[str, tuple[float, float, float]] = {
     "longitudinal": (1, 0, 0),

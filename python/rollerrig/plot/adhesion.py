@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from rollerrig.common.arrays import Array
 from rollerrig.plot.style import COLOURS, GREY, STYLES, house_style, line, logarithmic, new_figure, new_grid, panels
 
 Signal = tuple[str, str | Callable[[xr.Dataset], xr.DataArray], float]
@@ -135,9 +135,6 @@ def errors(track: xr.Dataset, rig: xr.Dataset, radius: float) -> Figure:
         line(speed, away["time"], b["train_speed"] - a["train_speed"], 5, "--", "train")
         line(distance, away["time"], b["train_distance"] - a["train_distance"], 5, "--", "train")
         return figure
-
-
-Array = NDArray[np.float64]
 
 
 def cause_bars(shares: Mapping[str, tuple[float, float, bool]]) -> Figure:

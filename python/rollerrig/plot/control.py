@@ -10,8 +10,8 @@ from typing import Any, Literal
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from rollerrig.common.arrays import Array, Complex
 from rollerrig.plot.style import (
     COLOURS,
     GREY,
@@ -188,7 +188,7 @@ def courses(runs: Mapping[str, xr.Dataset], radius: float) -> Figure:
     return figure
 
 
-Response = tuple[NDArray[np.float64], NDArray[np.complex128]]
+Response = tuple[Array, Complex]
 """Frequencies [Hz] and complex amplitudes there."""
 
 
@@ -232,9 +232,7 @@ def nyquist_figure(lines: Mapping[str, Response], unit: str) -> Figure:
     return figure
 
 
-def poles_and_zeros_figure(
-    poles: Mapping[str, NDArray[np.complex128]], zeros: Mapping[str, NDArray[np.complex128]]
-) -> Figure:
+def poles_and_zeros_figure(poles: Mapping[str, Complex], zeros: Mapping[str, Complex]) -> Figure:
     """Poles as crosses, zeros as circles, one colour per label.
 
     Args:

@@ -15,6 +15,7 @@ from matplotlib.patches import Patch, Rectangle
 from matplotlib.tri import Triangulation
 from numpy.typing import NDArray
 
+from rollerrig.common.arrays import Array
 from rollerrig.plot.style import house_style, line, new_figure, new_grid
 
 FILLS: Mapping[str, tuple[str, str]] = {
@@ -50,8 +51,6 @@ _PANELS = (
     "contact force over\nfriction limit [-]",
     "tracking error\n[% of train speed]",
 )
-
-Array = NDArray[np.float64]
 
 
 def region_map(found: xr.Dataset, load: float, names: Mapping[str, str]) -> Figure:

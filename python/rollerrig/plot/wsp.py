@@ -8,11 +8,10 @@ from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from rollerrig.common.arrays import Array
 from rollerrig.plot.style import COLOURS, GREY, house_style, line, logarithmic, new_figure, new_grid, panels
 
-Array = NDArray[np.float64]
 Ends = tuple[float, float, float]
 """Mean, lower and upper end of its interval."""
 

@@ -32,10 +32,10 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from rollerrig import __version__, _core
 from rollerrig.assembly.model import AssembledModel
+from rollerrig.common.arrays import Array
 from rollerrig.config import Case
 from rollerrig.results import run_info
 from rollerrig.results.run_info import sources_of
@@ -113,7 +113,7 @@ class Draft:
     attributes: dict[str, Any]
     names: Names | None = None
 
-    def values(self, name: str) -> NDArray[np.float64]:
+    def values(self, name: str) -> Array:
         """Values of a variable, or of a coordinate that is a time.
 
         Raises:
@@ -167,14 +167,12 @@ def body_variable(name: str) -> str:
     return "_".join(filter(None, (_DIRECTION_WORDS[stem], {"rate": "velocity"}.get(rest, rest))))
 
 
-def run_dataset(
-    model: AssembledModel, times: NDArray[np.float64], rows: NDArray[np.float64], outcome: Outcome
-) -> xr.Dataset:
+def run_dataset(model: AssembledModel, times: Array, rows: Array, outcome: Outcome) -> xr.Dataset:
     """The Dataset of a run as `run_draft` has it: without the energy audit."""
     return run_draft(model, times, rows, outcome).dataset()
 
 
-def run_draft(model: AssembledModel, times: NDArray[np.float64], rows: NDArray[np.float64], outcome: Outcome) -> Draft:
+def run_draft(model: AssembledModel, times: Array, rows: Array, outcome: Outcome) -> Draft:
     """The results of a run, without the energy audit.
 
     Args:
@@ -355,8 +353,6 @@ def drive_warning(draft: Draft) -> str:
     )
 
 
-Vector = NDArray[np.float64]
-
 READING_STEP = 1e-3
 """Longest interval of the readings [s]: 50 in a period of 20 Hz."""
 
@@ -414,7 +410,7 @@ PREFIX = "reading_"
 DIMENSION = "reading_time"
 
 
-def add_readings(draft: Draft, model: AssembledModel, times: NDArray[np.float64], values: NDArray[np.float64]) -> None:
+def add_readings(draft: Draft, model: AssembledModel, times: Array, values: Array) -> None:
     """Add the readings of a run; nothing where there are none.
 
     Args:

@@ -17,8 +17,9 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from rollerrig.common.arrays import Array
 from rollerrig.results.dataset import Draft, readings_of
 from rollerrig.results.run_info import RunInfo
 
@@ -26,7 +27,7 @@ RESOLUTION = {"m": 1e-10, "rad": 1e-10, "m/s": 1e-9, "m/s^2": 1e-7, "N": 1e-3, "
 """Magnitude below which a value counts as zero, by unit; of displacements a tenth of the default absolute tolerance."""
 
 
-def resolved(values: ArrayLike, unit: str) -> NDArray[np.float64]:
+def resolved(values: ArrayLike, unit: str) -> Array:
     """The values with zeros where their magnitude is below that of RESOLUTION.
 
     Args:
@@ -123,9 +124,6 @@ def contact_loss_warning(losses: Sequence[ContactLoss], duration: float, *, on_r
     return f"{told}. {advice}" if advice else told
 
 
-Numbers = NDArray[np.float64]
-
-
 def summarise(run: xr.Dataset) -> dict[str, Any]:
     """The numbers of a run by name; None where a number does not exist.
 
@@ -192,21 +190,21 @@ def _wheel(run: xr.Dataset, dense: xr.Dataset, loss: ContactLoss | None) -> dict
     }
 
 
-def _resolved(signal: xr.DataArray) -> Numbers:
+def _resolved(signal: xr.DataArray) -> Array:
     return resolved(signal, str(signal.attrs["units"]))
 
 
-def _largest(values: Numbers) -> float | None:
+def _largest(values: Array) -> float | None:
     finite = np.abs(values[np.isfinite(values)])
     return float(finite.max()) if finite.size else None
 
 
-def _least(values: Numbers) -> float | None:
+def _least(values: Array) -> float | None:
     finite = values[np.isfinite(values)]
     return float(finite.min()) if finite.size else None
 
 
-def _number(value: Numbers) -> float | None:
+def _number(value: Array) -> float | None:
     """The only element; an interrupted run may have none, an unloaded wheel has NaN."""
     return float(value[0]) if value.size and np.isfinite(value[0]) else None
 
@@ -225,7 +223,7 @@ WHEEL = (
 )
 _UNIT_SUFFIX = {"m": "_m", "rad": "_rad", "m/s": "_mps", "N": "_n", "1": "", "s": "_s"}
 
-Table = tuple[list[str], NDArray[np.float64]]
+Table = tuple[list[str], Array]
 """Column names and rows."""
 
 

@@ -9,9 +9,9 @@ import math
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from rollerrig.assembly.model import AssembledModel
+from rollerrig.common.arrays import Array
 from rollerrig.config import Track
 from rollerrig.profiles.table import STEEPEST_SLOPE, ProfileTable
 from rollerrig.results.dataset import Draft
@@ -28,8 +28,6 @@ BESIDE = 1e-3
 
 FLEXIBLE = "The rails are rigid: support.foundation, as flexible_track has it, lets them give way."
 """What to try where a wheel chatters or leaves its rail."""
-
-Vector = NDArray[np.float64]
 
 
 def add_termination(draft: Draft, model: AssembledModel) -> None:
@@ -92,7 +90,7 @@ def contact_in_words(model: AssembledModel, wheel: str, status: str, last: xr.Da
     return "".join(f" {part}" for part in parts)
 
 
-def _end(profile: ProfileTable, places: Vector) -> tuple[Vector, ProfileTable, Vector]:
+def _end(profile: ProfileTable, places: Array) -> tuple[Array, ProfileTable, Array]:
     """How far the end of a profile is from places on it, along it as core/src/system/contact_monitor.cpp measures it [m]."""
     low, high = profile.domain
     near = np.where(2.0 * places < low + high, low, high)

@@ -18,9 +18,9 @@ from types import ModuleType
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rollerrig import _core
+from rollerrig.common.arrays import Array
 from rollerrig.common.input_files import LARGEST_TEXT, InputError, read_input
 from rollerrig.config import Case, Code, ConfigError, ConfigProblem
 from rollerrig.simulation.fmu_controller import FmuController, FmuError
@@ -209,7 +209,7 @@ def _refused(file: str, key: str, value: str, allowed: str) -> ConfigError:
     return ConfigError([ConfigProblem(file, key, repr(value), allowed)])
 
 
-def ask(controller: UserController, role: str, measurements: Measurements) -> NDArray[np.float64]:
+def ask(controller: UserController, role: str, measurements: Measurements) -> Array:
     """The checked command of one sample, shape (axle,).
 
     Raises:

@@ -17,7 +17,8 @@ from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from rollerrig.viewer.columns import Columns, Numbers, extremes
+from rollerrig.common.arrays import Array
+from rollerrig.viewer.columns import Columns, extremes
 
 _LEAST_POINTS = 40
 """Fewer are no history."""
@@ -83,11 +84,11 @@ def _is_level(axes: Axes, line: Line2D) -> bool:
     return line.get_transform() == axes.get_yaxis_transform(which="grid")
 
 
-def _rises(values: Numbers) -> bool:
+def _rises(values: Array) -> bool:
     return len(values) > 0 and bool(np.isfinite(values).all()) and bool((np.diff(values) >= 0.0).all())
 
 
-def _numbers(values: Any) -> Numbers:
+def _numbers(values: Any) -> Array:
     return np.ma.filled(np.ma.asarray(values, dtype=float), np.nan)
 
 

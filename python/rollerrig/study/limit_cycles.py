@@ -14,7 +14,6 @@ from typing import Any, Literal
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from rollerrig.analysis import Diagram, LimitCycleSettings, limit_cycle_table
 from rollerrig.analysis.critical_speed import onset_from
@@ -23,6 +22,7 @@ from rollerrig.analysis.limit_cycle import KIND_SENTENCES, Branch, CyclePoint, N
 from rollerrig.analysis.limit_cycle_runs import LastState, settling_run
 from rollerrig.analysis.mode_table import SPEEDS_KMH
 from rollerrig.cases import as_case
+from rollerrig.common.arrays import Array
 from rollerrig.config import Case
 from rollerrig.plot import limit_cycle_diagram
 from rollerrig.results.dataset import variable
@@ -265,7 +265,7 @@ def critical_speed(
     done, interrupted = kept_rounds(rounds, folder, "critical_speed", plan, processes, progress)
     if interrupted:
         raise KeyboardInterrupt
-    found: dict[str, float | NDArray[np.float64]] = {}
+    found: dict[str, float | Array] = {}
     searched_to = math.nan
     if _LINEAR in done:
         onset, searched_to = done[_LINEAR]

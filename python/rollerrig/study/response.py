@@ -11,11 +11,11 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rollerrig.analysis.linear_bench import LinearBench
 from rollerrig.analysis.linear_system import LinearSystem, margins_of
 from rollerrig.analysis.measured_response import MeasuredResponse, measured_response
+from rollerrig.common.arrays import Array, Complex
 from rollerrig.config import Case, ConfigError, ConfigProblem
 from rollerrig.plot.control import bode_figure, nyquist_figure, poles_and_zeros_figure
 from rollerrig.study.frame import Study
@@ -59,7 +59,7 @@ def measured_error(found: AtSpeed, output: int, source: int) -> float:
     return float(np.abs(20 * np.log10(np.abs(measured.values[inside, output] / linear))).max())
 
 
-def response_rows(results: Mapping[str, AtSpeed], frequencies: NDArray[np.float64]) -> Rows:
+def response_rows(results: Mapping[str, AtSpeed], frequencies: Array) -> Rows:
     """Every response, linear and measured, header first."""
     rows: Rows = [["speed_kmh", "input", "output", "frequency_hz", "real", "imaginary", "measured"]]
     for found in results.values():
@@ -143,7 +143,7 @@ class ResponseStudy(Study[dict[str, AtSpeed]]):
     # --------------------------------------------------------------------------------------------------- numbers
 
     @property
-    def _grid(self) -> NDArray[np.float64]:
+    def _grid(self) -> Array:
         return np.geomspace(*self.frequencies, self.points)
 
     def _channels(self) -> Iterator[tuple[str, int, int]]:
@@ -170,7 +170,7 @@ class ResponseStudy(Study[dict[str, AtSpeed]]):
             "channels": channels,
         }
 
-    def _channel(self, found: AtSpeed, response: NDArray[np.complex128], output: int, source: int) -> dict[str, float]:
+    def _channel(self, found: AtSpeed, response: Complex, output: int, source: int) -> dict[str, float]:
         values = response[:, output, source]
         size = 20 * np.log10(np.abs(values))
         below = np.flatnonzero(size < size[0] - 3.0)

@@ -11,9 +11,9 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rollerrig.analysis.slide_statistics import SLIP_EDGES, idle_valves
+from rollerrig.common.arrays import Array
 from rollerrig.common.formatting import number
 from rollerrig.config import CRITERIA, Case, Programme
 from rollerrig.config.schema.programme import BrakedRun
@@ -473,7 +473,7 @@ def _pictures(results: Results, numbers: Numbers) -> Iterator[Block]:
         )
         drawn = means_with_intervals(list(stopping), _ends(stopping, "k_wet"), "K_wet [-]", limits=limits)
         yield Picture("k_wet", drawn, caption)
-    shares: dict[str, dict[str, NDArray[np.float64]]] = {
+    shares: dict[str, dict[str, Array]] = {
         name: {on: np.mean([test.slip_shares for test in one.tests[on].tests], axis=0) for on in SUPPORTS}
         for name, one in results.items()
     }

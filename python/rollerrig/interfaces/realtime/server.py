@@ -15,10 +15,10 @@ from fnmatch import fnmatchcase
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rollerrig import _core
 from rollerrig.cases import as_case
+from rollerrig.common.arrays import Array
 from rollerrig.config import Case, ConfigError, ConfigProblem
 from rollerrig.config.errors import nearest, one_of
 from rollerrig.config.schema.units import Quantity
@@ -357,14 +357,14 @@ def check_rate(served: Served, periods: int = MEASURED_PERIODS) -> float:
     return rate
 
 
-def replay(served: Served, commands: NDArray[np.float64]) -> NDArray[np.float64]:
+def replay(served: Served, commands: Array) -> Array:
     """Sensors of a run whose commands are known, shape (period + 1, output): those of the start come first.
 
     Args:
         served: the rig.
         commands: what acts in each period, shape (period, input).
     """
-    found: NDArray[np.float64] = _core.replay_rig(
+    found: Array = _core.replay_rig(
         served.assembled,
         served.input_indices,
         served.output_indices,

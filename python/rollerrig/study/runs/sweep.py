@@ -16,10 +16,10 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from rollerrig import __version__
 from rollerrig.analysis.distributions import quantile_function
+from rollerrig.common.arrays import Array
 from rollerrig.config import ConfigError, ConfigProblem, Plan, WholePlan
 from rollerrig.config.errors import show_value
 from rollerrig.config.load.plan import numbers_below
@@ -28,7 +28,6 @@ from rollerrig.config.schema.units import Quantity
 from rollerrig.config.validate.messages import validate
 from rollerrig.results import variable
 
-Array = NDArray[np.float64]
 _EDGE = 1e-12
 """Samples keep away from the ends of a distribution by this much probability."""
 

@@ -19,7 +19,6 @@ from typing import Any, Literal
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from rollerrig import _core
 from rollerrig.analysis.slide_statistics import (
@@ -34,6 +33,7 @@ from rollerrig.analysis.slide_statistics import (
 )
 from rollerrig.assembly.laws import adhesion_map
 from rollerrig.cases import wheelsets
+from rollerrig.common.arrays import Array
 from rollerrig.common.formatting import percent
 from rollerrig.config import CRITERIA, Case, ConfigError, ConfigProblem, Limit, Piece, Programme
 from rollerrig.config.schema.programme import BrakedRun, FlatWear, PatchStop
@@ -138,8 +138,6 @@ def _plain(table: Any) -> Any:
         found["rail"] = _plain(table.rail)
     return found
 
-
-Array = NDArray[np.float64]
 
 LARGE_SLIP = 0.30
 """Beyond it slip is large [-]."""
