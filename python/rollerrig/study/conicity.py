@@ -51,12 +51,7 @@ SIDE_COLUMNS = {
 
 @dataclass(frozen=True)
 class Characteristics:
-    """Tables by label of the support.
-
-    Attributes:
-        shifts: what `shift_table` returns.
-        conicity: what `conicity_table` returns.
-    """
+    """Tables of `shift_table` and `conicity_table` by label of the support."""
 
     shifts: dict[str, xr.Dataset]
     conicity: dict[str, xr.Dataset]
@@ -93,11 +88,7 @@ class ConicityStudy(Study[Characteristics]):
     resumable = False
 
     def __post_init__(self) -> None:
-        """Refuse profiles and lengths that cannot be used.
-
-        Raises:
-            ConfigError: they cannot.
-        """
+        """Refuse with a ConfigError profiles and lengths that cannot be used."""
         self.cases()
 
     @property
@@ -170,11 +161,7 @@ class ConicityStudy(Study[Characteristics]):
 
 
 def shifts_of(study: ConicityStudy, case: Case) -> xr.Dataset:
-    """The table over lateral shift of one support.
-
-    Raises:
-        ValueError: the wheels do not touch.
-    """
+    """The table over lateral shift of one support; a ValueError where the wheels do not touch."""
     return shift_table(case, study.largest, study.step, free_to_roll=study.free_to_roll, yaw=study.yaw)
 
 

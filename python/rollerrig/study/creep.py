@@ -40,11 +40,7 @@ class CreepStudy(Study[xr.Dataset]):
     resumable = False
 
     def __post_init__(self) -> None:
-        """Refuse a law that is asked for twice.
-
-        Raises:
-            ValueError: it is.
-        """
+        """Refuse with a ValueError a law that is asked for twice."""
         repeated = sorted({name for name in self.laws if self.laws.count(name) > 1})
         if repeated:
             raise ValueError(f"{', '.join(repeated)}: asked for more than once")

@@ -43,11 +43,7 @@ def starts(case: Case, count: int) -> list[Case]:
 
 
 def drawn(case: Case, shares: Mapping[str, float]) -> Case:
-    """One test of an ensemble.
-
-    Args:
-        case: with the widths of the distributions.
-        shares: name in [ensemble] -> where in its distribution, 0 to 1; those that are missing keep their value.
+    """One test of an ensemble, by name in [ensemble] where in its distribution, 0 to 1; what is missing keeps its value.
 
     Raises:
         ConfigError: a value is none that the case may have.
@@ -74,11 +70,7 @@ def drawn(case: Case, shares: Mapping[str, float]) -> Case:
 
 
 def check_ensemble(case: Case) -> None:
-    """Refuse distributions whose ends are no values of the case.
-
-    Raises:
-        ConfigError: a line for each such end.
-    """
+    """Refuse distributions whose ends are no values of the case, with a ConfigError of a line for each such end."""
     problems = []
     for name in DRAWN:
         for share in (0.0, 1.0):
@@ -104,11 +96,7 @@ def finer(case: Case) -> Case:
 
 
 def recorded(case: Case, progress: Progress | None = None) -> TestRecord:
-    """Run a test and keep its record: a job.
-
-    Raises:
-        KeyboardInterrupt: Ctrl-C cut it short.
-    """
+    """Run a test and keep its record: a job."""
     return test_record(whole_run(case, progress=progress), case)
 
 

@@ -117,12 +117,7 @@ def run_measured(case: Case, slide: float, progress: Progress | None = None) -> 
 
 
 def run_numbers(run: xr.Dataset, slide: float) -> dict[str, Any]:
-    """The numbers of one run of `runs`; NaN where not defined.
-
-    Args:
-        run: of the study.
-        slide: when the wheels begin to slide, the same for all runs [s]; NaN: they do not.
-    """
+    """The numbers of one run of `runs`; NaN where not defined, and where the wheels do not begin to slide at `slide` [s]."""
     time, lateral = run["time"].to_numpy(), leading_lateral(run)
     begin = slide if math.isfinite(slide) else float(time[-1])
     later = [amplitude(time, lateral, t, t + 1.0) for t in np.arange(begin + 1.0, time[-1] - 0.999)]
@@ -238,11 +233,7 @@ class LateralStudy(Study[Found]):
     writes = ("*.nc", VIEW)
 
     def __post_init__(self) -> None:
-        """Refuse a case that says nothing about lateral motion in a slide.
-
-        Raises:
-            ConfigError: it has no rig controller, no elastic rollers, no disturbance or no degraded rail.
-        """
+        """Refuse with a ConfigError a case without rig controller, elastic rollers, disturbance or degraded rail."""
         track_case(self.case)
         rig = self.case.support.data
         needed = (

@@ -70,11 +70,7 @@ QUANTITIES = Quantities("paper")
 
 @dataclass(frozen=True)
 class PaperStudy(Study[Results]):
-    """Both studies of the paper.
-
-    Attributes:
-        chosen: what is computed.
-    """
+    """Both studies of the paper."""
 
     chosen: PaperPlan = FULL
 

@@ -137,16 +137,7 @@ VIEW = "view.html"
 
 @dataclass
 class Page:
-    """A whole report.
-
-    Attributes:
-        title: of it.
-        summary: the findings, a line each.
-        sections: in their order.
-        footer: who made it.
-        mark: what is said on every page.
-        view: what the page VIEW beside it shows in motion; "": there is none.
-    """
+    """A whole report: findings, a line each, sections, what VIEW beside it shows in motion ("": there is none)."""
 
     title: str
     summary: str

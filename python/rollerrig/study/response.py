@@ -28,13 +28,7 @@ Rows = list[list[object]]
 
 @dataclass(frozen=True)
 class AtSpeed:
-    """What is found at one speed.
-
-    Attributes:
-        system: the linear bench.
-        measured: per input what was measured, if anything.
-        drives: bandwidth of the drives that follow inputs [Hz].
-    """
+    """The linear bench at one speed, per input what was measured, and bandwidths of the drives that follow inputs [Hz]."""
 
     system: LinearSystem
     measured: Mapping[str, MeasuredResponse]
@@ -42,11 +36,7 @@ class AtSpeed:
 
 
 def measured_error(found: AtSpeed, output: int, source: int) -> float:
-    """Largest difference of measured and linear magnitude up to half the bandwidth of the command's drive [dB].
-
-    Returns:
-        The difference; NaN where nothing was measured.
-    """
+    """Largest difference of measured and linear magnitude up to half the bandwidth of the command's drive [dB], or NaN."""
     name = found.system.inputs[source]
     measured = found.measured.get(name)
     if measured is None:
@@ -120,11 +110,7 @@ class ResponseStudy(Study[dict[str, AtSpeed]]):
     resumable = False
 
     def __post_init__(self) -> None:
-        """Refuse frequencies that are none, or beyond half the sampling frequency.
-
-        Raises:
-            ConfigError: they are.
-        """
+        """Refuse with a ConfigError frequencies that are none, or beyond half the sampling frequency."""
         low, high = self.frequencies
         most = 0.5 / self.case.time.sampling_step if self.case.sampled else math.inf
         if not 0.0 < low < high or high > most:

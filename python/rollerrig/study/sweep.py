@@ -113,11 +113,7 @@ class SweepStudy(Study[Sweep]):
     irrelevant = ("description", "plan.name", "plan.description")
 
     def __post_init__(self) -> None:
-        """Refuse what cannot be done.
-
-        Raises:
-            ConfigError: a value that does not fit its key, a number that no measure has, or too many cases.
-        """
+        """Refuse with a ConfigError values that do not fit their key, numbers that no measure has, too many cases."""
         count, file = number_of_cases(self.whole.plan), self.whole.file
         allowed = f"allowed: up to {MOST} cases, which are held in memory; several plans can share the work"
         if count > MOST_UNASKED and not self.many:
@@ -267,11 +263,7 @@ class SweepStudy(Study[Sweep]):
 
 
 def sweep_study(case: Case, vary: Mapping[str, Any], measure: Any, design: Any, *, many: bool = False) -> SweepStudy:
-    """The study of `rollerrig.sweep`, whose arguments these are.
-
-    Raises:
-        ConfigError: all mistakes found.
-    """
+    """The study of `rollerrig.sweep`, whose arguments these are; a ConfigError has all mistakes found."""
     compute = measure if callable(measure) else None
     several = [] if compute else [measure] if isinstance(measure, str | Mapping) else list(measure)
     varied = [{"key": k, **(one if isinstance(one, Mapping) else {"values": _listed(one)})} for k, one in vary.items()]

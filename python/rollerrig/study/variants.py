@@ -28,15 +28,7 @@ def start_jobs(
     begin: int = 0,
     starting: Starting = starts,
 ) -> Round:
-    """A job for each variant and start.
-
-    Args:
-        cases: by name of the variant.
-        make: case and number of its start -> the job.
-        end: number of starts.
-        begin: of them those that are done already.
-        starting: how starts differ; by default by [ensemble].
-    """
+    """A job for each variant and start, made of its case and number; `begin` of the `end` starts are done already."""
     return {
         start_name(name, k): make(one, k)
         for name, case in cases.items()

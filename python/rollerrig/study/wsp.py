@@ -64,14 +64,7 @@ WORDS = ("met", "not met", "not decided")
 
 @dataclass(frozen=True)
 class StopResult:
-    """What a stop gave.
-
-    Attributes:
-        tests: by support.
-        judged: its criteria on both supports.
-        signals: of the first tests, by support.
-        seconds: processor time of all its tests [s].
-    """
+    """What a stop gave: tests and signals of the first ones by support, criteria on both, processor time of all [s]."""
 
     tests: Tests
     judged: Sequence[Judgement]
@@ -84,14 +77,7 @@ Results = Mapping[str, StopResult]
 
 @dataclass(frozen=True)
 class WspStudy(Study[Results]):
-    """A test programme for wheel slide protection.
-
-    Attributes:
-        case: of the rig.
-        programme: stops and limits.
-        starts: tests of each stop on each support; 0: as many as the programme asks for. With fewer nothing is decided.
-        quick: only two starts of the first two stops: to see that everything works.
-    """
+    """A test programme for wheel slide protection; attributes as the arguments of `rollerrig.wsp`."""
 
     case: Case
     programme: Programme

@@ -108,11 +108,7 @@ LARGEST_ERROR = 5e-4
 def cause_shares(records: Mapping[str, Sequence[TestRecord]]) -> dict[str, Estimate] | None:
     """Parts of (mean distance of the rig over that of the track, less 1) by cause, and `together` their sum.
 
-    Args:
-        records: of `track`, `rig` and each of STEPS, from several starts.
-
-    Returns:
-        None where an ensemble is missing.
+    None where an ensemble is missing, of `track`, `rig` and each of STEPS.
     """
     names = ("rig", *STEPS, "track")
     if any(not records.get(name) for name in names):
@@ -271,12 +267,9 @@ Tests = tuple[Sequence[TestRecord], Sequence[TestRecord]]
 
 
 def verdict_rows(case: Case, tests: Tests, fine: Tests = ((), ())) -> list[Row]:
-    """All rows that say something about this test.
+    """All rows that say something about the tests of a rig's case.
 
-    Args:
-        case: of the rig.
-        tests: of track and rig.
-        fine: the first of them again with finer steps and samples; none: that part of the intervals is missing.
+    `fine` are the first of them again with finer steps and samples; without, that part of the intervals is missing.
     """
     rows = _rows(case, tests)
     count = min(len(one) for one in (*tests, *fine))

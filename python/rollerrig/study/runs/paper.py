@@ -341,13 +341,7 @@ def _hunting_checks(found: Results) -> Iterator[Check]:
 
 
 def traction_checks(run: xr.Dataset, study: xr.Dataset, case: Case) -> Iterator[Check]:
-    """Figure 8 against theory; none if the run was cut off.
-
-    Args:
-        run: all signals.
-        study: the same wheels beside the closed forms, of `with_theory`.
-        case: what was run.
-    """
+    """Figure 8 against theory, all signals of a run beside its closed forms of `with_theory`; none if the run was cut off."""
     if run.attrs["status"] != "ok":
         return
     places = {"front": study.sel(wheel=FRONT), "rear": study.sel(wheel=REAR)}

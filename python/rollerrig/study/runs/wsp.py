@@ -51,11 +51,7 @@ RISE = 0.1
 
 
 def check_case(case: Case, programme: Programme) -> None:
-    """Refuse a case that has nothing to test, and stops that this vehicle cannot do.
-
-    Raises:
-        ConfigError: it has.
-    """
+    """Refuse with a ConfigError a case that has nothing to test, and stops that this vehicle cannot do."""
     track_case(case)
     for name in ("brake", "slide_protection"):
         if getattr(case, name) is None:
@@ -89,11 +85,7 @@ def stop_case(case: Case, programme: Programme, stop: BrakedRun) -> Case:
 
 
 def dry_case(case: Case, programme: Programme, stop: BrakedRun) -> Case:
-    """The same stop on a dry rail.
-
-    Raises:
-        ConfigError: the case cannot be run so.
-    """
+    """The same stop on a dry rail."""
     return _changed(case, programme, stop, f"{case.name}_{stop.name}_dry", "dry", [])
 
 
@@ -148,13 +140,7 @@ SIGNAL_STEP = 0.05
 
 @dataclass(frozen=True)
 class StopRecord:
-    """What is kept of a test.
-
-    Attributes:
-        test: its record.
-        signals: name with unit -> values over time; empty but for first tests.
-        seconds: processor time [s].
-    """
+    """What is kept of a test: record, signals over time by name with unit (of first tests alone), processor time [s]."""
 
     test: TestRecord
     signals: Mapping[str, Array]
@@ -162,17 +148,7 @@ class StopRecord:
 
 
 def stop_record(case: Case, flat: FlatWear, keep: bool, progress: Progress | None = None) -> StopRecord:
-    """Run a test and keep its record: a job.
-
-    Args:
-        case: of a stop.
-        flat: numbers of the estimate of wheel flats.
-        keep: also its signals.
-        progress: called with the fraction done and a short text.
-
-    Raises:
-        KeyboardInterrupt: Ctrl-C cut it short.
-    """
+    """Run a test of a stop and keep its record, and its signals where `keep` says so: a job."""
     begun = time.process_time()
     run = whole_run(case, progress=progress)
     record = test_record(run, case)
@@ -324,13 +300,7 @@ class Judgement:
 
 
 def judgements(programme: Programme, found: StopTests, other: StopTests) -> list[Judgement]:
-    """All criteria of a stop on one support.
-
-    Args:
-        programme: with the limits.
-        found: the tests to be judged.
-        other: those on the other support.
-    """
+    """All criteria of a stop on one support; `other` are the tests on the other one."""
     common = (*faults(found), *(rig_faults(found, other) if found.support == "rig" else ()))
     judged = []
     for limit in (limit for limit in programme.limit if limit.holds_for(found.stop)):
