@@ -109,13 +109,9 @@ def _at_point(motion: xr.Dataset, arm: Array, gravity: float) -> Array:
 
 
 def ride(points: xr.Dataset) -> xr.Dataset:
-    """The accelerations in the bands of EN 14363: frames below 10 Hz, the car body from 0.4 to 10 Hz.
+    """What `accelerations` returns in the bands of EN 14363: frames below 10 Hz, the car body from 0.4 to 10 Hz.
 
-    Args:
-        points: what `accelerations` returns.
-
-    Returns:
-        The same, with what was done to each point as the coordinate `filter`.
+    What was done to each point is the coordinate `filter`.
 
     Raises:
         ValueError: the run's output_step is too coarse, or the run too short.
@@ -132,12 +128,7 @@ def ride(points: xr.Dataset) -> xr.Dataset:
 
 
 def weight(frequency: Array, direction: str) -> Array:
-    """How strongly people feel an acceleration of a frequency: |W_d| of lateral, |W_b| of vertical ones, EN 12299.
-
-    Args:
-        frequency: [Hz], any shape.
-        direction: "lateral" or "vertical".
-    """
+    """How strongly people feel an acceleration of a frequency [Hz]: |W_d| of lateral, |W_b| of vertical ones, EN 12299."""
     s = 2j * np.pi * np.asarray(frequency, dtype=np.float64)
 
     def second_order(corner: float, quality: float) -> Complex:
@@ -155,13 +146,7 @@ def weight(frequency: Array, direction: str) -> Array:
 
 
 def weighted_rms(points: xr.Dataset) -> xr.DataArray:
-    """Root mean square of the weighted accelerations (W_d lateral, W_b vertical), the run taken as periodic.
-
-    Args:
-        points: what `accelerations` returns, unfiltered.
-
-    Returns:
-        Over point and direction [m/s^2].
+    """RMS over point and direction of the weighted, unfiltered accelerations (W_d, W_b), the run taken as periodic [m/s^2].
 
     Raises:
         ValueError: the run's output_step is too coarse, or the run too short.
@@ -246,11 +231,7 @@ class Row:
 
 
 def assess(run: xr.Dataset) -> Assessment:
-    """Read a run off, filtered as EN 14363 does where the run's output_step and length allow.
-
-    Args:
-        run: results of `simulate` or `load_run`.
-    """
+    """Read a run off, filtered as EN 14363 does where the run's output_step and length allow."""
     notes: list[str] = []
     read, unfiltered = wheel_forces(run), accelerations(run)
     points, assessed, weighted = unfiltered, at_output_times(read), None

@@ -109,8 +109,7 @@ def solve(case: Case, at: Array, direction: str, near: SteadyState | None = None
 def follow(case: Case, begin: SteadyState, end: Array, direction: str) -> tuple[SteadyState, str]:
     """Continuation with steps that are halved where Newton's method fails, and doubled after they succeed.
 
-    Returns:
-        The last steady state on the way, and why it is not that of the end; "": it is.
+    The last steady state on the way, and why it is not that of the end; "": it is.
     """
     last, done, step = begin, 0.0, 1.0
     while done < 1.0:

@@ -105,14 +105,9 @@ class Guidance:
 
 
 def guidance(run: xr.Dataset, f22: float) -> Guidance | None:
-    """Lateral creep of the axles while they slide fully along the track.
+    """Lateral creep of the axles while they slide fully along the track, as on track; f22 of a wheel [N].
 
-    Args:
-        run: with wheels that really slide, as on track.
-        f22: of a wheel [N].
-
-    Returns:
-        What was found; None where no axle slid, or none moved sideways.
+    None where no axle slid, or none moved sideways.
     """
     run = under_test(run)
     axles = (run.sizes["time"], run.sizes["axle"], 2)  # wheels stand left and right of each axle, in order

@@ -63,10 +63,10 @@ def settling_run(
     state: LastState | None,
     progress: Progress | None = None,
 ) -> tuple[CyclePoint, LastState | None]:
-    """Run a case at a speed until it has settled.
+    """Run a case, speed-controlled at a speed [m/s], until it has settled.
 
     Args:
-        case: the case; rollers or rails are speed-controlled.
+        case: what runs.
         settings: how the run is done.
         offset: lateral, of the leading wheelset, where it starts from the steady state [m].
         speed: running speed [m/s].

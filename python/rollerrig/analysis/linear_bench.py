@@ -68,13 +68,9 @@ class Lag:
 
 
 def steady_case(case: Case, speed: float | None = None) -> Case:
-    """The case rolling steadily: nothing disturbs it, nothing is demanded; its drives and controllers stay.
+    """The case rolling steadily at a speed [m/s], by default its own: nothing disturbs it, nothing is demanded.
 
-    Wheelsets that no torque acts on get one of zero, so that there is an input.
-
-    Args:
-        case: the case.
-        speed: running speed [m/s]; None: that of the case.
+    Its drives and controllers stay. Wheelsets that no torque acts on get one of zero, so that there is an input.
 
     Raises:
         ConfigError: the case cannot be run at this speed.

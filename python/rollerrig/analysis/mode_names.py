@@ -107,25 +107,16 @@ def mode_names(shapes: Shapes, who: Roles) -> list[str]:
 
 
 def shape_name(keys: Sequence[tuple[str, str]], share: Array, parts: Complex, who: Roles) -> str:
-    """Name of one mode at one speed.
-
-    Args:
-        keys: (body, direction) of each coordinate.
-        share: of the kinetic energy, shape (coordinates,).
-        parts: displacements, shape (coordinates,).
-        who: roles of the bodies.
-    """
+    """Name of one mode at one speed, from the energy share and displacement of each coordinate (body, direction)."""
     nowhere = np.zeros((1, 1), dtype=np.bool_)
     one = Shapes(keys, np.zeros((1, 1)), share[None, :, None], parts[None, :, None], nowhere)
     return mode_names(one, who)[0]
 
 
 def wheelset_lateral_share(keys: Sequence[tuple[str, str]], shares: Array) -> Array:
-    """How much of the modes' kinetic energy is lateral motion of wheelsets: large only where they run in waves.
+    """How much of the modes' kinetic energy, shape (..., coordinates, modes), is lateral motion of wheelsets.
 
-    Args:
-        keys: (body, direction) of each coordinate.
-        shares: shape (..., coordinates, modes).
+    Large only where they run in waves.
     """
     rows = [i for i, (body, way) in enumerate(keys) if body.startswith("wheelset") and way == "lateral"]
     return np.asarray(shares[..., rows, :].sum(axis=-2))

@@ -89,10 +89,7 @@ class Lineariser:
         return _core.Simulation(self.model.core.with_speed([(0.0, speed)]))
 
     def at(self, speed: float) -> Linearisation:
-        """Linearise at a running speed.
-
-        Args:
-            speed: running speed [m/s].
+        """Linearise at a running speed [m/s].
 
         Raises:
             StartError: no rolling equilibrium was found at this speed.
@@ -113,11 +110,7 @@ class Lineariser:
 
 
 def linearise(case: Case, speed: float) -> Linearisation:
-    """Linearise a case at one running speed; see `Lineariser` for many.
-
-    Args:
-        case: the case; its rollers or rails are speed-controlled.
-        speed: running speed [m/s].
+    """Linearise a case at one running speed [m/s]; see `Lineariser` for many.
 
     Raises:
         StartError: no rolling equilibrium was found at this speed.
@@ -271,12 +264,7 @@ class Followed:
 def follow_modes(
     matrix_at: Callable[[float], Array], parameters: Sequence[float], halvings: int = MOST_HALVINGS
 ) -> Followed:
-    """Follow all modes of a matrix along a parameter, with smaller steps where it is unclear which mode is which.
-
-    Args:
-        matrix_at: the real matrix at a value of the parameter, always of one size.
-        parameters: rising values.
-        halvings: how often a step may be halved.
+    """Follow all modes of a real matrix along a rising parameter, with smaller steps where it is unclear which mode is which.
 
     Raises:
         KeyboardInterrupt: it came from `matrix_at` before the first value was done.

@@ -184,12 +184,7 @@ class Fit:
 
 @one_blas_thread()
 def fit(values: Array, *columns: Array) -> Fit:
-    """Fit values by a sum of columns.
-
-    Args:
-        values: shape (n,).
-        columns: each of shape (n,).
-    """
+    """Fit values by a sum of columns, all of shape (n,)."""
     matrix = np.stack(columns, axis=1)
     solution = np.linalg.lstsq(matrix, values, rcond=None)[0]
     left = values - matrix @ solution

@@ -231,14 +231,7 @@ def _contact_jump(a: _Touch, b: _Touch) -> float:
 
 
 def _touch(contact: _core.StaticWheelsetContact, y: float, pose: _Pose, roll: float) -> _Touch | None:
-    """Both wheels touching at a lateral shift [m].
-
-    Args:
-        contact: static contact of the core.
-        y: lateral shift [m].
-        pose: yaw, and whether it rolls.
-        roll: roll angle to start from [rad].
-    """
+    """Both wheels touching at a lateral shift [m], from a roll angle on [rad]."""
     yaw, arm = pose.yaw, pose.arm
     heights = _heights(contact, y, yaw, roll)
     slope, surplus = -(arm or 0.0), heights[0] - heights[1]  # secant steps; a metre's arm gains a metre per radian

@@ -52,12 +52,7 @@ COMPONENTS = ("force_x", "force_y", "spin_moment")
 
 
 def creepage_units(a_over_b: float, poisson_ratio: float) -> Array:
-    """Reduced creepages (xi, eta, chi) that each demand about mu N of the linear theory.
-
-    Args:
-        a_over_b: ratio of the semi-axes, a along the rolling direction.
-        poisson_ratio: [-].
-    """
+    """Reduced creepages (xi, eta, chi) that each demand about mu N of the linear theory."""
     return np.array(_core.creepage_units(a_over_b, poisson_ratio))
 
 
@@ -134,10 +129,7 @@ def _check(a_over_b: float, poisson_ratio: float, demands: Array, laws: Mapping[
 
 
 def error_table(comparison: xr.Dataset) -> list[tuple[str, str, float, float, float, float, float, float]]:
-    """Errors of each law against the exact theory, without and with spin, in % of mu N and of mu N c.
-
-    Args:
-        comparison: what `compare_laws` returns.
+    """Errors of each law of `compare_laws` against the exact theory, without and with spin, in % of mu N and of mu N c.
 
     Returns:
         Rows of law, 'no spin' or 'spin', and median, 95th percentile and worst of force and of moment.

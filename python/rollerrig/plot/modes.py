@@ -340,12 +340,9 @@ def frequency_over_speed(modes: xr.Dataset, cycles: xr.Dataset | None = None) ->
 
 
 def hunting_frequencies(linear: dict[str, xr.Dataset], runs: dict[str, xr.Dataset], title: str = "") -> Figure:
-    """Frequency of hunting over speed: linear modes as lines; runs as markers, filled where they end in a limit cycle.
+    """Frequency of hunting over speed: modes of `stability` as lines, runs of `hunting_table` as markers of the same colour.
 
-    Args:
-        linear: label -> Dataset of `stability`; drawn where a mode hunts, see `hunting_frequency`.
-        runs: label -> Dataset of `hunting_table`; in the colour of the line with the same label, if there is one.
-        title: of the figure.
+    Lines are drawn where a mode hunts, see `hunting_frequency`; markers are filled where a run ends in a limit cycle.
     """
     with panels(["frequency of lateral oscillation [Hz]"], "speed [km/h]", 3.6, legend=False) as (figure, (axes,)):
         for number, (label, modes) in enumerate(linear.items()):

@@ -130,13 +130,9 @@ KINK_WINDOW = 2.5e-3  # [m] on each side, over which the direction is extrapolat
 
 
 def check_fold(course: Course, reference: int) -> None:
-    """Refuse an abscissa that turns back before it continues outward.
+    """Refuse an abscissa that turns back before it continues outward, seen from an index.
 
     The back of a flange or the underside of a rail head turn back and stay there: those are merely not used.
-
-    Args:
-        course: the points.
-        reference: index to look outward from.
     """
     for towards in (slice(reference, None), slice(reference, None, -1)):
         path = course.points[towards]
@@ -165,14 +161,9 @@ def check_gaps(course: Course, low: float, high: float) -> None:
 
 
 def averaged(course: Course, noise: float) -> Course:
-    """Means of so many neighbours that the chords between them have a direction good to DIRECTION_NOISE.
+    """Means of so many neighbours that the chords between them have a direction good to DIRECTION_NOISE; else the points.
 
-    Args:
-        course: the points.
-        noise: their standard deviation [m].
-
-    Returns:
-        The means; the very points where they are good enough.
+    Their noise is a standard deviation [m].
     """
     spacing = float(np.median(course.spacing))
     count = max(1, int(np.ceil((np.sqrt(2.0) * noise / (DIRECTION_NOISE * spacing)) ** (2 / 3))))

@@ -310,14 +310,11 @@ _SIGNS = ((WORK_IN, 1.0), (STORED, -1.0), (DISSIPATED, -1.0))
 
 
 def add_energy_audit(draft: Draft) -> None:
-    """Add the energy balance of a run: the variable `energy_residual` and two attributes.
+    """Add the energy balance of a run to a draft with the accounts: the variable `energy_residual` and two attributes.
 
     `energy_residual` = work in - change of what is stored - heat [J]. The energy turned over, `energy_turned_over_j`, is half
     the sum of the total variations of all accounts between the output times: each joule that moves leaves one account and
     enters another. `energy_relative_residual` is the largest residual over that.
-
-    Args:
-        draft: results with the accounts, which are changed.
     """
     accounts = np.stack([draft.values(name) for names, _ in _SIGNS for name in names])
     signs = np.array([[sign] for names, sign in _SIGNS for _ in names])

@@ -28,12 +28,7 @@ RESOLUTION = {"m": 1e-10, "rad": 1e-10, "m/s": 1e-9, "m/s^2": 1e-7, "N": 1e-3, "
 
 
 def resolved(values: ArrayLike, unit: str) -> Array:
-    """The values with zeros where their magnitude is below that of RESOLUTION.
-
-    Args:
-        values: any shape; NaN stays.
-        unit: a key of RESOLUTION.
-    """
+    """Values of any shape with zeros where their magnitude is below that of RESOLUTION for the unit; NaN stays."""
     given = np.asarray(values, dtype=np.float64)
     return np.where(np.abs(given) < RESOLUTION[unit], 0.0, given)
 
@@ -79,16 +74,7 @@ class ContactLoss:
 
 
 def add_contact_losses(draft: Draft, wheels: Sequence[str], spells: Sequence[Spells]) -> list[ContactLoss]:
-    """Add the losses of all wheels that had any, as JSON among the attributes.
-
-    Args:
-        draft: results with `distance`; it is changed.
-        wheels: names, in the order of `spells`.
-        spells: of each wheel.
-
-    Returns:
-        The losses.
-    """
+    """Add the losses of all wheels that had any, from the spells of each, to a draft with `distance`, as JSON; return them."""
     times, distances = draft.values("time"), draft.values("distance")
     losses = [
         ContactLoss(wheel, count, total, longest, at, float(np.interp(at, times, distances)) if len(times) else 0.0)
@@ -105,14 +91,7 @@ def contact_losses(run: xr.Dataset) -> list[ContactLoss]:
 
 
 def contact_loss_warning(losses: Sequence[ContactLoss], duration: float, *, on_rollers: bool, advice: str = "") -> str:
-    """One line that names the wheels whose contact was lost for longer than vibrations explain; empty if there are none.
-
-    Args:
-        losses: of a run.
-        duration: of the run [s].
-        on_rollers: whether it was on a rig.
-        advice: what to try, a sentence.
-    """
+    """One line that names the wheels whose contact was lost for longer than vibrations explain; empty if there are none."""
     gross = [
         loss
         for loss in losses
@@ -125,11 +104,7 @@ def contact_loss_warning(losses: Sequence[ContactLoss], duration: float, *, on_r
 
 
 def summarise(run: xr.Dataset) -> dict[str, Any]:
-    """The numbers of a run by name; None where a number does not exist.
-
-    Args:
-        run: results of `simulate`.
-    """
+    """The numbers of a run by name; None where a number does not exist."""
     attributes = run.attrs
     speed = 3.6 * run["speed"].to_numpy()
     return {

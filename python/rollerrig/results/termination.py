@@ -31,14 +31,10 @@ FLEXIBLE = "The rails are rigid: support.foundation, as flexible_track has it, l
 
 
 def add_termination(draft: Draft, model: AssembledModel) -> None:
-    """Add the place where a run ended and the quotient of the wheelset that ended it.
+    """Add to a draft the place where a run ended and the quotient of the wheelset that ended it.
 
     The attributes `stopped_at_m`, `stopped_segment`, `stopped_quotient`, `stopped_quotient_wheel`; they are in `status_message`
     too where a wheel ended the run.
-
-    Args:
-        draft: results with the attributes of `Outcome`; it is changed.
-        model: the model that was run.
     """
     distances = draft.values("distance")
     distance = float(distances[-1]) if len(distances) else 0.0
@@ -59,14 +55,7 @@ def add_termination(draft: Draft, model: AssembledModel) -> None:
 
 
 def contact_in_words(model: AssembledModel, wheel: str, status: str, last: xr.Dataset) -> str:
-    """Where the wheel that ended a run touched, what it carried, and what to try; with a blank before it.
-
-    Args:
-        model: the model that was run.
-        wheel: name of the wheel.
-        status: how the run ended.
-        last: what a run records, of the last state alone.
-    """
+    """Where the wheel that ended a run touched in the last state, what it carried, and what to try; with a blank before it."""
     wanted = ("wheel_abscissa", "rail_abscissa", "contact_angle", "normal")
     s, y, angle, load = (last[f"patch_{name}"].sel(wheel=wheel).to_numpy().ravel() for name in wanted)
     side, up = (float(last[name].sel(wheel=wheel).squeeze()) for name in ("lateral_force", "vertical_force"))
@@ -101,10 +90,7 @@ def _end(profile: ProfileTable, places: Array) -> tuple[Array, ProfileTable, Arr
 def _reach(profile: ProfileTable, place: float, left: float) -> str:
     """Whether a profile ends beside a contact, where its points end or where it becomes too steep: else longer ones are no use.
 
-    Args:
-        profile: the one whose end is nearer.
-        place: of the contact on it [m].
-        left: distance along it from there to its end [m].
+    The place of the contact on it, and the distance along it from there to its end [m].
     """
     if not left < BESIDE:
         return (

@@ -155,12 +155,7 @@ def look_at_controller(code: Code, file: str) -> None:
 
 
 def load_controller(place: str, key: str, file: str) -> UserController:
-    """An object of the class that a case names.
-
-    Args:
-        place: 'module:Class' or 'file.py:Class'.
-        key: where the case names it.
-        file: the case, for messages.
+    """An object of the class that a case names under a key, as 'module:Class' or 'file.py:Class'.
 
     Raises:
         ConfigError: there is no such module, file or class, or it cannot be made.

@@ -45,15 +45,9 @@ class Frames:
 
 
 def interpolated(times: Array, values: Array, at: Array) -> Array:
-    """The page's curve through frames.
+    """The page's curve through frames at rising times [s]: a cubic whose slope is that from the frame before to the one after.
 
-    Args:
-        times: of the frames, rising (n,) [s].
-        values: (n, ...), any columns.
-        at: times between the first and the last (m,) [s].
-
-    Returns:
-        (m, ...): a cubic whose slope at a frame is that from the frame before to the one after.
+    Values (n, ...) at times (m,) between the first and the last become (m, ...).
     """
     if len(times) < 2:
         return np.repeat(values[:1], len(at), axis=0)
@@ -97,12 +91,7 @@ def _error(times: Array, values: Array, index: NDArray[np.intp]) -> float:
 
 
 def extremes(values: Array, most: int = MOST_POINTS) -> NDArray[np.intp]:
-    """Samples to keep of curves: all, or of even parts those where a curve is least and greatest, and both ends.
-
-    Args:
-        values: of all curves (n, curves).
-        most: samples.
-    """
+    """Samples to keep of curves (n, curves): all, or of even parts those where a curve is least and greatest, and both ends."""
     count, curves = values.shape
     if count <= most:
         return np.arange(count)

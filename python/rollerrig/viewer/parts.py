@@ -160,13 +160,7 @@ def _simplify(points: Array, first: int, last: int, keep: Mask) -> None:
 
 
 def track(model: AssembledModel, run_from: float, run_to: float) -> Table | None:
-    """Plan, heading, cant and height of the line over the way run; None on a rig.
-
-    Args:
-        model: of the run.
-        run_from: least distance of the vehicle [m].
-        run_to: greatest one [m].
-    """
+    """Plan, heading, cant and height of the line over the way run, from least to greatest distance [m]; None on a rig."""
     if not isinstance(model.case.support.data, Track):
         return None
     s = np.arange(run_from - _BEHIND, run_to + _AHEAD + _LINE_STEP, _LINE_STEP)

@@ -299,11 +299,7 @@ def holds_modes(results: xr.Dataset) -> bool:
 
 
 def mode_scene(modes: xr.Dataset, *, label: str = "") -> Scene:
-    """The scene of modes over speed.
-
-    Args:
-        modes: Dataset of `stability`.
-        label: how it is called; by default its case.
+    """The scene of the modes of `stability`, called by its label or its case.
 
     Raises:
         ResultsError: their case cannot be read by this version.

@@ -320,11 +320,7 @@ def open_server(
 
 
 def check_system(served: Served) -> None:
-    """See that this system has a server.
-
-    Raises:
-        ConfigError: it has not.
-    """
+    """See that this system has a server, with a ConfigError where it has not."""
     try:
         _core.require_real_time()
     except RuntimeError as error:
@@ -358,12 +354,7 @@ def check_rate(served: Served, periods: int = MEASURED_PERIODS) -> float:
 
 
 def replay(served: Served, commands: Array) -> Array:
-    """Sensors of a run whose commands are known, shape (period + 1, output): those of the start come first.
-
-    Args:
-        served: the rig.
-        commands: what acts in each period, shape (period, input).
-    """
+    """Sensors of a run whose commands, shape (period, input), are known; shape (period + 1, output), those of the start first."""
     found: Array = _core.replay_rig(
         served.assembled,
         served.input_indices,
