@@ -73,12 +73,9 @@ class ContactState:
 
 @dataclass(frozen=True)
 class RollingState:
-    """Steady rolling of a case at one speed.
+    """Steady rolling at one speed [m/s]: every signal of the wheels, as of a run without time.
 
-    Attributes:
-        speed: [m/s].
-        wheels: every recorded signal, as of a run, without time.
-        creep_stiffness: per wheel the sum of f11 over its patches, Kalker's linear theory [N].
+    Creep stiffness: per wheel the sum of f11 over its patches, Kalker's linear theory [N].
     """
 
     speed: float

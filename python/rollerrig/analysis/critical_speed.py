@@ -248,11 +248,7 @@ class CriticalSpeedOverRadius:
 
 @dataclass(frozen=True)
 class EffectSplit:
-    """Linear critical speeds on a rig with some of the roller's effects switched off.
-
-    Attributes:
-        found: effects that are on -> what was found.
-    """
+    """Linear critical speeds on a rig with some of the roller's effects switched off, by those that are on."""
 
     found: Mapping[On, LinearCriticalSpeed]
 

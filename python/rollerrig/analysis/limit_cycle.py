@@ -98,13 +98,9 @@ class NotMadeError(Exception):
 
 @dataclass
 class Branch(Generic[State]):
-    """Points in the order in which they were computed.
+    """Points of a sweep in the order in which they were computed: at the speeds asked for, and of the halving (`refined`).
 
-    Attributes:
-        sweep: 'up' or 'down'.
-        points: at the speeds asked for.
-        refined: further points, of the halving.
-        interrupted: whether a run that belongs to it was not made.
+    It is interrupted where a run that belongs to it was not made.
     """
 
     sweep: Literal["up", "down"]

@@ -151,14 +151,7 @@ LEAST_DIVERGENCE = 0.01
 
 @dataclass(frozen=True)
 class Crossing:
-    """Where an oscillation turns from damped to growing, or back.
-
-    Attributes:
-        speed: [m/s].
-        frequency: of the mode [Hz].
-        name: of the mode.
-        grows_above: True: damped below, growing above; False: the other way round.
-    """
+    """Speed [m/s] at which an oscillation, with its frequency [Hz] there, turns from damped to growing, or back."""
 
     speed: float
     frequency: float

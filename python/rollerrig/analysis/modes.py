@@ -261,9 +261,7 @@ class Followed:
         return np.array([system.values for system in self.systems])
 
 
-def follow_modes(
-    matrix_at: Callable[[float], Array], parameters: Sequence[float], halvings: int = MOST_HALVINGS
-) -> Followed:
+def follow_modes(matrix_at: Callable[[float], Array], parameters: Sequence[float]) -> Followed:
     """Follow all modes of a real matrix along a rising parameter, with smaller steps where it is unclear which mode is which.
 
     Raises:
@@ -276,7 +274,7 @@ def follow_modes(
     done, asked, systems, unclear = [values[0]], [0], [system], []
     try:
         for target in values[1:]:
-            least = (target - done[-1]) / 2**halvings
+            least = (target - done[-1]) / 2**MOST_HALVINGS
             ahead = [_solved(matrix_at, target)]
             while ahead:
                 value, next_matrix, found = ahead[-1]

@@ -1,26 +1,15 @@
 """Statistics of a brake or traction test: slip, tracking error of the rig, torque ripple, wheel flats.
 
-    run of `simulate` with a train -> [tracking] -> series over time and axle, RMS and largest values
+    run of `simulate` with brake or traction -> [test_record] -> TestRecord: measures, distribution of slip, distance over time
 
 Equations: docs/theory/rig_control.md. A ratio to the speed of a train slower than LEAST_SPEED is not defined: NaN.
 
-A rig's run against the track's at the same times, where the phase of a limit cycle counts: for inspection, not for assessment.
-
-    runs of `simulate` with brake or traction -> [rig_fidelity] -> numbers; NaN or None where there are none
-
-What two starts of the same test on track differ by, point by point, is phase alone; `slide_statistics` has what is compared.
-Equations: docs/theory/rig_control.md.
-
-run of `simulate` with brake or traction -> [slide_statistics] -> TestRecord: measures, distribution of slip, distance over time
-
 Slide protection and wheel-slip control make a limit cycle whose phase differs from start to start: two such tests are compared
-by what is counted, averaged or distributed over each of them, never point by point.
+by what is counted, averaged or distributed over each of them, never point by point; `point_by_point` is for inspection alone.
 
-    run of `simulate` with a brake -> [wheel_flat] -> length of the longest flat [m]
-
-The worn volume is in proportion to the energy; what is worn off a wheel that does not turn is a segment of its circle under a
-chord: V = k E, V = b L^3 / (12 r) for L << r, (H1) and (H2) of docs/theory/wheel_flats.md. Heat, martensite and the rounding of
-the flat's ends are left out. On the rig no wheel slides so: the estimate is what the virtual train's wheels would get.
+The volume worn off a wheel that does not turn is in proportion to the energy, and a segment of its circle under a chord:
+V = k E, V = b L^3 / (12 r) for L << r, (H1) and (H2) of docs/theory/wheel_flats.md. Heat, martensite and the rounding of the
+flat's ends are left out. On the rig no wheel slides so: the estimate is what the virtual train's wheels would get.
 """
 
 from __future__ import annotations

@@ -42,13 +42,7 @@ _HEADING = re.compile(r"\s*([a-z_]+?)\s*(?:[\[(]\s*([a-z]+)\s*[\])]|_(mm|cm|km|m
 
 @dataclass(frozen=True, eq=False)
 class MeasuredTrack:
-    """Samples of a measured track.
-
-    Attributes:
-        path: the file.
-        distance: (n,) ascending [m].
-        rails: by name of RAILS, (n,) displacements [m].
-    """
+    """Samples of a measured track: ascending distance (n,) and displacements of the rails (n,) [m], by name of RAILS."""
 
     path: Path
     distance: Array

@@ -21,11 +21,9 @@ Signal = tuple[str, str | Callable[[xr.Dataset], xr.DataArray], float]
 """Label of the ordinate, variable or function of a run (over time, and over axle if each has its own), factor."""
 
 
-def axles_over_time(
-    runs: Mapping[str, xr.Dataset], signals: Sequence[Signal], height: float, xlabel: str = "time [s]"
-) -> Figure:
+def axles_over_time(runs: Mapping[str, xr.Dataset], signals: Sequence[Signal], height: float) -> Figure:
     """A panel per signal, of a height [inches]; the first run is drawn with full lines, the next dashed, by label."""
-    with panels([label for label, _, _ in signals], xlabel, height) as (figure, axes):
+    with panels([label for label, _, _ in signals], "time [s]", height) as (figure, axes):
         for panel, (_, signal, factor) in zip(axes, signals, strict=True):
             for (label, run), style in zip(runs.items(), STYLES, strict=False):
                 values = factor * (run[signal] if isinstance(signal, str) else signal(run))
@@ -103,7 +101,7 @@ def rollers(rig: xr.Dataset) -> Figure:
 
 def sliding(rig: xr.Dataset, ideal: xr.Dataset | None, radius: float) -> Figure:
     """Sliding of wheels on rollers, tracking error, and the wheelsets' own motion: with contact model, and pure rolling."""
-    signals: tuple[tuple[str, str | Callable[[xr.Dataset], xr.DataArray], float], ...] = (
+    signals: tuple[Signal, ...] = (
         ("sliding of wheel\non roller [mm/s]", "real_sliding", 1e3),
         ("wheel less virtual\nwheel [mm/s]", lambda run: run["axle_speed"] - run["virtual_speed"], 1e3 * radius),
         ("wheelset along\nthe track [mm/s]", _own_motion, 1e3),

@@ -37,7 +37,7 @@ LEAST_DIFFERENCE = 0.2
 """Modes whose eigenvalues differ by less between the supports are left out [1/s]."""
 
 
-def telling_modes(modes: Mapping[str, xr.Dataset], count: int = MOST_MODES) -> list[str]:
+def telling_modes(modes: Mapping[str, xr.Dataset]) -> list[str]:
     """Names of the modes that differ most between the supports, hunting modes first; those that all supports have."""
     first = next(iter(modes.values()))
     names = [
@@ -57,7 +57,7 @@ def telling_modes(modes: Mapping[str, xr.Dataset], count: int = MOST_MODES) -> l
     hunting = [name for name in names if name.startswith("hunting")]
     others = [name for name in names if name not in hunting and (len(modes) == 1 or apart(name) > LEAST_DIFFERENCE)]
     others.sort(key=apart, reverse=True)
-    return [*hunting, *others][:count]
+    return [*hunting, *others][:MOST_MODES]
 
 
 def modes_side_by_side(modes: Mapping[str, xr.Dataset]) -> Figure:

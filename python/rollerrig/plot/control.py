@@ -31,15 +31,7 @@ from rollerrig.plot.style import (
 
 @dataclass(frozen=True)
 class Curve:
-    """Errors along one axis.
-
-    Attributes:
-        label: in the legend.
-        value: along the axis.
-        tracking: RMS [%] of train speed.
-        ripple: of the roller torque [N m]; NaN: not known.
-        ended: whether the test ended before its time.
-    """
+    """Errors along one axis: tracking RMS [% of train speed], ripple of the torque [N m] or NaN, whether a test ended early."""
 
     label: str
     value: Sequence[float]

@@ -30,13 +30,9 @@ INDEX = {"x": 0, "y": 1, "z": 2}
 
 @dataclass(frozen=True)
 class Scene:
-    """What the views share.
+    """What the views of a case share: origin of the part that is run [m], half distance between the tape circles [m].
 
-    Attributes:
-        case: what is drawn.
-        origin: of the part that is run, along the vehicle [m].
-        half_base: half distance between the tape circles [m].
-        families: name -> elements of that name on any side, wheelset or bogie.
+    Families: name -> elements of that name on any side, wheelset or bogie.
     """
 
     case: Case

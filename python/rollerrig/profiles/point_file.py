@@ -36,13 +36,7 @@ MOST_LINES = 100_000
 
 @dataclass(frozen=True, eq=False)
 class RawProfile:
-    """Points as a file gives them, in metres.
-
-    Attributes:
-        course: the points, in the order of the file.
-        declared: "wheel" or "rail" where the file says so.
-        comment: description out of the file, may be empty.
-    """
+    """Points as a file gives them [m]; whether it declares a "wheel" or "rail", and its comment, may be empty."""
 
     course: Course
     declared: ProfileKind | None

@@ -47,16 +47,7 @@ Spells = tuple[int, float, float, float]
 
 @dataclass(frozen=True)
 class ContactLoss:
-    """What one wheel ran without contact.
-
-    Attributes:
-        wheel: its name.
-        spells: number of times.
-        total_s: sum of their durations [s].
-        longest_s: duration of the longest [s].
-        longest_from_s: time at which that one began [s].
-        longest_from_m: distance there [m].
-    """
+    """What one wheel ran without contact: number and sum of the spells; of the longest duration, begin and distance there."""
 
     wheel: str
     spells: int

@@ -56,16 +56,7 @@ class Link:
 
 @dataclass(frozen=True)
 class FmuFile:
-    """An FMU that fits.
-
-    Attributes:
-        path: of the file.
-        content: its bytes.
-        description: as FMPy reads it.
-        inputs: measured quantities that it takes.
-        command: what it commands.
-        parameters: with their values.
-    """
+    """An FMU that fits: its bytes, FMPy's description, measured quantities that it takes, what it commands, parameters."""
 
     path: str
     content: bytes

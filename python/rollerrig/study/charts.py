@@ -28,12 +28,7 @@ _DASHES = {"-": [], "--": [7, 4], "-.": [9, 4, 2, 4], ":": [2, 3]}
 
 @dataclass(frozen=True)
 class Chart:
-    """What the page needs of one figure.
-
-    Attributes:
-        head: its panels and where their numbers are, as JSON.
-        numbers: of its curves, compressed, as base64.
-    """
+    """What the page needs of one figure: panels and places of their numbers, as JSON; the numbers, compressed, as base64."""
 
     head: dict[str, Any]
     numbers: str

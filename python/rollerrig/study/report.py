@@ -92,13 +92,7 @@ Block = Text | Picture | Table | Preformatted
 
 @dataclass
 class Section:
-    """A part of the report with a heading.
-
-    Attributes:
-        title: the heading.
-        blocks: in their order.
-        folded: whether it is a detail that the reader opens.
-    """
+    """A part of the report with a heading; where folded, a detail that the reader opens."""
 
     title: str
     blocks: list[Block] = field(default_factory=list)

@@ -120,12 +120,7 @@ _MOVES = 1e-12
 
 @dataclass(frozen=True)
 class Scene:
-    """What the page needs of one run.
-
-    Attributes:
-        head: plain tables, as JSON.
-        columns: the numbers over time.
-    """
+    """What the page needs of one run: plain tables, as JSON, and the numbers over time."""
 
     head: dict[str, Any]
     columns: Columns

@@ -34,17 +34,7 @@ LARGEST_FRAME = 512
 
 @dataclass(frozen=True)
 class Served:
-    """A rig ready to be served.
-
-    Attributes:
-        name: of the case.
-        case: as it is run; None where a model file is served.
-        assembled: its model.
-        period: [s].
-        inputs: variables that are commanded.
-        outputs: variables that are sent.
-        safe: values of the inputs in the safe state.
-    """
+    """A rig ready to be served: case (None: of a model file), period [s], variables that are commanded and sent, safe values."""
 
     name: str
     case: Case | None

@@ -221,16 +221,12 @@ OVER_DRY = ("increase_over_dry", "k_wet")
 
 @dataclass(frozen=True)
 class StopTests:
-    """The tests of one stop on one support.
+    """The tests of one stop of the programme on one support, of the rig's case.
 
     Attributes:
-        stop: of the programme.
-        support: track or rig.
-        case: of the rig.
         asked: number of tests without which nothing is decided.
-        fine: the first of them again with finer steps and samples.
-        tests: those that were made.
         dry: the same stop on a dry rail; None: not made.
+        fine: the first of the tests again with finer steps and samples.
     """
 
     stop: BrakedRun
@@ -262,16 +258,7 @@ class StopTests:
 
 @dataclass(frozen=True)
 class Judgement:
-    """A criterion of a stop on one support.
-
-    Attributes:
-        stop: name of the stop.
-        support: track or rig.
-        limit: that is held against it.
-        mean: of all tests, in the SI unit of the criterion.
-        worst: of all tests.
-        reasons: why nothing is decided, whatever the numbers are.
-    """
+    """A criterion of a stop on one support: its limit, mean and worst of all tests in its SI unit, why nothing is decided."""
 
     stop: str
     support: Support
