@@ -40,13 +40,7 @@ class Chart:
 
 
 def chart_of(figure: Figure, name: str, mark: str = "") -> Chart | None:
-    """The figure as a chart; None where it is no history of lines over one abscissa.
-
-    Args:
-        figure: as it is drawn in print.
-        name: of it, once in a report.
-        mark: a word that lies across it.
-    """
+    """The figure as a chart, with a mark across; None where it is no history of lines over one abscissa."""
     panels = [axes for axes in figure.axes if axes.get_visible()]
     abscissae = {axes.get_xlabel() for axes in panels} - {""}
     if len(abscissae) != 1 or not all(map(_is_plain, panels)):

@@ -222,14 +222,9 @@ class Found:
 
 @dataclass(frozen=True)
 class ControlStudy(Study[Found]):
-    """One test under many variants of the controller.
+    """One test under many variants of the controller; attributes as the arguments of `rollerrig.control`.
 
-    Attributes:
-        case: of `study_case`.
-        families: names of FAMILIES; none: all.
-        user: 'file.py:Class' of a controller to be compared with the built-in one.
-        loop: also find where the loop becomes unstable, computed and measured, and what it does where a brake holds a wheel.
-        lags: duration of the runs that compare ways to compensate the lags [s]; 0: none.
+    The case is that of `study_case`; `lags` is the duration of the runs that compare ways to compensate the lags [s]; 0: none.
     """
 
     case: Case

@@ -102,11 +102,9 @@ def recorded(case: Case, progress: Progress | None = None) -> TestRecord:
 
 @dataclass(frozen=True)
 class Estimate:
-    """A number of an ensemble.
+    """Mean over the tests of an ensemble, NaN where one of them has no such number, with its standard error.
 
     Attributes:
-        mean: over the tests; NaN where one of them has no such number.
-        standard_error: of the mean; NaN for a single test.
         freedom: degrees of freedom of the error; 0: unknown.
         systematic: by how much the mean may be off beside that, however many tests are made: step and samples.
     """
@@ -231,12 +229,8 @@ def dead_times(case: Case, predicted: DeadTime | None) -> tuple[float, ...]:
 def measured_dead_time(rig: Estimate, track: Mapping[float, Estimate]) -> Estimate:
     """Additional dead time [s] with which the track has the rig's mean number: its distance, or its dump cycles.
 
-    Args:
-        rig: that number of the rig.
-        track: additional dead time [s] -> the same on track, 0 among them.
-
-    Returns:
-        By linear interpolation between two ensembles; NaN where the rig's number is outside all of the track's.
+    By linear interpolation between two ensembles on track, by additional dead time [s], 0 among them; NaN where the rig's number
+    is outside all of the track's.
     """
     found, slope = at_track_of(rig.mean, {delay: one.mean for delay, one in track.items()})
     if not math.isfinite(found):

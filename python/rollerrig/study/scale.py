@@ -147,11 +147,7 @@ class Scaled:
 
 @dataclass(frozen=True)
 class ScaleStudy(Study[Scaled]):
-    """A test at full scale and on models of it.
-
-    Attributes:
-        variants: name of LABELS -> case: 'full', 'model', and those of the error budget.
-    """
+    """A test at full scale and on models of it: by name of LABELS 'full', 'model', and those of the error budget."""
 
     variants: Mapping[str, Case]
 

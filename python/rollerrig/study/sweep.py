@@ -93,12 +93,9 @@ class Sweep:
 
 @dataclass(frozen=True)
 class SweepStudy(Study[Sweep]):
-    """All cases of a plan.
+    """All cases of a plan; more than MOST_UNASKED only if `many` says so.
 
-    Attributes:
-        whole: the plan and its case.
-        many: whether more than MOST_UNASKED cases are meant.
-        compute: measure of the user's own, beside or in place of those of the plan.
+    `compute` is a measure of the user's own, beside or in place of those of the plan.
     """
 
     whole: WholePlan
@@ -303,11 +300,7 @@ def _unpacked(packed: bytes) -> tuple[Case, tuple[Any, ...], Compute | None]:
 
 
 def run_case(packed: bytes, changes: Mapping[str, Any], progress: Progress | None = None) -> Record:
-    """The numbers of one case; whatever goes wrong with it is its reason, not the end of the sweep.
-
-    Raises:
-        KeyboardInterrupt: Ctrl-C.
-    """
+    """The numbers of one case; whatever goes wrong with it, but for Ctrl-C, is its reason, not the end of the sweep."""
     case, measures, compute = _unpacked(packed)
     numbers: dict[str, float] = {}
     try:
