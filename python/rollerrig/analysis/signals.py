@@ -173,12 +173,10 @@ class Fit:
 
     Attributes:
         coefficients: one per column.
-        residual: root mean square of what is left, over the largest value [1].
         largest: largest of what is left, over the largest value [1].
     """
 
     coefficients: tuple[float, ...]
-    residual: float
     largest: float
 
 
@@ -189,9 +187,7 @@ def fit(values: Array, *columns: Array) -> Fit:
     solution = np.linalg.lstsq(matrix, values, rcond=None)[0]
     left = values - matrix @ solution
     scale = float(np.abs(values).max()) or 1.0
-    return Fit(
-        tuple(float(c) for c in solution), float(np.sqrt(np.mean(left**2))) / scale, float(np.abs(left).max()) / scale
-    )
+    return Fit(tuple(float(c) for c in solution), float(np.abs(left).max()) / scale)
 
 
 LEAST_AMPLITUDE = 1e-6

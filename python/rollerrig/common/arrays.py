@@ -1,4 +1,4 @@
-"""Types of arrays: the words for them in all signatures; shape and unit stand in the docstring."""
+"""Types of arrays: the words for them in all signatures; a docstring has shape and unit."""
 
 import numpy as np
 from numpy.typing import NDArray

@@ -97,7 +97,7 @@ def loop_numbers(case: Case, points: list[dict[str, float]]) -> dict[str, Any] |
         return None
     found, vehicle = margins(loop), vehicle_plant(excited)
     return {
-        "crossover_hz": found.crossover / (2.0 * math.pi),
+        "crossover_hz": found.phase_frequency,
         "phase_margin_deg": math.degrees(found.phase),
         "gain_margin": found.gain,
         "unstable_from_factor_alone": gain_limit(loop, rolling_plant(loop.real, creep)),
