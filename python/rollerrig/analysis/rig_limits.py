@@ -301,7 +301,7 @@ def _recovery_margin(run: xr.Dataset, torque: float, sliding: Mask, rig: RigLimi
 
 
 def region(status: str, limits: Mapping[str, float], tracking_rms: float, kind: str) -> str:
-    """The region of a run: a key of REGIONS, of REPRODUCED the given kind."""
+    """The region of a run, a key of REGIONS: that of the first limit reached, else the given kind of REPRODUCED."""
     if status not in (*COMPLETED, "rollers_protected"):
         return "failed"
     if limits:

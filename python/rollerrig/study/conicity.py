@@ -18,7 +18,7 @@ from rollerrig.contact_analysis import conicity_table, pair_case, shift_table
 from rollerrig.plot.contact import characteristics_figure
 from rollerrig.study.frame import Study, dataset_rows
 from rollerrig.study.jobs import Done, Round, job
-from rollerrig.study.quantities import Numbers, Quantities
+from rollerrig.study.quantities import Numbers
 from rollerrig.study.report import Block, Picture, Section, Table, Text
 
 REFERENCE_AMPLITUDE = 3e-3
@@ -36,8 +36,6 @@ ROLLERS = (
     "radius difference includes the rollers' radii, Δr - (r0/R0) ΔR, and the wavelength is measured along the rollers' surface. "
     "The contribution of the rollers to the conicity stands beside that of the wheels."
 )
-QUANTITIES = Quantities("conicity")
-
 PARTS = {"of_wheels": "of the wheels", "of_rollers": "of the rollers", "conicity": "together"}
 SIDE_COLUMNS = {
     "rolling_radius": ("mm", 1e3),
@@ -82,7 +80,6 @@ class ConicityStudy(Study[Characteristics]):
     lengths: Mapping[str, float] = field(default_factory=dict)
 
     command = "conicity"
-    quantities = QUANTITIES
     writes = ("shift.csv", "conicity.csv")
     formats = ("svg", "png")
     resumable = False

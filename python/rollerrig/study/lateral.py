@@ -35,7 +35,7 @@ from rollerrig.plot import adhesion as figures
 from rollerrig.results import COMPLETED
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Progress, Round, job, whole_run
-from rollerrig.study.quantities import Numbers, Quantities
+from rollerrig.study.quantities import Numbers
 from rollerrig.study.report import VIEW, Block, Picture, Section, Text
 from rollerrig.study.runs.adhesion import track_case
 from rollerrig.study.variants import means, start_jobs, started
@@ -107,8 +107,6 @@ REPEATED = ("rig", "rig_rigid")
 
 CHAOTIC = ("tracking_rms", "real_sliding_largest_mps", "amplitude_before_mm", "amplitude_in_slide_mm")
 """Quantities of a run that the smallest change moves."""
-
-QUANTITIES = Quantities("lateral")
 
 
 def run_measured(case: Case, slide: float, progress: Progress | None = None) -> dict[str, Any]:
@@ -229,7 +227,6 @@ class LateralStudy(Study[Found]):
 
     command = "lateral"
     heading = "{case.name}: lateral motion during a slide"
-    quantities = QUANTITIES
     writes = ("*.nc", VIEW)
 
     def __post_init__(self) -> None:
@@ -295,7 +292,7 @@ class LateralStudy(Study[Found]):
 
     def numbers(self, results: Found) -> dict[str, Any]:
         begin = _slide(results.runs)
-        names = [q.name for q in QUANTITIES.below("guidance.*")]
+        names = [q.name for q in self.quantities.below("guidance.*")]
         left = {key: self.guidance_of(results.runs[key]) for key in GUIDED if key in results.runs}
         runs = {key: run_numbers(run, begin) for key, run in results.runs.items()}
         return {
@@ -328,10 +325,10 @@ class LateralStudy(Study[Found]):
 
     def sections(self, results: Found, numbers: Numbers) -> list[Section]:
         shown = {LABELS[key]: run for key, run in numbers["runs"].items()}
-        table = QUANTITIES.list_table(shown, "runs.*")
+        table = self.quantities.list_table(shown, "runs.*")
         again = {LABELS[key]: one for key, one in numbers["ensemble"].items()}
         caption = f"mean of {MEMBERS} runs whose disturbances differ by 10⁻⁹, and its standard error"
-        repeated = [QUANTITIES.list_table(again, "ensemble.*", caption)] if again else []
+        repeated = [self.quantities.list_table(again, "ensemble.*", caption)] if again else []
         sections = [Section("Numbers", [table, *repeated])]
         sections += [Section(title, [Picture(*picture)]) for title, *picture in _pictures(results.runs)]
         return [*sections, Section("Lateral guidance of a sliding wheel", self._guidance_blocks(results, numbers))]
@@ -352,7 +349,7 @@ class LateralStudy(Study[Found]):
                     f"{LABELS[key]}: axles whose wheels slide faster than 1 m/s, each sample.")
             for key, one in found.items() if one is not None
         ]  # fmt: skip
-        return [Text(text), QUANTITIES.table(entries, "guidance.*", head="run"), *pictures]
+        return [Text(text), self.quantities.table(entries, "guidance.*", head="run"), *pictures]
 
 
 def _slide(results: Mapping[str, xr.Dataset]) -> float:

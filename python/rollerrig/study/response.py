@@ -20,7 +20,7 @@ from rollerrig.config import Case, ConfigError, ConfigProblem
 from rollerrig.plot.control import bode_figure, nyquist_figure, poles_and_zeros_figure
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Progress, Round, job
-from rollerrig.study.quantities import Numbers, Quantities
+from rollerrig.study.quantities import Numbers
 from rollerrig.study.report import Block, Picture, Section, Table, Text
 
 Rows = list[list[object]]
@@ -80,7 +80,6 @@ def pole_rows(results: Mapping[str, AtSpeed]) -> Rows:
     return rows
 
 
-QUANTITIES = Quantities("response")
 POLES = "poles (crosses) and zeros (circles) by growth rate and frequency."
 
 
@@ -104,7 +103,6 @@ class ResponseStudy(Study[dict[str, AtSpeed]]):
         "The controllers are outside; a delay of their commands is in the response of a case with samples.",
     )
     heading = "Frequency response: {case.name}"
-    quantities = QUANTITIES
     writes = ("response.csv", "poles.csv", "linear_*_kmh.mat")
     formats = ("svg",)
     resumable = False
@@ -209,7 +207,7 @@ class ResponseStudy(Study[dict[str, AtSpeed]]):
             zeros = {label: found.system.zeros(i, k) for label, found in results.items()}
             blocks: list[Block] = [
                 Picture(f"bode_{number}", bode_figure(lines, points, unit), f"{name}: magnitude and phase."),
-                QUANTITIES.table(numbers["channels"][name], "channels.*.*", "Bandwidth and margins.", "at"),
+                self.quantities.table(numbers["channels"][name], "channels.*.*", "Bandwidth and margins.", "at"),
                 Picture(f"nyquist_{number}", nyquist_figure(lines, unit), f"{name} in the complex plane."),
                 Picture(f"poles_{number}", poles_and_zeros_figure(poles, zeros), f"{name}: {POLES}"),
             ]

@@ -26,7 +26,7 @@ from rollerrig.plot import sweep as figures
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Job, Progress, Round
 from rollerrig.study.measures import MEASURES
-from rollerrig.study.quantities import Numbers, Quantities
+from rollerrig.study.quantities import Numbers
 from rollerrig.study.report import Block, Picture, Section, Table, Text
 from rollerrig.study.runs.sweep import (
     FAILED,
@@ -80,8 +80,6 @@ MOST = 1_000_000
 Compute = Callable[[Case], Mapping[str, float]]
 """A measure of the user's own: a case -> numbers by name."""
 
-QUANTITIES = Quantities("sweep")
-
 
 @dataclass(frozen=True)
 class Sweep:
@@ -104,7 +102,6 @@ class SweepStudy(Study[Sweep]):
     _seen: dict[str, float] = field(default_factory=dict, compare=False, repr=False)
 
     command = "sweep"
-    quantities = QUANTITIES
     writes = ("sweep.nc", "sweep.csv", "plan.toml")
     keeps_jobs = True
     irrelevant = ("description", "plan.name", "plan.description")
