@@ -46,41 +46,21 @@ if TYPE_CHECKING:
     from rollerrig.analysis.wheel_rail_forces import statistics as statistics
     from rollerrig.analysis.wheel_rail_forces import wheel_forces as wheel_forces
 
-_HOME = {
-    "Assessment": "assessment",
-    "CriticalSpeedByDisturbance": "critical_speed",
-    "Crossing": "mode_table",
-    "CyclePoint": "limit_cycle",
-    "Diagram": "limit_cycle",
-    "HuntingRun": "hunting",
-    "HuntingSettings": "hunting",
-    "LimitCycleSettings": "limit_cycle_runs",
-    "LinearCriticalSpeed": "critical_speed",
-    "Linearisation": "modes",
-    "Lineariser": "modes",
-    "RampSettings": "ramp",
-    "Row": "assessment",
-    "accelerations": "assessment",
-    "assess": "assessment",
-    "end_of_hunting": "ramp",
-    "filtered": "wheel_rail_forces",
-    "final_motion": "signals",
-    "growth_rate": "signals",
-    "half_waves": "signals",
-    "hunting_run": "hunting",
-    "hunting_table": "hunting",
-    "limit_cycle_table": "limit_cycle_runs",
-    "linear_critical_speed": "critical_speed",
-    "prudhomme_limit": "wheel_rail_forces",
-    "ramp_run": "ramp",
-    "stability": "mode_table",
-    "statistics": "wheel_rail_forces",
-    "table": "assessment",
-    "weighted_rms": "assessment",
-    "wheel_forces": "wheel_rail_forces",
-    "zero_crossings": "mode_table",
+_NAMES = {
+    "assessment": "Assessment Row accelerations assess table weighted_rms",
+    "critical_speed": "CriticalSpeedByDisturbance LinearCriticalSpeed linear_critical_speed",
+    "hunting": "HuntingRun HuntingSettings hunting_run hunting_table",
+    "limit_cycle": "CyclePoint Diagram",
+    "limit_cycle_runs": "LimitCycleSettings limit_cycle_table",
+    "mode_table": "Crossing stability zero_crossings",
+    "modes": "Linearisation Lineariser",
+    "ramp": "RampSettings end_of_hunting ramp_run",
+    "signals": "final_motion growth_rate half_waves",
+    "wheel_rail_forces": "filtered prudhomme_limit statistics wheel_forces",
 }
-"""Public name -> module that defines it."""
+"""Module -> public names that it defines."""
+
+_HOME = {name: module for module, names in _NAMES.items() for name in names.split()}
 
 __all__ = [*_HOME]
 

@@ -22,7 +22,6 @@ from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from rollerrig.analysis.signals import band_pass, low_pass, sampling_rate
 from rollerrig.analysis.wheel_rail_forces import (
@@ -37,10 +36,9 @@ from rollerrig.analysis.wheel_rail_forces import (
     track_sections,
     wheel_forces,
 )
+from rollerrig.common.arrays import Array, Complex
 from rollerrig.results.run_info import RunInfo
 from rollerrig.results.summary import resolved
-
-Rows = NDArray[np.float64]
 
 DIRECTIONS = ("lateral", "vertical")
 
@@ -99,7 +97,7 @@ def accelerations(run: xr.Dataset, *, floor_height: float | None = None) -> xr.D
     )
 
 
-def _at_point(motion: xr.Dataset, arm: Rows, gravity: float) -> Rows:
+def _at_point(motion: xr.Dataset, arm: Array, gravity: float) -> Array:
     """Specific force, lateral and vertical, less that of gravity, at a point fixed to a body (R4), shape (time, 2) [m/s^2]."""
     turn, spin_up = (
         np.stack([motion[f"inertial_{axis}_{kind}"] for axis in ("roll", "pitch", "yaw")], axis=1)
@@ -111,13 +109,9 @@ def _at_point(motion: xr.Dataset, arm: Rows, gravity: float) -> Rows:
 
 
 def ride(points: xr.Dataset) -> xr.Dataset:
-    """The accelerations in the bands of EN 14363: frames below 10 Hz, the car body from 0.4 to 10 Hz.
+    """What `accelerations` returns in the bands of EN 14363: frames below 10 Hz, the car body from 0.4 to 10 Hz.
 
-    Args:
-        points: what `accelerations` returns.
-
-    Returns:
-        The same, with what was done to each point as the coordinate `filter`.
+    What was done to each point is the coordinate `filter`.
 
     Raises:
         ValueError: the run's output_step is too coarse, or the run too short.
@@ -133,20 +127,15 @@ def ride(points: xr.Dataset) -> xr.Dataset:
     return points.assign(acceleration=out).assign_coords(filter=("point", bands))
 
 
-def weight(frequency: Rows, direction: str) -> Rows:
-    """How strongly people feel an acceleration of a frequency: |W_d| of lateral, |W_b| of vertical ones, EN 12299.
-
-    Args:
-        frequency: [Hz], any shape.
-        direction: "lateral" or "vertical".
-    """
+def weight(frequency: Array, direction: str) -> Array:
+    """How strongly people feel an acceleration of a frequency [Hz]: |W_d| of lateral, |W_b| of vertical ones, EN 12299."""
     s = 2j * np.pi * np.asarray(frequency, dtype=np.float64)
 
-    def second_order(corner: float, quality: float) -> NDArray[np.complex128]:
+    def second_order(corner: float, quality: float) -> Complex:
         w = 2 * np.pi * corner
         return np.asarray(s * s + s * w / quality + w * w)
 
-    def transition(zero: float, pole: float) -> NDArray[np.complex128]:
+    def transition(zero: float, pole: float) -> Complex:
         return np.asarray((1 + s / (2 * np.pi * zero)) * (2 * np.pi * pole) ** 2 / second_order(pole, 0.63))
 
     band = s * s / second_order(0.4, 0.5**0.5) * (200 * np.pi) ** 2 / second_order(100.0, 0.5**0.5)
@@ -157,13 +146,7 @@ def weight(frequency: Rows, direction: str) -> Rows:
 
 
 def weighted_rms(points: xr.Dataset) -> xr.DataArray:
-    """Root mean square of the weighted accelerations (W_d lateral, W_b vertical), the run taken as periodic.
-
-    Args:
-        points: what `accelerations` returns, unfiltered.
-
-    Returns:
-        Over point and direction [m/s^2].
+    """RMS over point and direction of the weighted, unfiltered accelerations (W_d, W_b), the run taken as periodic [m/s^2].
 
     Raises:
         ValueError: the run's output_step is too coarse, or the run too short.
@@ -171,7 +154,7 @@ def weighted_rms(points: xr.Dataset) -> xr.DataArray:
     values = points["acceleration"].transpose("time", "point", "direction")
     count, time = values.sizes["time"], points["time"].to_numpy()
     rate = min(sampling_rate(time, cutoff) for cutoff in RIDE_BAND)
-    frequency: Rows = np.asarray(np.fft.rfftfreq(count, 1.0 / rate), dtype=np.float64)
+    frequency: Array = np.asarray(np.fft.rfftfreq(count, 1.0 / rate), dtype=np.float64)
     spectrum = np.abs(np.fft.rfft(values.to_numpy(), axis=0)) / count
     spectrum *= np.stack([weight(frequency, d) for d in DIRECTIONS], axis=1)[:, None, :]
     folded = np.where((frequency == 0) | (2 * np.arange(len(frequency)) == count), 1.0, 2.0)  # Parseval, half the lines
@@ -248,11 +231,7 @@ class Row:
 
 
 def assess(run: xr.Dataset) -> Assessment:
-    """Read a run off, filtered as EN 14363 does where the run's output_step and length allow.
-
-    Args:
-        run: results of `simulate` or `load_run`.
-    """
+    """Read a run off, filtered as EN 14363 does where the run's output_step and length allow."""
     notes: list[str] = []
     read, unfiltered = wheel_forces(run), accelerations(run)
     points, assessed, weighted = unfiltered, at_output_times(read), None

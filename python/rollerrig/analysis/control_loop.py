@@ -14,14 +14,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from rollerrig import _core
+from rollerrig.analysis.linear_system import Margins, margins_of
 from rollerrig.analysis.mode_names import HUNTING_SHARE, wheelset_lateral_share
 from rollerrig.analysis.modes import Lineariser, eigensystem, energy_shares, oscillates
 from rollerrig.assembly.actuators import assemble_with_actuators
 from rollerrig.assembly.laws import angular
 from rollerrig.cases import wheelsets, without_actuators
+from rollerrig.common.arrays import Array, Complex
 from rollerrig.config import Case, Rig
 from rollerrig.config.schema.rig_control import (
     BandwidthEstimator,
@@ -73,12 +74,9 @@ class ContactState:
 
 @dataclass(frozen=True)
 class RollingState:
-    """Steady rolling of a case at one speed.
+    """Steady rolling at one speed [m/s]: every signal of the wheels, as of a run without time.
 
-    Attributes:
-        speed: [m/s].
-        wheels: every recorded signal, as of a run, without time.
-        creep_stiffness: per wheel the sum of f11 over its patches, Kalker's linear theory [N].
+    Creep stiffness: per wheel the sum of f11 over its patches, Kalker's linear theory [N].
     """
 
     speed: float
@@ -139,8 +137,6 @@ def slow_wavelength(lineariser: Lineariser, speed: float = SLOW) -> float:
         return math.nan
     return 2 * math.pi * speed / float(weaving[np.argmax(weaving.real)].imag)
 
-
-Array = NDArray[np.float64]
 
 ESTIMATORS = ("observer", "filtered_derivative", "kalman")
 """Kinds of estimator that the linear loop has equations for."""
@@ -299,24 +295,7 @@ def _virtual_creep_share(case: Case) -> float:
     return _core.mean_reduction(rail.k_A, rail.k_S) if rail is not None else 1.0
 
 
-@dataclass(frozen=True)
-class Margins:
-    """How far the feedback loop is from instability.
-
-    Attributes:
-        crossover: where its gain is 1 [rad/s]; NaN if nowhere.
-        phase: phase margin there [rad].
-        turnover: where its phase passes -180 degrees on the way down [rad/s]; NaN if nowhere.
-        gain: gain margin there, a factor.
-    """
-
-    crossover: float
-    phase: float
-    turnover: float
-    gain: float
-
-
-def open_loop(loop: Loop, frequency: Array) -> NDArray[np.complex128]:
+def open_loop(loop: Loop, frequency: Array) -> Complex:
     """Frequency response of the feedback's open loop, (Q1), over angular frequency [rad/s]."""
     s = 1j * np.asarray(frequency)
     wheel, w = loop.real, loop.drive_bandwidth
@@ -332,25 +311,4 @@ def open_loop(loop: Loop, frequency: Array) -> NDArray[np.complex128]:
 def margins(loop: Loop) -> Margins:
     """Gain and phase margin of the feedback loop of one axle alone."""
     frequency = np.geomspace(1e-3, math.pi / loop.step, 4000)
-    response = open_loop(loop, frequency)
-    size, angle = np.log(np.abs(response) + 1e-300), np.unwrap(np.angle(response))
-    angle -= (
-        2.0 * math.pi * np.round((angle[0] + 0.5 * math.pi) / (2.0 * math.pi) - 0.25)
-    )  # starts at -180 or -90 degrees
-    crossover = _first_fall(frequency, size)
-    phase = float(np.interp(math.log(crossover), np.log(frequency), angle)) + math.pi if crossover else math.nan
-    above = angle + math.pi
-    start = int(np.argmax(above > 1e-3)) if (above > 1e-3).any() else len(above)
-    turnover = _first_fall(frequency[start:], above[start:])
-    gain = math.exp(-float(np.interp(math.log(turnover), np.log(frequency), size))) if turnover else math.nan
-    return Margins(crossover or math.nan, phase, turnover or math.nan, gain)
-
-
-def _first_fall(frequency: Array, values: Array) -> float | None:
-    """Where values first fall through zero, linear in the logarithm of the frequency."""
-    down = np.flatnonzero((values[:-1] > 0.0) & (values[1:] <= 0.0))
-    if not down.size:
-        return None
-    k = int(down[0])
-    part = values[k] / (values[k] - values[k + 1])
-    return float(frequency[k] * (frequency[k + 1] / frequency[k]) ** part)
+    return margins_of(frequency / (2.0 * math.pi), open_loop(loop, frequency))

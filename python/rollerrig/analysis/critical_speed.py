@@ -23,7 +23,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -76,13 +76,11 @@ class LinearCriticalSpeed:
 
     Attributes:
         onset: the lowest speed above which an oscillation grows; None if there is none in the range.
-        crossings: all crossings of zero growth, by speed.
         grows_at_start: names of the modes that grow already at the lowest speed.
         problem: why nothing could be computed; '' if it could.
     """
 
     onset: Crossing | None = None
-    crossings: list[Crossing] = field(default_factory=list)
     grows_at_start: tuple[str, ...] = ()
     problem: str = ""
 
@@ -125,8 +123,7 @@ def scan_linear(job: tuple[Case, Sequence[float]], progress: Progress | None = N
         return LinearCriticalSpeed(problem=str(problem))
     if modes.followed.interrupted:
         raise KeyboardInterrupt
-    crossings = zero_crossings(modes)
-    return LinearCriticalSpeed(first_onset(crossings), crossings, growing_at_start(modes))
+    return LinearCriticalSpeed(first_onset(zero_crossings(modes)), growing_at_start(modes))
 
 
 def scan_above(case: Case, above_kmh: float, progress: Progress | None = None) -> LinearCriticalSpeed:
@@ -248,11 +245,7 @@ class CriticalSpeedOverRadius:
 
 @dataclass(frozen=True)
 class EffectSplit:
-    """Linear critical speeds on a rig with some of the roller's effects switched off.
-
-    Attributes:
-        found: effects that are on -> what was found.
-    """
+    """Linear critical speeds on a rig with some of the roller's effects switched off, by those that are on."""
 
     found: Mapping[On, LinearCriticalSpeed]
 

@@ -15,19 +15,17 @@ from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from rollerrig import _core
 from rollerrig.analysis.wheel_rail_forces import wheel_forces
 from rollerrig.assembly.model import AssembledModel, assemble
 from rollerrig.cases import as_case, at_speed, on_track, without_actuators
+from rollerrig.common.arrays import Array
 from rollerrig.common.linear_algebra import eigenvalues
 from rollerrig.config import Case, ConfigError, Rig
 from rollerrig.config.schema.track import Curve
 from rollerrig.results import Outcome, run_dataset, variable
 from rollerrig.simulation.starting_state import StartError
-
-Vector = NDArray[np.float64]
 
 GRID = ("radius", "cant_deficiency")
 RADII = (1000.0, 500.0, 300.0, 250.0, 150.0)
@@ -48,9 +46,9 @@ LIFTING, CLIMBING = 0.1, 0.9
 class SteadyState(NamedTuple):
     """A state in balance, and where: at a curvature [1/m], cant [m] and speed [m/s], on a model in an endless curve."""
 
-    at: Vector
+    at: Array
     model: AssembledModel
-    state: Vector
+    state: Array
 
 
 def curving_case(case: Case) -> Case:
@@ -93,7 +91,7 @@ def recorded(states: Sequence[SteadyState]) -> xr.Dataset:
     return run_dataset(states[0].model, np.arange(float(len(states))), np.array(rows), outcome)
 
 
-def solve(case: Case, at: Vector, direction: str, near: SteadyState | None = None) -> SteadyState | float:
+def solve(case: Case, at: Array, direction: str, near: SteadyState | None = None) -> SteadyState | float:
     """The steady state near another one, or as the core finds it; what remains unbalanced where there is none [N, N m]."""
     radius = 1.0 / max(at[0], STRAIGHT)
     curve = {"kind": "curve", "length": 1.0, "radius": float(radius), "cant": float(at[1]), "direction": direction}
@@ -108,11 +106,10 @@ def solve(case: Case, at: Vector, direction: str, near: SteadyState | None = Non
     return SteadyState(at, model, np.asarray(found["x"])) if found["converged"] else float(found["residual"])
 
 
-def follow(case: Case, begin: SteadyState, end: Vector, direction: str) -> tuple[SteadyState, str]:
+def follow(case: Case, begin: SteadyState, end: Array, direction: str) -> tuple[SteadyState, str]:
     """Continuation with steps that are halved where Newton's method fails, and doubled after they succeed.
 
-    Returns:
-        The last steady state on the way, and why it is not that of the end; "": it is.
+    The last steady state on the way, and why it is not that of the end; "": it is.
     """
     last, done, step = begin, 0.0, 1.0
     while done < 1.0:

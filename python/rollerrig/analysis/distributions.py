@@ -9,11 +9,9 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rollerrig.common.arrays import Array
 from rollerrig.config.schema.units import Quantity
-
-Array = NDArray[np.float64]
 
 LEAST_MASS = 1e-9
 """Least share of the part of a distribution that is between its ends."""

@@ -49,11 +49,7 @@ class Lags:
 
 
 def lags(model: AssembledModel) -> Lags:
-    """Lags that are left with the compensation of the case.
-
-    Args:
-        model: of a case with [rig_control].
-    """
+    """Lags that are left with the compensation of a case with [rig_control]."""
     control = model.case.rig_control
     assert control is not None
     torque, command = control.axle_torque, control.drive_command
@@ -95,10 +91,7 @@ class DeadTime:
 
 
 def predicted_dead_time(case: Case) -> DeadTime | None:
-    """The equivalent dead time of a rig; None for a user's controller, of which nothing is known.
-
-    Args:
-        case: of a rig with [rig_control].
+    """The equivalent dead time of a rig with [rig_control]; None for a user's controller, of which nothing is known.
 
     Raises:
         StartError: the vehicle has no equilibrium.

@@ -246,14 +246,10 @@ class LateralRest:
 
 
 def lateral_rest(run: xr.Dataset) -> LateralRest | None:
-    """What is left of the sideways motion.
+    """What is left of the sideways motion of a run; None where that is not to be said.
 
-    Args:
-        run: of `simulate`.
-
-    Returns:
-        None where that is not to be said: the run did not come to its end, something else than the start disturbs the vehicle,
-        it was at rest all the time, or it ended within two half-waves.
+    It did not come to its end, something else than the start disturbs the vehicle, it was at rest all the time, or it ended
+    within two half-waves.
     """
     info, speed = RunInfo.of(run), run["speed"].to_numpy()
     if run.attrs["status"] != "ok" or len(speed) < 4 or info.actuators or curved(run) or irregular(run):

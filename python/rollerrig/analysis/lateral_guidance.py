@@ -13,14 +13,12 @@ from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from rollerrig import _core
 from rollerrig.analysis.signals import half_waves
 from rollerrig.analysis.slide_statistics import slip, under_test, virtual_slip
+from rollerrig.common.arrays import Array
 from rollerrig.config import Case
-
-Array = NDArray[np.float64]
 
 SLIDES = 0.02
 """Slip from which on an axle counts as sliding: friction is used up long before, at some 0.5 %."""
@@ -107,14 +105,9 @@ class Guidance:
 
 
 def guidance(run: xr.Dataset, f22: float) -> Guidance | None:
-    """Lateral creep of the axles while they slide fully along the track.
+    """Lateral creep of the axles while they slide fully along the track, as on track; f22 of a wheel [N].
 
-    Args:
-        run: with wheels that really slide, as on track.
-        f22: of a wheel [N].
-
-    Returns:
-        What was found; None where no axle slid, or none moved sideways.
+    None where no axle slid, or none moved sideways.
     """
     run = under_test(run)
     axles = (run.sizes["time"], run.sizes["axle"], 2)  # wheels stand left and right of each axle, in order

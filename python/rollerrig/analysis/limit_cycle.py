@@ -19,9 +19,9 @@ from dataclasses import dataclass, field
 from typing import Generic, Literal, Protocol, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rollerrig.analysis.signals import final_motion
+from rollerrig.common.arrays import Array
 
 State = TypeVar("State")
 
@@ -82,11 +82,7 @@ class Settle(Protocol[State]):
     """A run at one speed until it has settled."""
 
     def __call__(self, speed: float, state: State | None) -> tuple[CyclePoint, State | None]:
-        """Run at a speed [m/s].
-
-        Args:
-            speed: the speed.
-            state: where the run before ended in a limit cycle; None: from the steady state, disturbed.
+        """Run at a speed [m/s] from a limit cycle; None: from the steady state, disturbed.
 
         Returns:
             What it ends in, and the state there; None at rest or where the run did not come to its end.
@@ -102,13 +98,9 @@ class NotMadeError(Exception):
 
 @dataclass
 class Branch(Generic[State]):
-    """Points in the order in which they were computed.
+    """Points of a sweep in the order in which they were computed: at the speeds asked for, and of the halving (`refined`).
 
-    Attributes:
-        sweep: 'up' or 'down'.
-        points: at the speeds asked for.
-        refined: further points, of the halving.
-        interrupted: whether a run that belongs to it was not made.
+    It is interrupted where a run that belongs to it was not made.
     """
 
     sweep: Literal["up", "down"]
@@ -124,13 +116,9 @@ def trace(
     *,
     tolerance: float | None = None,
 ) -> Branch[State]:
-    """Step through speeds and carry the state over.
+    """Step through speeds [m/s], given in any order, and carry the state over.
 
-    Args:
-        settle: one run.
-        sweep: up or down.
-        speeds: in any order [m/s].
-        tolerance: to which the speed is found where the limit cycle ends [m/s]; None: not looked for.
+    With a tolerance [m/s], the speed at which the limit cycle ends is found to it.
     """
     branch: Branch[State] = Branch(sweep)
     ordered = sorted(speeds, reverse=sweep == "down")
@@ -248,14 +236,7 @@ def _alike(one: CyclePoint, other: CyclePoint) -> bool:
 
 
 def diagram(up: Branch[State] | None, down: Branch[State] | None, linear: float, tolerance: float) -> Diagram:
-    """Put the two sweeps together.
-
-    Args:
-        up: the upward sweep; None if it was not computed.
-        down: the downward sweep.
-        linear: linear critical speed [m/s]; NaN if there is none.
-        tolerance: of the halving [m/s].
-    """
+    """Put the two sweeps together, with the linear critical speed (NaN: none) and the tolerance of the halving [m/s]."""
 
     def ordered(branch: Branch[State] | None) -> list[CyclePoint]:
         return [] if branch is None else sorted([*branch.points, *branch.refined], key=lambda p: p.speed)
@@ -279,16 +260,11 @@ fall that the last one must have."""
 
 
 def decide(amplitudes: Sequence[float], window: float, *, ended: bool = False) -> Decision:
-    """Whether an oscillation persists or decays: the one rule, of every study.
+    """Whether an oscillation persists or decays, by its amplitudes [m], one per window [s]: the one rule, of every study.
 
     It persists where its amplitudes have come to stay. It decays where they are below LEAST_AMPLITUDE and fall, or where they
     fall without slowing down: a motion that falls ever more slowly may come to a limit cycle or linger beside the place of
-    one before it decays, and is open. A motion that grows is open until its time is over, then it persists.
-
-    Args:
-        amplitudes: one per window of time [m].
-        window: its length [s].
-        ended: whether no more of them will come.
+    one before it decays, and is open. A motion that grows is open until its time is over (`ended`), then it persists.
     """
     last = np.asarray(amplitudes[-4:])
     if not len(last):
@@ -307,12 +283,7 @@ def decide(amplitudes: Sequence[float], window: float, *, ended: bool = False) -
 
 
 def is_settled(amplitudes: Sequence[float], window: float) -> bool:
-    """Whether the amplitudes of successive windows of time have come to stay.
-
-    Args:
-        amplitudes: one per window [m], positive.
-        window: its length [s].
-    """
+    """Whether the positive amplitudes of successive windows of time [m], [s] have come to stay."""
     last = np.asarray(amplitudes[-WINDOWS:])
     if len(last) == WINDOWS and float(np.ptp(last)) <= SETTLED * float(last.max()):
         return True
@@ -325,13 +296,10 @@ def is_settled(amplitudes: Sequence[float], window: float) -> bool:
     return abs(slope) < TREND and abs(slope) * window * len(many) < scatter
 
 
-def decide_motion(time: NDArray[np.float64], signal: NDArray[np.float64], *, ended: bool = False) -> Decision:
-    """The same of a signal, in windows of WAVES waves from its end on, by the range of its spline in each.
+def decide_motion(time: Array, signal: Array, *, ended: bool = False) -> Decision:
+    """The same of a lateral displacement [m] over rising times [s], in windows of WAVES waves from its end on.
 
-    Args:
-        time: rising times [s].
-        signal: lateral displacement, shape of `time` [m].
-        ended: whether no more of it will come.
+    An amplitude is half the range of the signal's spline in its window.
     """
     from scipy.interpolate import CubicSpline  # slow to load, and seldom needed
 

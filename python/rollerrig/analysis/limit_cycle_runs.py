@@ -10,20 +10,19 @@ from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from rollerrig import _core
 from rollerrig.analysis.hunting import NOT_DECIDED, HuntingSettings, hunting_case, not_decided
 from rollerrig.analysis.limit_cycle import CyclePoint, Decision, Diagram, decide
 from rollerrig.analysis.signals import half_waves
 from rollerrig.assembly.model import AssembledModel, assemble
+from rollerrig.common.arrays import Array
 from rollerrig.config import Case
 from rollerrig.results import Outcome, run_dataset, variable
 from rollerrig.simulation.run import Progress, begin, march, outcome
 from rollerrig.simulation.starting_state import starting_state
 
-Vector = NDArray[np.float64]
-LastState = tuple[float, Vector]
+LastState = tuple[float, Array]
 """Speed [m/s] and state in which a run ended."""
 
 PITCH = 4
@@ -64,10 +63,10 @@ def settling_run(
     state: LastState | None,
     progress: Progress | None = None,
 ) -> tuple[CyclePoint, LastState | None]:
-    """Run a case at a speed until it has settled.
+    """Run a case, speed-controlled at a speed [m/s], until it has settled.
 
     Args:
-        case: the case; rollers or rails are speed-controlled.
+        case: what runs.
         settings: how the run is done.
         offset: lateral, of the leading wheelset, where it starts from the steady state [m].
         speed: running speed [m/s].
@@ -97,7 +96,7 @@ def settling_run(
     return point, (speed, simulation.state) if point.amplitude > 0.0 and point.status == "ok" else None
 
 
-def at_other_speed(simulation: _core.Simulation, model: AssembledModel, state: LastState, speed: float) -> Vector:
+def at_other_speed(simulation: _core.Simulation, model: AssembledModel, state: LastState, speed: float) -> Array:
     """A state at another speed [m/s]: wheelsets and rollers turn in proportion, all else stays as it is."""
     before, values = state
     changed = np.array(values)

@@ -19,11 +19,12 @@ import numpy as np
 import xarray as xr
 
 from rollerrig import _core
-from rollerrig.analysis.linear_system import LinearSystem, Matrix
+from rollerrig.analysis.linear_system import LinearSystem
 from rollerrig.assembly.actuators import assemble_with_actuators
 from rollerrig.assembly.laws import angular
 from rollerrig.assembly.model import AssembledModel, assemble
 from rollerrig.cases import as_case, at_speed, wheelsets
+from rollerrig.common.arrays import Array
 from rollerrig.config import Case, ConfigError, ConfigProblem, Motor
 from rollerrig.config.errors import nearest
 from rollerrig.simulation.starting_state import StartError, starting_state
@@ -45,8 +46,8 @@ class Signal:
 
     name: str
     unit: str
-    row: Matrix
-    through: Matrix
+    row: Array
+    through: Array
 
 
 @dataclass(frozen=True)
@@ -67,13 +68,9 @@ class Lag:
 
 
 def steady_case(case: Case, speed: float | None = None) -> Case:
-    """The case rolling steadily: nothing disturbs it, nothing is demanded; its drives and controllers stay.
+    """The case rolling steadily at a speed [m/s], by default its own: nothing disturbs it, nothing is demanded.
 
-    Wheelsets that no torque acts on get one of zero, so that there is an input.
-
-    Args:
-        case: the case.
-        speed: running speed [m/s]; None: that of the case.
+    Its drives and controllers stay. Wheelsets that no torque acts on get one of zero, so that there is an input.
 
     Raises:
         ConfigError: the case cannot be run at this speed.
@@ -340,7 +337,7 @@ def _lag(column: int, motor: Motor, steps: int) -> Lag:
     return Lag(column, angular(motor.bandwidth), motor.damping_ratio, steps)
 
 
-def _torque_loop(lag: Lag) -> tuple[Matrix, Matrix]:
+def _torque_loop(lag: Lag) -> tuple[Array, Array]:
     """The linear torque loop of a drive, `Motor::rates` of the core without its limits: of torque (and rate), by its command."""
     w = lag.bandwidth
     if lag.damping > 0.0:

@@ -16,14 +16,12 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.linalg import block_diag, expm
 from scipy.linalg import eigvals as generalised_eigenvalues
 
+from rollerrig.common.arrays import Array, Complex
 from rollerrig.common.linear_algebra import one_blas_thread
 from rollerrig.results import mat_bytes
 
 if TYPE_CHECKING:
     import control
-
-Matrix = NDArray[np.float64]
-Complex = NDArray[np.complex128]
 
 
 @dataclass(frozen=True)
@@ -59,10 +57,10 @@ class LinearSystem:
     name: str
     speed: float
     step: float
-    a: Matrix
-    b: Matrix
-    c: Matrix
-    d: Matrix
+    a: Array
+    b: Array
+    c: Array
+    d: Array
     states: tuple[str, ...]
     inputs: tuple[str, ...]
     outputs: tuple[str, ...]
@@ -190,7 +188,7 @@ class LinearSystem:
         return mat_bytes(content)
 
 
-def margins_of(frequencies: Matrix, loop: Complex) -> Margins:
+def margins_of(frequencies: Array, loop: Complex) -> Margins:
     """Margins of a loop given at ascending frequencies, by straight lines between them: the smallest of each kind.
 
     Args:
@@ -213,11 +211,11 @@ def margins_of(frequencies: Matrix, loop: Complex) -> Margins:
     return Margins(gain, gain_frequency, least, least_frequency)
 
 
-def _crossings(values: Matrix) -> list[tuple[int, float]]:
+def _crossings(values: Array) -> list[tuple[int, float]]:
     """Where a sign changes: index before, and the part of the way to the next."""
     at = np.flatnonzero(np.sign(values[:-1]) * np.sign(values[1:]) < 0)
     return [(int(k), float(values[k] / (values[k] - values[k + 1]))) for k in at]
 
 
-def _between(values: Matrix, at: int, part: float) -> float:
+def _between(values: Array, at: int, part: float) -> float:
     return float(values[at] + part * (values[at + 1] - values[at]))

@@ -23,11 +23,10 @@ from rollerrig.analysis.control_loop import Loop, Wheel
 from rollerrig.analysis.modes import DIRECTIONS
 from rollerrig.assembly.model import assemble
 from rollerrig.cases import without_actuators
+from rollerrig.common.arrays import Array, Mask
 from rollerrig.common.linear_algebra import one_blas_thread
 from rollerrig.config import Case, Rig
 from rollerrig.simulation.starting_state import starting_state
-
-Array = NDArray[np.float64]
 
 NEUTRAL = 1e-6
 """Eigenvalues so near to 1 are neutral: double ones, as of an angle and its speed, are found to the root of rounding."""
@@ -311,7 +310,7 @@ def growth_of(time: Array, error: Array, begin: float) -> tuple[tuple[float, flo
     return (rate, frequency) if rate > 0.0 and frequency > ABOVE else (math.nan, math.nan), float(size[-3])
 
 
-def _last_part(flags: NDArray[np.bool_]) -> NDArray[np.intp]:
+def _last_part(flags: Mask) -> NDArray[np.intp]:
     """Indices of the last connected true values that are enough for a rate, or of the last ones."""
     at = np.flatnonzero(flags)
     parts = np.split(at, np.flatnonzero(np.diff(at) > 1) + 1)

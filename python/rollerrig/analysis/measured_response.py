@@ -10,10 +10,10 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rollerrig import _core
 from rollerrig.analysis.linear_bench import LinearBench
+from rollerrig.common.arrays import Array, Complex
 from rollerrig.common.linear_algebra import one_blas_thread
 from rollerrig.interfaces.plant import assembled_model
 from rollerrig.simulation.controllers import BRAKE_UNIT, roles_of
@@ -44,8 +44,8 @@ class MeasuredResponse:
         ended: how a run ended early, a sentence; "" where none did.
     """
 
-    frequencies: NDArray[np.float64]
-    values: NDArray[np.complex128]
+    frequencies: Array
+    values: Complex
     ended: str
 
 
@@ -107,7 +107,7 @@ def _one_sine(
     step: float,
     amplitude: float,
     bench: LinearBench,
-) -> tuple[NDArray[np.complex128], str]:
+) -> tuple[Complex, str]:
     """Response at one frequency, `count` samples in a period; and how the run ended where it did so early."""
     period, readings = count * step, 1 if plant.sampling_step else READINGS
     settled = count * max(LEAST_SETTLED, math.ceil(SETTLING / period))

@@ -13,12 +13,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
+from rollerrig.common.arrays import Array, Complex, Mask
 from rollerrig.config import Case
-
-Complex = NDArray[np.complex128]
-Matrix = NDArray[np.float64]
 
 HUNTING_SHARE = 0.2
 """Least share of the kinetic energy that a hunting mode has in the lateral motion of wheelsets, on average over speed."""
@@ -94,10 +91,10 @@ class Shapes:
     """
 
     keys: Sequence[tuple[str, str]]
-    rates: Matrix
-    shares: Matrix
+    rates: Array
+    shares: Array
     parts: Complex
-    hunting: NDArray[np.bool_]
+    hunting: Mask
 
 
 def mode_names(shapes: Shapes, who: Roles) -> list[str]:
@@ -109,26 +106,17 @@ def mode_names(shapes: Shapes, who: Roles) -> list[str]:
     return unique_names(names)
 
 
-def shape_name(keys: Sequence[tuple[str, str]], share: Matrix, parts: Complex, who: Roles) -> str:
-    """Name of one mode at one speed.
-
-    Args:
-        keys: (body, direction) of each coordinate.
-        share: of the kinetic energy, shape (coordinates,).
-        parts: displacements, shape (coordinates,).
-        who: roles of the bodies.
-    """
+def shape_name(keys: Sequence[tuple[str, str]], share: Array, parts: Complex, who: Roles) -> str:
+    """Name of one mode at one speed, from the energy share and displacement of each coordinate (body, direction)."""
     nowhere = np.zeros((1, 1), dtype=np.bool_)
     one = Shapes(keys, np.zeros((1, 1)), share[None, :, None], parts[None, :, None], nowhere)
     return mode_names(one, who)[0]
 
 
-def wheelset_lateral_share(keys: Sequence[tuple[str, str]], shares: Matrix) -> Matrix:
-    """How much of the modes' kinetic energy is lateral motion of wheelsets: large only where they run in waves.
+def wheelset_lateral_share(keys: Sequence[tuple[str, str]], shares: Array) -> Array:
+    """How much of the modes' kinetic energy, shape (..., coordinates, modes), is lateral motion of wheelsets.
 
-    Args:
-        keys: (body, direction) of each coordinate.
-        shares: shape (..., coordinates, modes).
+    Large only where they run in waves.
     """
     rows = [i for i, (body, way) in enumerate(keys) if body.startswith("wheelset") and way == "lateral"]
     return np.asarray(shares[..., rows, :].sum(axis=-2))
@@ -144,7 +132,7 @@ def unique_names(names: list[str]) -> list[str]:
     return result
 
 
-def _name(shapes: Shapes, mean: Matrix, who: Roles, mode: int) -> str:
+def _name(shapes: Shapes, mean: Array, who: Roles, mode: int) -> str:
     kinds: dict[str, float] = {}
     for (body, _), share in zip(shapes.keys, mean[:, mode], strict=True):
         kinds[who.kind(body)] = kinds.get(who.kind(body), 0.0) + share
@@ -166,7 +154,7 @@ def _name(shapes: Shapes, mean: Matrix, who: Roles, mode: int) -> str:
     return f"{kind} {word}"
 
 
-def _as_one(shapes: Shapes, mean: Matrix, who: Roles, mode: int) -> bool:
+def _as_one(shapes: Shapes, mean: Array, who: Roles, mode: int) -> bool:
     """Whether the frames go with their wheelsets along the track: the bogie moves as a whole, though wheelsets are heavier."""
     rows = [i for i, (body, way) in enumerate(shapes.keys) if way == "longitudinal" and who.kind(body) != "car body"]
     frames = [i for i in rows if shapes.keys[i][0] in who.frames]
@@ -197,7 +185,7 @@ def _row(shapes: Shapes, body: str, way: str) -> int | None:
     return next((i for i, key in enumerate(shapes.keys) if key == (body, way)), None)
 
 
-def _of_bogies(shapes: Shapes, mean: Matrix, who: Roles, mode: int, way: str, word: str) -> str:
+def _of_bogies(shapes: Shapes, mean: Array, who: Roles, mode: int, way: str, word: str) -> str:
     if len(who.frames) < 2:
         return f"bogie {word}"
     rows = [_row(shapes, frame, way) for frame in who.frames]
@@ -223,7 +211,7 @@ def _phase(front: Complex, rear: Complex) -> str:
     return "in phase" if np.sum((front * rear.conj()).real) >= 0 else "out of phase"
 
 
-def _hunting(shapes: Shapes, mean: Matrix, who: Roles) -> dict[int, str]:
+def _hunting(shapes: Shapes, mean: Array, who: Roles) -> dict[int, str]:
     """Mode -> name for the least damped modes in which wheelsets weave, one for each bogie (or one at all)."""
     lateral = wheelset_lateral_share(shapes.keys, mean) >= HUNTING_SHARE
     # in slow hunting a heavy car body that sways along has most of the energy: there the motion itself decides
@@ -234,7 +222,7 @@ def _hunting(shapes: Shapes, mean: Matrix, who: Roles) -> dict[int, str]:
     return {int(m): f"hunting, {_which_bogie(shapes, mean, who, int(m))}" for m in order[:2]}
 
 
-def _which_bogie(shapes: Shapes, mean: Matrix, who: Roles, mode: int) -> str:
+def _which_bogie(shapes: Shapes, mean: Array, who: Roles, mode: int) -> str:
     rows = [
         [
             i

@@ -17,14 +17,12 @@ from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from rollerrig import __version__
 from rollerrig.analysis.mode_names import Shapes, mode_names, roles, shape_name
 from rollerrig.analysis.modes import (
     DIRECTIONS,
     LEAST_FREQUENCY,
-    Complex,
     Followed,
     Linearisation,
     Lineariser,
@@ -37,11 +35,10 @@ from rollerrig.analysis.modes import (
     modal_assurance,
 )
 from rollerrig.cases import as_case
+from rollerrig.common.arrays import Array, Complex, Mask
 from rollerrig.config import Case
 from rollerrig.results import variable
 from rollerrig.results.run_info import describe
-
-Matrix = NDArray[np.float64]
 
 SPEEDS_KMH = tuple(float(v) for v in range(60, 301, 20))
 """Speeds of a stability analysis unless others are given [km/h]."""
@@ -75,11 +72,11 @@ class ModesOverSpeed:
     values: Complex
     keys: list[tuple[str, str]]
     shapes: Complex
-    shares: Matrix
-    hunting: NDArray[np.bool_]
+    shares: Array
+    hunting: Mask
 
     @property
-    def speeds(self) -> Matrix:
+    def speeds(self) -> Array:
         """All speeds [m/s]."""
         return self.followed.parameters
 
@@ -105,7 +102,7 @@ def modes_over_speed(
     lineariser = case if isinstance(case, Lineariser) else Lineariser(case)
     linearisations: dict[float, Linearisation] = {}
 
-    def matrix_at(speed: float) -> Matrix:
+    def matrix_at(speed: float) -> Array:
         if progress is not None and speed in wanted:
             progress(int(np.searchsorted(wanted, speed)) / len(wanted), f"{3.6 * speed:.0f} km/h")
         linearisations[speed] = lineariser.at(speed)
@@ -134,7 +131,7 @@ def _named(
     return ModesOverSpeed(lineariser, followed, asked, columns, names, values, keys, shapes, shares, hunting)
 
 
-def refined(speeds: Matrix) -> tuple[Matrix, list[int]]:
+def refined(speeds: Array) -> tuple[Array, list[int]]:
     """Speeds with further ones between them, no step longer than FINEST_STEP, and where the asked ones stand."""
     fine: list[float] = [float(speeds[0])]
     asked = [0]
@@ -154,14 +151,7 @@ LEAST_DIVERGENCE = 0.01
 
 @dataclass(frozen=True)
 class Crossing:
-    """Where an oscillation turns from damped to growing, or back.
-
-    Attributes:
-        speed: [m/s].
-        frequency: of the mode [Hz].
-        name: of the mode.
-        grows_above: True: damped below, growing above; False: the other way round.
-    """
+    """Speed [m/s] at which an oscillation, with its frequency [Hz] there, turns from damped to growing, or back."""
 
     speed: float
     frequency: float

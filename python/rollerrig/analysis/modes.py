@@ -34,11 +34,10 @@ from scipy.linalg import eig
 from rollerrig import _core
 from rollerrig.assembly.model import AssembledModel, assemble
 from rollerrig.cases import at_speed
+from rollerrig.common.arrays import Array, Complex, Mask
 from rollerrig.common.linear_algebra import one_blas_thread
 from rollerrig.config import Case
 from rollerrig.simulation.starting_state import StartError
-
-Matrix = NDArray[np.float64]
 
 DIRECTIONS = ("longitudinal", "lateral", "vertical", "roll", "pitch", "yaw")
 """Words for the six coordinates of a body, in the core's order."""
@@ -57,8 +56,8 @@ class Linearisation:
     """
 
     speed: float
-    matrix: Matrix
-    equilibrium: Matrix
+    matrix: Array
+    equilibrium: Array
     rate_rows: dict[tuple[str, str], int]
     inertia: dict[tuple[str, str], float]
 
@@ -74,7 +73,7 @@ class Lineariser:
         self.model = assemble(self.case)
         simulation = _core.Simulation(self.model.core)
         self._inertia = _inertias(self.model)
-        self._near: Matrix | None = None
+        self._near: Array | None = None
         driven = {simulation.rate_index[self.model.body_index(name)][4] for name in self.model.rollers}
         self._kept = np.array([i for i in range(simulation.state_count) if i not in driven])
         row_of = {int(state_index): row for row, state_index in enumerate(self._kept)}
@@ -90,10 +89,7 @@ class Lineariser:
         return _core.Simulation(self.model.core.with_speed([(0.0, speed)]))
 
     def at(self, speed: float) -> Linearisation:
-        """Linearise at a running speed.
-
-        Args:
-            speed: running speed [m/s].
+        """Linearise at a running speed [m/s].
 
         Raises:
             StartError: no rolling equilibrium was found at this speed.
@@ -114,11 +110,7 @@ class Lineariser:
 
 
 def linearise(case: Case, speed: float) -> Linearisation:
-    """Linearise a case at one running speed; see `Lineariser` for many.
-
-    Args:
-        case: the case; its rollers or rails are speed-controlled.
-        speed: running speed [m/s].
+    """Linearise a case at one running speed [m/s]; see `Lineariser` for many.
 
     Raises:
         StartError: no rolling equilibrium was found at this speed.
@@ -133,8 +125,6 @@ def _inertias(model: AssembledModel) -> dict[tuple[str, str], float]:
         for direction, value in zip(DIRECTIONS, (mass, mass, mass, *model.inertias[body]), strict=True)
     }
 
-
-Complex = NDArray[np.complex128]
 
 LEAST_FREQUENCY = 2 * np.pi * 0.05
 """Below this, an eigenvalue does not count as an oscillation [rad/s]."""
@@ -169,14 +159,14 @@ class Eigensystem:
 
 
 @one_blas_thread()
-def eigensystem(matrix: Matrix) -> Eigensystem:
+def eigensystem(matrix: Array) -> Eigensystem:
     """Eigenvalues, right and left eigenvectors of A."""
     solution: tuple[Complex, Complex, Complex] = eig(matrix, left=True, check_finite=False)  # type: ignore[assignment]
     values, left, right = solution
     return Eigensystem(values.astype(np.complex128), right.astype(np.complex128), left.astype(np.complex128))
 
 
-def oscillates(values: Complex) -> NDArray[np.bool_]:
+def oscillates(values: Complex) -> Mask:
     """Which eigenvalues are oscillations, one of each conjugate pair."""
     return np.asarray(values.imag > LEAST_FREQUENCY)
 
@@ -185,7 +175,7 @@ def oscillates(values: Complex) -> NDArray[np.bool_]:
 
 
 @one_blas_thread()
-def modal_assurance(one: Eigensystem, other: Eigensystem) -> Matrix:
+def modal_assurance(one: Eigensystem, other: Eigensystem) -> Array:
     """How much two modes of neighbouring matrices are the same, (L8): 1 for the same mode, 0 for another one.
 
     Left vectors of one mode are orthogonal to the right vectors of all others, however alike those may look: this tells
@@ -200,7 +190,7 @@ def modal_assurance(one: Eigensystem, other: Eigensystem) -> Matrix:
 
 
 @one_blas_thread()
-def predicted(system: Eigensystem, change: Matrix) -> Complex:
+def predicted(system: Eigensystem, change: Array) -> Complex:
     """Eigenvalues after a small change of the matrix, to first order, (L9)."""
     own = np.sum(system.left.conj() * system.vectors, axis=0)
     shift = np.sum(system.left.conj() * (change @ system.vectors), axis=0)
@@ -212,7 +202,7 @@ def predicted(system: Eigensystem, change: Matrix) -> Complex:
     return np.asarray(system.values + shift)
 
 
-def _costs(previous: Eigensystem, following: Eigensystem, change: Matrix | None) -> Matrix:
+def _costs(previous: Eigensystem, following: Eigensystem, change: Array | None) -> Array:
     ahead = previous.values if change is None else predicted(previous, change)
     back = following.values if change is None else predicted(following, -change)
     size = 1.0 + 0.5 * (np.abs(previous.values)[:, None] + np.abs(following.values)[None, :])
@@ -221,9 +211,7 @@ def _costs(previous: Eigensystem, following: Eigensystem, change: Matrix | None)
 
 
 @one_blas_thread()
-def follow(
-    previous: Eigensystem, following: Eigensystem, change: Matrix | None = None
-) -> tuple[NDArray[np.intp], bool]:
+def follow(previous: Eigensystem, following: Eigensystem, change: Array | None = None) -> tuple[NDArray[np.intp], bool]:
     """Which mode of the next matrix continues each mode of this one.
 
     The pairing with the least sum of relative distance between predicted and found eigenvalue and of 1 - `modal_assurance`.
@@ -262,7 +250,7 @@ class Followed:
         interrupted: whether Ctrl-C came before the last value; what was done until then is here.
     """
 
-    parameters: NDArray[np.float64]
+    parameters: Array
     asked: list[int]
     systems: list[Eigensystem]
     unclear: list[float]
@@ -273,15 +261,8 @@ class Followed:
         return np.array([system.values for system in self.systems])
 
 
-def follow_modes(
-    matrix_at: Callable[[float], Matrix], parameters: Sequence[float], halvings: int = MOST_HALVINGS
-) -> Followed:
-    """Follow all modes of a matrix along a parameter, with smaller steps where it is unclear which mode is which.
-
-    Args:
-        matrix_at: the real matrix at a value of the parameter, always of one size.
-        parameters: rising values.
-        halvings: how often a step may be halved.
+def follow_modes(matrix_at: Callable[[float], Array], parameters: Sequence[float]) -> Followed:
+    """Follow all modes of a real matrix along a rising parameter, with smaller steps where it is unclear which mode is which.
 
     Raises:
         KeyboardInterrupt: it came from `matrix_at` before the first value was done.
@@ -293,7 +274,7 @@ def follow_modes(
     done, asked, systems, unclear = [values[0]], [0], [system], []
     try:
         for target in values[1:]:
-            least = (target - done[-1]) / 2**halvings
+            least = (target - done[-1]) / 2**MOST_HALVINGS
             ahead = [_solved(matrix_at, target)]
             while ahead:
                 value, next_matrix, found = ahead[-1]
@@ -317,12 +298,12 @@ def follow_modes(
     return Followed(np.array(done), asked, systems, unclear)
 
 
-def _solved(matrix_at: Callable[[float], Matrix], value: float) -> tuple[float, Matrix, Eigensystem]:
+def _solved(matrix_at: Callable[[float], Array], value: float) -> tuple[float, Array, Eigensystem]:
     matrix = matrix_at(value)
     return value, matrix, eigensystem(matrix)
 
 
-def _signs_kept(system: Eigensystem, previous: Eigensystem, sign: NDArray[np.float64]) -> Eigensystem:
+def _signs_kept(system: Eigensystem, previous: Eigensystem, sign: Array) -> Eigensystem:
     """Where two real eigenvalues become a pair: the column that was the one of positive frequency is so again."""
     born = np.flatnonzero((system.values.imag > 0.0) & (previous.values.imag == 0.0))
     columns = np.arange(len(system.values))
@@ -350,7 +331,7 @@ def body_shapes(linearisation: Linearisation, system: Eigensystem, columns: Sequ
     return np.asarray(shape / np.where(largest == 0.0, 1.0, largest))
 
 
-def energy_shares(linearisation: Linearisation, system: Eigensystem, columns: Sequence[int]) -> Matrix:
+def energy_shares(linearisation: Linearisation, system: Eigensystem, columns: Sequence[int]) -> Array:
     """Share of each body coordinate in the kinetic energy of some modes; each column sums to 1.
 
     Returns:
@@ -375,11 +356,11 @@ MOST_SLIDING = 0.5
 
 def hunts(
     keys: Sequence[tuple[str, str]],
-    speeds: NDArray[np.float64],
-    values: NDArray[np.complex128],
-    parts: NDArray[np.complex128],
+    speeds: Array,
+    values: Complex,
+    parts: Complex,
     wheelsets: Collection[str],
-) -> NDArray[np.bool_]:
+) -> Mask:
     """At which speeds a mode hunts.
 
     Args:
@@ -412,9 +393,7 @@ def hunts(
     )
 
 
-def frequency_of_hunting(
-    names: Sequence[str], values: NDArray[np.complex128], hunting: NDArray[np.bool_]
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def frequency_of_hunting(names: Sequence[str], values: Complex, hunting: Mask) -> tuple[Array, Array]:
     """Frequency [Hz] and damping ratio [1] of hunting over speed: of the least damped mode named so that hunts there.
 
     Args:

@@ -16,17 +16,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from rollerrig import _core
 from rollerrig.analysis.hunting import HuntingSettings, hunting_case
 from rollerrig.assembly.model import AssembledModel, assemble
+from rollerrig.common.arrays import Array
 from rollerrig.config import Case
 from rollerrig.results import RunInfo, add_energy_audit, run_draft
 from rollerrig.simulation.run import begin, march, outcome
 from rollerrig.simulation.starting_state import starting_state
-
-Vector = NDArray[np.float64]
 
 LATERAL = 1
 
@@ -75,7 +73,7 @@ def ramp_run(job: tuple[Case, RampSettings, HuntingSettings], progress: Callable
     marks = [one_way * k / count for k in range(count)] + [one_way]
     parts: list[xr.Dataset] = []
     perturbations: list[float] = []
-    state: Vector | None = None
+    state: Array | None = None
     for way, (first, last) in enumerate(ways):  # each way is a run of its own: no corner of the speed within it
         model = assemble(_one_way_case(case, ramp, settings, first, last, one_way))
         simulation = _core.Simulation(model.core)
@@ -107,7 +105,7 @@ def _share(progress: Callable[[float, str], None], done: float, per_second: floa
     return lambda time: progress(done + per_second * time, "ramp")
 
 
-def _perturbed(state: Vector, simulation: _core.Simulation, model: AssembledModel, velocity: float) -> Vector:
+def _perturbed(state: Array, simulation: _core.Simulation, model: AssembledModel, velocity: float) -> Array:
     pushed = np.array(state)
     for body in model.lateral_bodies:
         index = simulation.rate_index[model.body_index(body)][LATERAL]
@@ -119,7 +117,7 @@ def _perturbed(state: Vector, simulation: _core.Simulation, model: AssembledMode
 def _segment(
     simulation: _core.Simulation,
     model: AssembledModel,
-    state: Vector,
+    state: Array,
     start: float,
     stop: float,
     progress: Callable[[float], None],
@@ -173,13 +171,7 @@ def _summed(texts: Iterable[str]) -> dict[str, float]:
 
 
 def end_of_hunting(ramp: xr.Dataset, body: str, least_amplitude: float = 1e-4) -> float:
-    """Speed at which the hunting ends while the rollers slow down [m/s]; NaN if they do not, or if it never ends.
-
-    Args:
-        ramp: Dataset of `ramp_run`.
-        body: whose lateral motion.
-        least_amplitude: smaller displacements are no hunting [m].
-    """
+    """Speed at which the hunting of a body ends while the rollers slow down [m/s]; NaN if they do not, or if it never ends."""
     speed, lateral = ramp["speed"].to_numpy(), np.abs(ramp["lateral"].sel(body=body).to_numpy())
     top = int(np.argmax(speed))
     moving = np.flatnonzero(lateral[top:] > least_amplitude)

@@ -19,18 +19,16 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from rollerrig.analysis.slide_statistics import tracking, under_test, virtual_slip, wheel_radius
 from rollerrig.analysis.virtual_rail import FULL_SLIDING, creep_curve, creep_peak, patch_of
 from rollerrig.assembly.model import assemble
 from rollerrig.assembly.train_axles import train_mass
+from rollerrig.common.arrays import Array, Mask
 from rollerrig.config import Case, Rig, SlideProtection, WheelSlipControl
 from rollerrig.results import COMPLETED
 from rollerrig.simulation.mechatronics import rotor_inertia, wheelset_inertia
 from rollerrig.simulation.virtual_train import load_transfer
-
-Array = NDArray[np.float64]
 
 LINES = {
     "line_grip": "the wheel on the degraded rail begins to slide, (V2)",
@@ -198,7 +196,6 @@ def protection_slip(case: Case) -> float:
     return (case.wheel_slip_control or WheelSlipControl()).slip
 
 
-Mask = NDArray[np.bool_]
 Record = dict[str, Any]
 
 TRACKING_LIMIT = 0.01
@@ -304,14 +301,7 @@ def _recovery_margin(run: xr.Dataset, torque: float, sliding: Mask, rig: RigLimi
 
 
 def region(status: str, limits: Mapping[str, float], tracking_rms: float, kind: str) -> str:
-    """The region of a run: a key of REGIONS.
-
-    Args:
-        status: of the run.
-        limits: those reached, and when [s].
-        tracking_rms: error over train speed; NaN: not defined.
-        kind: of the run where no limit is reached: one of REPRODUCED.
-    """
+    """The region of a run, a key of REGIONS: that of the first limit reached, else the given kind of REPRODUCED."""
     if status not in (*COMPLETED, "rollers_protected"):
         return "failed"
     if limits:
@@ -321,13 +311,8 @@ def region(status: str, limits: Mapping[str, float], tracking_rms: float, kind: 
     return kind
 
 
-def persists_since(times: NDArray[np.float64], reached: Mask) -> float | None:
-    """When a condition began that persisted for LEAST_DURATION or longer on any axle [s]; None: never.
-
-    Args:
-        times: shape (time,) [s].
-        reached: shape (time, axle).
-    """
+def persists_since(times: Array, reached: Mask) -> float | None:
+    """When a condition of shape (time, axle) began that persisted for LEAST_DURATION on any axle [s]; None: never."""
     begins = []
     for column in reached.T:
         edges = np.flatnonzero(np.diff(np.concatenate(([False], column, [False])).astype(int)))
@@ -336,7 +321,7 @@ def persists_since(times: NDArray[np.float64], reached: Mask) -> float | None:
     return min(begins, default=None)
 
 
-def friction_used(run: xr.Dataset, friction: float) -> NDArray[np.float64]:
+def friction_used(run: xr.Dataset, friction: float) -> Array:
     """Creep force over friction times normal force of both wheels of each axle under test, shape (time, axle)."""
     run = under_test(run)
     size = np.hypot(run["patch_creep_force_x"].to_numpy(), run["patch_creep_force_y"].to_numpy())
@@ -346,7 +331,7 @@ def friction_used(run: xr.Dataset, friction: float) -> NDArray[np.float64]:
     return np.asarray(force / np.maximum(friction * normal, 1.0))
 
 
-def _contact_limit(run: xr.Dataset, used: NDArray[np.float64]) -> dict[str, float]:
+def _contact_limit(run: xr.Dataset, used: Array) -> dict[str, float]:
     since = persists_since(run["time"].to_numpy(), used >= FULL_SLIDING)
     if since is None and run.attrs["status"] == "rollers_protected":
         since = float(run.attrs["stopped_at_s"])

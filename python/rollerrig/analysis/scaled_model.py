@@ -95,11 +95,9 @@ def wheelsets_lateral(run: xr.Dataset) -> xr.DataArray:
 
 
 def motor_limited(model: Case, mapped: xr.Dataset) -> float | None:
-    """Part of the time in which the brake's or the demanded torque is beyond the model's motors [-]; None: no limit.
+    """Part of the time in which the brake's or the demanded torque is beyond the motors of a model [-]; None: no limit.
 
-    Args:
-        model: at its own scale.
-        mapped: its run at full scale.
+    `mapped` is its run at full scale.
     """
     if model.traction is None or model.traction.motor.envelope is None or "brake_torque" not in mapped:
         return None

@@ -29,11 +29,9 @@ from typing import Literal
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
+from rollerrig.common.arrays import Array
 from rollerrig.common.linear_algebra import one_blas_thread
-
-Series = NDArray[np.float64]
 
 SAMPLES_PER_PERIOD = 10
 """Least samples in a period of the cut-off: what the output step folds down from above must be small there."""
@@ -98,7 +96,7 @@ def _filtered(signal: xr.DataArray, cutoff: float, kind: Literal["lowpass", "hig
     return signal.copy(data=sosfiltfilt(sections, signal.to_numpy(), axis=axis, padlen=beyond, padtype="even"))
 
 
-def sampling_rate(time: Series, cutoff: float) -> float:
+def sampling_rate(time: Array, cutoff: float) -> float:
     """Samples per second, if they can carry a filter of this cut-off.
 
     Args:
@@ -155,12 +153,12 @@ def sliding_mean(signal: xr.DataArray, distance: xr.DataArray, length: float = S
     return signal.copy(data=np.moveaxis(mean, 0, signal.get_axis_num("time")))
 
 
-def _over_window(f: Series, s: Series, length: float) -> Series:
+def _over_window(f: Array, s: Array, length: float) -> Array:
     """Mean of f over s - length/2 to s + length/2, exact for straight lines between samples."""
     interval = np.diff(s)
     total = np.concatenate(([0.0], np.cumsum(0.5 * (f[1:] + f[:-1]) * interval)))
 
-    def integral(at: Series) -> Series:
+    def integral(at: Array) -> Array:
         k = np.clip(np.searchsorted(s, at, side="right") - 1, 0, len(s) - 2)
         part = np.clip(at - s[k], 0.0, interval[k])
         slope = np.divide(f[k + 1] - f[k], interval[k], out=np.zeros_like(part), where=interval[k] > 0.0)
@@ -175,30 +173,21 @@ class Fit:
 
     Attributes:
         coefficients: one per column.
-        residual: root mean square of what is left, over the largest value [1].
         largest: largest of what is left, over the largest value [1].
     """
 
     coefficients: tuple[float, ...]
-    residual: float
     largest: float
 
 
 @one_blas_thread()
-def fit(values: Series, *columns: Series) -> Fit:
-    """Fit values by a sum of columns.
-
-    Args:
-        values: shape (n,).
-        columns: each of shape (n,).
-    """
+def fit(values: Array, *columns: Array) -> Fit:
+    """Fit values by a sum of columns, all of shape (n,)."""
     matrix = np.stack(columns, axis=1)
     solution = np.linalg.lstsq(matrix, values, rcond=None)[0]
     left = values - matrix @ solution
     scale = float(np.abs(values).max()) or 1.0
-    return Fit(
-        tuple(float(c) for c in solution), float(np.sqrt(np.mean(left**2))) / scale, float(np.abs(left).max()) / scale
-    )
+    return Fit(tuple(float(c) for c in solution), float(np.abs(left).max()) / scale)
 
 
 LEAST_AMPLITUDE = 1e-6
@@ -215,12 +204,12 @@ class HalfWaves:
         duration: time between its two extrema [s].
     """
 
-    time: Series
-    amplitude: Series
-    duration: Series
+    time: Array
+    amplitude: Array
+    duration: Array
 
 
-def half_waves(time: Series, signal: Series, least_amplitude: float = LEAST_AMPLITUDE) -> HalfWaves:
+def half_waves(time: Array, signal: Array, least_amplitude: float = LEAST_AMPLITUDE) -> HalfWaves:
     """Half-waves of a signal, by the extrema of its cubic spline.
 
     Args:
@@ -286,7 +275,7 @@ RIPPLE = 0.25
 
 
 def final_motion(
-    time: Series, signal: Series, part: float = 1 / 3, least_amplitude: float = LEAST_AMPLITUDE
+    time: Array, signal: Array, part: float = 1 / 3, least_amplitude: float = LEAST_AMPLITUDE
 ) -> FinalMotion:
     """Amplitude, frequency and growth rate in the last part of a run.
 

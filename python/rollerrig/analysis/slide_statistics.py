@@ -1,26 +1,15 @@
 """Statistics of a brake or traction test: slip, tracking error of the rig, torque ripple, wheel flats.
 
-    run of `simulate` with a train -> [tracking] -> series over time and axle, RMS and largest values
+    run of `simulate` with brake or traction -> [test_record] -> TestRecord: measures, distribution of slip, distance over time
 
 Equations: docs/theory/rig_control.md. A ratio to the speed of a train slower than LEAST_SPEED is not defined: NaN.
 
-A rig's run against the track's at the same times, where the phase of a limit cycle counts: for inspection, not for assessment.
-
-    runs of `simulate` with brake or traction -> [rig_fidelity] -> numbers; NaN or None where there are none
-
-What two starts of the same test on track differ by, point by point, is phase alone; `slide_statistics` has what is compared.
-Equations: docs/theory/rig_control.md.
-
-run of `simulate` with brake or traction -> [slide_statistics] -> TestRecord: measures, distribution of slip, distance over time
-
 Slide protection and wheel-slip control make a limit cycle whose phase differs from start to start: two such tests are compared
-by what is counted, averaged or distributed over each of them, never point by point.
+by what is counted, averaged or distributed over each of them, never point by point; `point_by_point` is for inspection alone.
 
-    run of `simulate` with a brake -> [wheel_flat] -> length of the longest flat [m]
-
-The worn volume is in proportion to the energy; what is worn off a wheel that does not turn is a segment of its circle under a
-chord: V = k E, V = b L^3 / (12 r) for L << r, (H1) and (H2) of docs/theory/wheel_flats.md. Heat, martensite and the rounding of
-the flat's ends are left out. On the rig no wheel slides so: the estimate is what the virtual train's wheels would get.
+The volume worn off a wheel that does not turn is in proportion to the energy, and a segment of its circle under a chord:
+V = k E, V = b L^3 / (12 r) for L << r, (H1) and (H2) of docs/theory/wheel_flats.md. Heat, martensite and the rounding of the
+flat's ends are left out. On the rig no wheel slides so: the estimate is what the virtual train's wheels would get.
 """
 
 from __future__ import annotations
@@ -35,6 +24,7 @@ from numpy.typing import NDArray
 
 from rollerrig.analysis.virtual_rail import patch_of, slipperiest_peak
 from rollerrig.assembly.model import assemble
+from rollerrig.common.arrays import Array, Mask
 from rollerrig.config import Case, Rig
 from rollerrig.config.schema.brakes import ReservoirAir
 from rollerrig.results import COMPLETED
@@ -111,8 +101,6 @@ def _relative(run: xr.Dataset, speed: xr.DataArray) -> xr.DataArray:
     train = run["train_speed"]
     return (speed / train).where(train > LEAST_SPEED)
 
-
-Array = NDArray[np.float64]
 
 RIPPLE_ABOVE = 10.0
 """Slide protection acts at a few hertz; what is faster is the loop or its noise [Hz]."""
@@ -317,7 +305,7 @@ def _valves(run: xr.Dataset) -> dict[str, float]:
     return {"dump_cycles": float(last["dump_cycles"]), "air_litres": 1e3 * float(last["air"])}
 
 
-def _acting(run: xr.Dataset) -> NDArray[np.bool_]:
+def _acting(run: xr.Dataset) -> Mask:
     """Whether brake or traction act on any axle, over time."""
     return np.asarray((_torque(run) > 1.0).any("axle"))
 
@@ -463,7 +451,7 @@ def flat_length(energy: float, radius: float, wear: float, width: float) -> floa
     return float(np.cbrt(12.0 * radius * wear * energy / width))
 
 
-def lock_energies(run: xr.Dataset) -> NDArray[np.float64]:
+def lock_energies(run: xr.Dataset) -> Array:
     """Energy dissipated under each wheel of an axle in each of its locks, of all axles [J].
 
     A lock lasts while the axle turns slower than LOCKED of the speed of a train that is not too slow for slips.

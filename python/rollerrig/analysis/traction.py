@@ -14,15 +14,13 @@ from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from rollerrig import _core
 from rollerrig.analysis.signals import Fit, fit
 from rollerrig.assembly.laws import core_law
+from rollerrig.common.arrays import Array
 from rollerrig.config import Case, Rig
 from rollerrig.results import variable
-
-Series = NDArray[np.float64]
 
 ITERATIONS = 60
 """Iterations of the fixed point for the shifts; each gains about a digit."""
@@ -140,13 +138,13 @@ class Balance:
         shift: of front and rear wheelset from the crown [m].
     """
 
-    creep_force: Series
-    longitudinal: tuple[Series, Series]
-    vertical: tuple[Series, Series]
-    shift: tuple[Series, Series]
+    creep_force: Array
+    longitudinal: tuple[Array, Array]
+    vertical: tuple[Array, Array]
+    shift: tuple[Array, Array]
 
 
-def balance(bogie: Bogie, torque: Series, axle_load: float) -> Balance:
+def balance(bogie: Bogie, torque: Array, axle_load: float) -> Balance:
     """Quasi-static balance of the bogie under equal torques on both wheelsets that react on the frame.
 
     Args:
@@ -205,7 +203,7 @@ def creep_slope(run: xr.Dataset, case: Case, wheel: str) -> float:
     return slope
 
 
-def torque_over_time(case: Case, time: Series) -> Series:
+def torque_over_time(case: Case, time: Array) -> Array:
     """Torque on one wheelset [N m]; both must have the same."""
     torques = []
     for axle in case.axle_torque:

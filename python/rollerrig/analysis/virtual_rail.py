@@ -9,16 +9,14 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rollerrig import _core
 from rollerrig.assembly.laws import core_law
 from rollerrig.assembly.model import AssembledModel
+from rollerrig.common.arrays import Array
 from rollerrig.config import Case, Condition
 from rollerrig.config.schema.contact import ConstantFriction
 from rollerrig.simulation.virtual_train import rail_patch
-
-Array = NDArray[np.float64]
 
 SLIDES = (1.2, 0.005)
 """A wheel slides on the virtual rail beyond so many times the slip at which the adhesion is used up, plus so much [-]."""

@@ -40,6 +40,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from rollerrig.analysis.signals import low_pass, narrow_band, sliding_mean
+from rollerrig.common.arrays import Array, Mask
 from rollerrig.results.dataset import DIMENSION, MOST_READINGS, PREFIX, READING_STEP, readings_of
 from rollerrig.results.run_info import RunInfo, TrackSegment
 from rollerrig.track import nadal_limit
@@ -65,7 +66,7 @@ class TrackSection:
 
     name: str
     constant: bool
-    within: NDArray[np.bool_]
+    within: Mask
 
 
 def track_sections(run: xr.Dataset) -> list[TrackSection]:
@@ -99,7 +100,7 @@ def section_names(run: xr.Dataset) -> NDArray[np.str_]:
     return names.astype(str)
 
 
-def _numbers(info: RunInfo, constant: Sequence[TrackSegment], distance: NDArray[np.float64]) -> NDArray[np.int_]:
+def _numbers(info: RunInfo, constant: Sequence[TrackSegment], distance: Array) -> NDArray[np.int_]:
     """2 k where the vehicle is wholly in the constant segment k, 2 k + 1 on its way from there to the next, -1 before all."""
     places = [body.position[0] for body in info.wheelsets]
     rear, front = distance + min(places), distance + max(places)
@@ -130,7 +131,7 @@ def test_zone(radius: float) -> int | None:
     return next((zone for least, zone in TEST_ZONES[1:] if radius >= least * (1.0 - 1e-9)), None)
 
 
-def _steady(speed: NDArray[np.float64]) -> bool:
+def _steady(speed: Array) -> bool:
     return not len(speed) or float(np.ptp(speed)) <= STEADY_SPEED * abs(float(speed.mean()))
 
 
@@ -354,7 +355,7 @@ def statistics(values: xr.DataArray) -> xr.DataArray:
     return xr.DataArray(np.reshape(rows, shape), coordinates, [*others, "statistic"], attrs=values.attrs)
 
 
-def _statistics_of(series: NDArray[np.float64]) -> list[float]:
+def _statistics_of(series: Array) -> list[float]:
     known = series[np.isfinite(series)]
     if not known.size:
         return [math.nan] * len(STATISTICS)

@@ -57,6 +57,9 @@ def _case(case: Case | str) -> Case:
     return as_case(case)
 
 
+CURVES = (150.0, 200.0, 250.0, 300.0, 400.0, 500.0, 700.0, 1000.0)  # [m]
+DEFICIENCIES = (-0.06, 0.0, 0.06, 0.1, 0.15)  # [m]
+
 # What the command line says of arguments that it writes in another form.
 _ROLLERS = "radius of rollers of this head, to be shown beside the rails."
 _RADII = "radii of the curves: a list, one number or start:stop:step [m]."
@@ -312,23 +315,8 @@ def stability(
 
 def curving(
     case: Case | str,
-    radii: Annotated[Sequence[float], Option("radii_m", meaning=_RADII)] = (
-        150.0,
-        200.0,
-        250.0,
-        300.0,
-        400.0,
-        500.0,
-        700.0,
-        1000.0,
-    ),
-    deficiencies: Annotated[Sequence[float], Option("deficiencies_mm", "mm", meaning=_DEFICIENCIES)] = (
-        -0.06,
-        0.0,
-        0.06,
-        0.1,
-        0.15,
-    ),
+    radii: Annotated[Sequence[float], Option("radii_m", meaning=_RADII)] = CURVES,
+    deficiencies: Annotated[Sequence[float], Option("deficiencies_mm", "mm", meaning=_DEFICIENCIES)] = DEFICIENCIES,
     cant: Annotated[float | None, Option("cant_mm", "mm", 0.0, 300.0)] = None,
     *,
     progress: Progress | None = None,

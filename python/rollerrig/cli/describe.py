@@ -233,7 +233,6 @@ def _rig_control(model: AssembledModel) -> str:
         for name, (bandwidth, delay) in estimator_response(model).items():
             text += f" {name} {bandwidth:z.1f} Hz and {1e3 * delay:z.1f} ms,"
         text = text.removesuffix(",")
-    left = lags(model)
     left, command = lags(model), control.drive_command.kind.replace("_", " ")
     return (
         f"{text}; axle torque {control.axle_torque.kind}, drive command {command}: equivalent dead time "

@@ -37,11 +37,7 @@ Interrupted, writing results: jobs at work are given up. Ctrl-C again ends at on
 
 
 class InterruptHandler:
-    """Handler of Ctrl-C for a command: the first one is noted, so that no result is lost; the second one ends the program.
-
-    Attributes:
-        times: how often it was pressed.
-    """
+    """Handler of Ctrl-C: the first one is noted, so that no result is lost; the second one ends the program; `times` pressed."""
 
     def __init__(self) -> None:
         self.times = 0

@@ -45,11 +45,7 @@ def read_range(text: str, option: str) -> list[float]:
 
 
 def read_speeds(text: str) -> tuple[float, ...]:
-    """The speeds of `--speeds-kmh`, positive and rising [km/h].
-
-    Raises:
-        typer.BadParameter: they are not.
-    """
+    """The speeds of `--speeds-kmh` [km/h]; a typer.BadParameter where they are not positive and rising."""
     speeds = read_range(text, "--speeds-kmh")
     if speeds[0] <= 0 or any(b <= a for a, b in zip(speeds, speeds[1:], strict=False)):
         raise _bad("--speeds-kmh", f"'{text}': speeds must be positive and rise")
@@ -59,11 +55,7 @@ def read_speeds(text: str) -> tuple[float, ...]:
 
 
 def check_finite(value: float | None, option: str) -> None:
-    """Refuse `nan` and `inf`, which the parser of the command line takes for numbers.
-
-    Raises:
-        typer.BadParameter: not a finite number.
-    """
+    """Refuse `nan` and `inf`, which the parser of the command line takes for numbers, with a typer.BadParameter."""
     if value is not None and not math.isfinite(value):
         raise _bad(option, f"'{value}' is not a finite number")
 

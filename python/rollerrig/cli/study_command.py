@@ -146,11 +146,7 @@ def _value(one: Parameter, given: Given) -> Any:
 
 
 def _read(one: Parameter, name: str, option: Option, value: Any) -> Any:
-    """What an option says, in SI; None where it is absent.
-
-    Raises:
-        typer.BadParameter: it cannot be read.
-    """
+    """What an option says, in SI; None where it is absent."""
     flag, factor = f"--{name.replace('_', '-')}", UNITS[option.unit][1]
     if value is None or isinstance(value, bool | int):
         return value
@@ -195,11 +191,7 @@ def _length(text: str, option: str, table: str, key: str) -> float:
 
 
 def check_conicity(given: Given) -> None:
-    """Refuse amplitudes beyond the shift.
-
-    Raises:
-        typer.BadParameter: there are some.
-    """
+    """Refuse amplitudes beyond the shift."""
     amplitudes, shift = read_range(given["amplitudes_mm"], "--amplitudes-mm"), given["shift_mm"]
     if min(amplitudes) <= 0 or max(amplitudes) > shift:
         allowed = f"amplitudes must lie above 0 and up to --shift-mm, {shift:g}"
@@ -207,11 +199,7 @@ def check_conicity(given: Given) -> None:
 
 
 def check_compare(given: Given) -> None:
-    """Refuse supports named twice.
-
-    Raises:
-        typer.BadParameter: one is, or has no name.
-    """
+    """Refuse supports named twice, or without a name."""
     names = [name.strip() for name in given["on"].split(",")]
     if not all(names) or len({Path(name).name.removesuffix(".toml") for name in names}) < len(names):
         raise typer.BadParameter(f"'{given['on']}': name each support once, like rig,track", param_hint="--on")

@@ -20,8 +20,9 @@ from contextlib import contextmanager
 from functools import lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 from threadpoolctl import get_cached_controller
+
+from rollerrig.common.arrays import Array, Complex
 
 
 @contextmanager
@@ -34,13 +35,13 @@ def one_blas_thread() -> Iterator[None]:
         yield
 
 
-def eigenvalues(matrix: NDArray[np.float64]) -> NDArray[np.complex128]:
+def eigenvalues(matrix: Array) -> Complex:
     """Eigenvalues of a square matrix, shape (n,), which may not be written to; one BLAS thread computes them."""
     return _of_bytes(matrix.tobytes(), len(matrix))
 
 
 @lru_cache(maxsize=32)
-def _of_bytes(numbers: bytes, size: int) -> NDArray[np.complex128]:
+def _of_bytes(numbers: bytes, size: int) -> Complex:
     with one_blas_thread():
         values = np.linalg.eigvals(np.frombuffer(numbers).reshape(size, size)).astype(np.complex128)
     values.flags.writeable = False

@@ -8,12 +8,11 @@ Source: C. de Boor, G. Fix, Spline approximation by quasi-interpolants, J. Appro
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
-FloatArray = NDArray[np.float64]
+from rollerrig.common.arrays import Array
 
 
-def quasi_interpolant(before: FloatArray, here: FloatArray, after: FloatArray) -> FloatArray:
+def quasi_interpolant(before: Array, here: Array, after: Array) -> Array:
     """Weights f - h^2 f''/6 at the knots, with a difference for f''; exact for cubics, of fourth order.
 
     Args:
@@ -24,7 +23,7 @@ def quasi_interpolant(before: FloatArray, here: FloatArray, after: FloatArray) -
     return np.asarray((-before + 8 * here - after) / 6)
 
 
-def pieces(before: FloatArray, here: FloatArray, after: FloatArray, next_after: FloatArray, step: float) -> FloatArray:
+def pieces(before: Array, here: Array, after: Array, next_after: Array, step: float) -> Array:
     """Coefficients c of value = c_0 + c_1 t + c_2 t^2 + c_3 t^3 on each interval, t from its first knot.
 
     Args:

@@ -41,11 +41,11 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 from scipy.optimize import brentq
 
 from rollerrig import _core
 from rollerrig.assembly.model import assemble
+from rollerrig.common.arrays import Array
 from rollerrig.config import Case, Rig
 from rollerrig.contact_analysis.static_contact import leading_wheelset
 from rollerrig.profiles import ProfileTable
@@ -231,14 +231,7 @@ def _contact_jump(a: _Touch, b: _Touch) -> float:
 
 
 def _touch(contact: _core.StaticWheelsetContact, y: float, pose: _Pose, roll: float) -> _Touch | None:
-    """Both wheels touching at a lateral shift [m].
-
-    Args:
-        contact: static contact of the core.
-        y: lateral shift [m].
-        pose: yaw, and whether it rolls.
-        roll: roll angle to start from [rad].
-    """
+    """Both wheels touching at a lateral shift [m], from a roll angle on [rad]."""
     yaw, arm = pose.yaw, pose.arm
     heights = _heights(contact, y, yaw, roll)
     slope, surplus = -(arm or 0.0), heights[0] - heights[1]  # secant steps; a metre's arm gains a metre per radian
@@ -282,8 +275,6 @@ def _first_touch(
     return patch.wheel_s, patch.rail_y, level, patch.wheel_radius, float(angle), ahead
 
 
-FloatArray = NDArray[np.float64]
-
 POINTS = 2000
 """Points of the quadrature in (K2); the kink that a jump of the contact leaves in U costs 1e-6 of the conicity."""
 
@@ -291,7 +282,7 @@ CYLINDRICAL = 1e-7
 """Rolling radius differences up to this one count as none [m]: profile files print no more digits."""
 
 
-def equivalent_conicity(lateral: FloatArray, difference: FloatArray, amplitudes: Sequence[float]) -> FloatArray:
+def equivalent_conicity(lateral: Array, difference: Array, amplitudes: Sequence[float]) -> Array:
     """Equivalent conicity tan γ_e over the amplitude of the kinematic motion.
 
     Args:
@@ -323,7 +314,7 @@ def equivalent_conicity(lateral: FloatArray, difference: FloatArray, amplitudes:
     potential = np.concatenate((-np.cumsum(areas[:middle][::-1])[::-1], [0.0], np.cumsum(areas[middle:])))
     slope = np.diff(dr) / np.diff(y)
 
-    def energy(at: FloatArray) -> FloatArray:
+    def energy(at: Array) -> Array:
         """U(y) of the straight lines, exact [m^2]."""
         k = np.clip(np.searchsorted(y, at, side="right") - 1, 0, len(slope) - 1)
         t = at - y[k]
@@ -346,7 +337,7 @@ def equivalent_conicity(lateral: FloatArray, difference: FloatArray, amplitudes:
     return np.array(result)
 
 
-def _middle(energy: Callable[[FloatArray], FloatArray], amplitude: float, low: float, high: float) -> float:
+def _middle(energy: Callable[[Array], Array], amplitude: float, low: float, high: float) -> float:
     """The middle m of a motion whose outer positions have the same potential [m]; NaN if they are not between low and high."""
 
     def surplus(middle: float) -> float:
@@ -395,7 +386,7 @@ def conicity_table(shifts: xr.Dataset, amplitudes: Sequence[float]) -> xr.Datase
     )
 
 
-def nonlinearity_parameter(lateral: FloatArray, difference: FloatArray) -> float:
+def nonlinearity_parameter(lateral: Array, difference: Array) -> float:
     """Change of the conicity from 2 to 4 mm of amplitude, per millimetre.
 
         N_P = [tan γ_e(4 mm) - tan γ_e(2 mm)] / 2 mm

@@ -18,19 +18,17 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from rollerrig import _core
 from rollerrig.assembly.laws import CoreLaw, core_law
 from rollerrig.assembly.model import assemble
+from rollerrig.common.arrays import Array
 from rollerrig.config import Case
 from rollerrig.config.schema.contact import CREEP_LAWS, NORMAL_LAWS
 from rollerrig.config.schema.vehicle import DIRECTIONS as COORDINATES
 from rollerrig.contact_analysis.static_contact import contact_table, leading_wheelset
 from rollerrig.results import variable
 from rollerrig.simulation.starting_state import equilibrium
-
-Array = NDArray[np.float64]
 
 DIRECTIONS: dict[str, tuple[float, float, float]] = {
     "longitudinal": (1, 0, 0),
@@ -54,12 +52,7 @@ COMPONENTS = ("force_x", "force_y", "spin_moment")
 
 
 def creepage_units(a_over_b: float, poisson_ratio: float) -> Array:
-    """Reduced creepages (xi, eta, chi) that each demand about mu N of the linear theory.
-
-    Args:
-        a_over_b: ratio of the semi-axes, a along the rolling direction.
-        poisson_ratio: [-].
-    """
+    """Reduced creepages (xi, eta, chi) that each demand about mu N of the linear theory."""
     return np.array(_core.creepage_units(a_over_b, poisson_ratio))
 
 
@@ -136,10 +129,7 @@ def _check(a_over_b: float, poisson_ratio: float, demands: Array, laws: Mapping[
 
 
 def error_table(comparison: xr.Dataset) -> list[tuple[str, str, float, float, float, float, float, float]]:
-    """Errors of each law against the exact theory, without and with spin, in % of mu N and of mu N c.
-
-    Args:
-        comparison: what `compare_laws` returns.
+    """Errors of each law of `compare_laws` against the exact theory, without and with spin, in % of mu N and of mu N c.
 
     Returns:
         Rows of law, 'no spin' or 'spin', and median, 95th percentile and worst of force and of moment.

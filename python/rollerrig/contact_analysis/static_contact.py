@@ -73,47 +73,28 @@ def pair_case(
 
 
 _VARIABLES = {
-    "lateral": ("m", "lateral position of the wheelset, positive to the left"),
-    "yaw": ("rad", "yaw angle of the wheelset"),
-    "side": ("", "wheel"),
-    "patch": ("1", "number of the patch on its wheel, from the flange outwards"),
-    "wheel_abscissa": ("m", "EN abscissa S on the wheel profile, negative towards the flange"),
-    "angle": ("rad", "slope of the wheel profile at the contact, as an angle"),
-    "a": ("m", "semi-axis along the rolling direction; of the equivalent ellipse of a non-elliptical contact patch"),
-    "b": ("m", "semi-axis across the rolling direction"),
-    "approach": ("m", "elastic approach of the surfaces"),
-    "normal": ("N", "normal force"),
-    "roll": ("rad", "roll angle of the wheelset"),
-    "height": ("m", "height of the wheelset"),
-    "peak_pressure": ("Pa", "largest pressure"),
-    "weight": ("1", "blending weight of the patch where two patches merge"),
-    "rolling_radius": ("m", "wheel radius at the contact"),
-    "width": ("m", "loaded width across the rolling direction"),
-    "area": ("m^2", "loaded area"),
-    "rail_abscissa": ("m", "abscissa on rail or roller, 0 at the highest point, negative towards the gauge side"),
-}
-
-# Column of the CSV -> variable and factor from SI.
-_COLUMNS = {
-    "lateral_mm": ("lateral", 1e3),
-    "yaw_mrad": ("yaw", 1e3),
-    "side": ("side", None),
-    "patch": ("patch", None),
-    "wheel_s_mm": ("wheel_abscissa", 1e3),
-    "angle_rad": ("angle", 1.0),
-    "a_mm": ("a", 1e3),
-    "b_mm": ("b", 1e3),
-    "approach_mm": ("approach", 1e3),
-    "normal_n": ("normal", 1.0),
-    "roll_mrad": ("roll", 1e3),
-    "height_mm": ("height", 1e3),
-    "peak_pressure_mpa": ("peak_pressure", 1e-6),
-    "weight": ("weight", 1.0),
-    "rolling_radius_mm": ("rolling_radius", 1e3),
-    "width_mm": ("width", 1e3),
-    "area_mm2": ("area", 1e6),
-    "rail_y_mm": ("rail_abscissa", 1e3),
-}
+    "lateral": ("m", "lateral_mm", 1e3, "lateral position of the wheelset, positive to the left"),
+    "yaw": ("rad", "yaw_mrad", 1e3, "yaw angle of the wheelset"),
+    "side": ("", "side", None, "wheel"),
+    "patch": ("1", "patch", None, "number of the patch on its wheel, from the flange outwards"),
+    "wheel_abscissa": ("m", "wheel_s_mm", 1e3, "EN abscissa S on the wheel profile, negative towards the flange"),
+    "angle": ("rad", "angle_rad", 1.0, "slope of the wheel profile at the contact, as an angle"),
+    "a": ("m", "a_mm", 1e3,
+          "semi-axis along the rolling direction; of the equivalent ellipse of a non-elliptical contact patch"),
+    "b": ("m", "b_mm", 1e3, "semi-axis across the rolling direction"),
+    "approach": ("m", "approach_mm", 1e3, "elastic approach of the surfaces"),
+    "normal": ("N", "normal_n", 1.0, "normal force"),
+    "roll": ("rad", "roll_mrad", 1e3, "roll angle of the wheelset"),
+    "height": ("m", "height_mm", 1e3, "height of the wheelset"),
+    "peak_pressure": ("Pa", "peak_pressure_mpa", 1e-6, "largest pressure"),
+    "weight": ("1", "weight", 1.0, "blending weight of the patch where two patches merge"),
+    "rolling_radius": ("m", "rolling_radius_mm", 1e3, "wheel radius at the contact"),
+    "width": ("m", "width_mm", 1e3, "loaded width across the rolling direction"),
+    "area": ("m^2", "area_mm2", 1e6, "loaded area"),
+    "rail_abscissa": ("m", "rail_y_mm", 1e3,
+                      "abscissa on rail or roller, 0 at the highest point, negative towards the gauge side"),
+}  # fmt: skip
+"""Variable -> unit, its column of the CSV file, factor from SI (None: as it is), meaning."""
 
 
 def contact_table(case: Case, positions: Iterable[tuple[float, float]], *, roll: float | None = None) -> xr.Dataset:
@@ -157,20 +138,20 @@ def contact_table(case: Case, positions: Iterable[tuple[float, float]], *, roll:
     columns = list(zip(*rows, strict=True)) if rows else [()] * len(_VARIABLES)
     variables: dict[str, Any] = {
         name: variable("row", np.array(column, dtype=_dtype(name)), unit, meaning)
-        for (name, (unit, meaning)), column in zip(_VARIABLES.items(), columns, strict=True)
+        for (name, (unit, _, _, meaning)), column in zip(_VARIABLES.items(), columns, strict=True)
     }
     attributes = {"title": case.description or case.name, "case": case.name, "wheelset": wheelset, "load_n": load}
     return xr.Dataset(variables, attrs={**attributes, "failed_positions": "\n".join(failed)})
 
 
-CSV_HEAD = ",".join(_COLUMNS)
+CSV_HEAD = ",".join(column for _, column, _, _ in _VARIABLES.values())
 """First line of a table of contacts."""
 
 
 def contact_csv(table: xr.Dataset) -> str:
     """The table as CSV text in mm, mrad, N and MPa; lengths, angles and forces with twelve digits."""
     columns = []
-    for name, factor in _COLUMNS.values():
+    for name, (_, _, factor, _) in _VARIABLES.items():
         values = table[name].to_numpy()
         columns.append([str(v) for v in values] if factor is None else [f"{factor * v + 0.0:.12g}" for v in values])
     lines = [CSV_HEAD, *(",".join(row) for row in zip(*columns, strict=True))]

@@ -14,16 +14,14 @@ from typing import Any
 
 import gymnasium
 import numpy as np
-from numpy.typing import NDArray
 
 from rollerrig import _core
 from rollerrig.cases import as_case
+from rollerrig.common.arrays import Array
 from rollerrig.config import Case, ConfigError, ConfigProblem
 from rollerrig.config.errors import nearest
 from rollerrig.interfaces.plant import assembled_model
 from rollerrig.simulation.controllers import BRAKE_UNIT, COMMANDS, roles_of
-
-Observation = NDArray[np.float64]
 
 LARGEST = {"rad/s": 1e3, "N m": 1e6, "N": 1e7, "m/s": 200.0}
 """Bounds of observations by their unit: far beyond any test, so that spaces are finite; what exceeds them is clipped."""
@@ -36,7 +34,7 @@ PENALTY = 10.0
 """Taken off where the run leaves the model's validity, or the rig's protection ends it."""
 
 
-class BenchEnv(gymnasium.Env[Observation, Any]):
+class BenchEnv(gymnasium.Env[Array, Any]):
     """One controller of a case, replaced by an agent.
 
     Actions: of slide_protection 0 fill, 1 hold, 2 vent per axle; of wheel_slip_control and rig_control -1 to 1 per axle, over the
@@ -97,7 +95,7 @@ class BenchEnv(gymnasium.Env[Observation, Any]):
             else gymnasium.spaces.Box(-1.0, 1.0, (count,), dtype=np.float64)
         )
 
-    def _limits(self, variables: list[_core.Variable]) -> tuple[Observation, Observation]:
+    def _limits(self, variables: list[_core.Variable]) -> tuple[Array, Array]:
         """Range of each command; that of an unlimited torque is what the drive can do."""
         control = self.case.rig_control
         drive = control.motor.largest_torque if control is not None and control.motor.largest_torque else 2e4
@@ -109,9 +107,7 @@ class BenchEnv(gymnasium.Env[Observation, Any]):
 
     # ------------------------------------------------------------------------------------------------- an episode
 
-    def reset(
-        self, *, seed: int | None = None, options: dict[str, Any] | None = None
-    ) -> tuple[Observation, dict[str, Any]]:
+    def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Array, dict[str, Any]]:
         """Begin the test anew.
 
         Args:
@@ -126,7 +122,7 @@ class BenchEnv(gymnasium.Env[Observation, Any]):
         self._step, self._speed = 0, self._plant.get(self._train)
         return self._observed(), self._info("ok")
 
-    def step(self, action: Any) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
+    def step(self, action: Any) -> tuple[Array, float, bool, bool, dict[str, Any]]:
         """Give the commands of one sample, and run to the next.
 
         Args:
@@ -155,7 +151,7 @@ class BenchEnv(gymnasium.Env[Observation, Any]):
         beyond = float(np.mean(np.maximum(0.0, slip - SLIP_ALLOWED)))
         return (change if self.controller == "wheel_slip_control" else -change) - self.period * SLIP_WEIGHT * beyond
 
-    def _observed(self) -> Observation:
+    def _observed(self) -> Array:
         seen = np.nan_to_num(self._plant.values(self._sensors))
         return np.clip(seen, -self._bound, self._bound)
 

@@ -18,12 +18,12 @@ from pathlib import Path
 
 import numpy as np
 
+from rollerrig.common.arrays import Array
 from rollerrig.common.input_files import LARGEST_TABLE, read_input
 from rollerrig.common.splines import quasi_interpolant
 from rollerrig.irregularity.rails import (
     COMPONENTS,
     RAILS,
-    FloatArray,
     IrregularityError,
     RailIrregularity,
     periodic_spline,
@@ -42,17 +42,11 @@ _HEADING = re.compile(r"\s*([a-z_]+?)\s*(?:[\[(]\s*([a-z]+)\s*[\])]|_(mm|cm|km|m
 
 @dataclass(frozen=True, eq=False)
 class MeasuredTrack:
-    """Samples of a measured track.
-
-    Attributes:
-        path: the file.
-        distance: (n,) ascending [m].
-        rails: by name of RAILS, (n,) displacements [m].
-    """
+    """Samples of a measured track: ascending distance (n,) and displacements of the rails (n,) [m], by name of RAILS."""
 
     path: Path
-    distance: FloatArray
-    rails: Mapping[str, FloatArray]
+    distance: Array
+    rails: Mapping[str, Array]
 
 
 def read_measured_track(path: Path) -> MeasuredTrack:
@@ -122,7 +116,7 @@ def measured_irregularity(
     return RailIrregularity(step, coefficients, fade_in)
 
 
-def _heading(path: Path, line: str) -> tuple[list[str], FloatArray]:
+def _heading(path: Path, line: str) -> tuple[list[str], Array]:
     """Names of the columns, and what turns each into metres."""
     allowed = f"distance, and {', '.join(RAILS)} or some of {', '.join(COMPONENTS)}"
     names: list[str] = []
@@ -155,7 +149,7 @@ def _cells(line: str) -> list[str]:
     return line.split()
 
 
-def _numbers(path: Path, lines: list[tuple[int, str]], columns: int) -> FloatArray:
+def _numbers(path: Path, lines: list[tuple[int, str]], columns: int) -> Array:
     rows = []
     for number, line in lines:
         cells = _cells(line)
@@ -173,7 +167,7 @@ def _numbers(path: Path, lines: list[tuple[int, str]], columns: int) -> FloatArr
     return np.array(rows)
 
 
-def _check_distance(path: Path, distance: FloatArray) -> None:
+def _check_distance(path: Path, distance: Array) -> None:
     spacing = np.diff(distance)
     back = int(np.argmax(spacing <= 0))
     if spacing[back] <= 0:
@@ -188,7 +182,7 @@ def _check_distance(path: Path, distance: FloatArray) -> None:
         )
 
 
-def _check_size(path: Path, columns: Mapping[str, FloatArray]) -> None:
+def _check_size(path: Path, columns: Mapping[str, Array]) -> None:
     for name, values in columns.items():
         largest = float(np.abs(values).max())
         if largest > LARGEST:

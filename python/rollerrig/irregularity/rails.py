@@ -13,8 +13,9 @@ from dataclasses import dataclass
 from typing import Literal, get_args
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from rollerrig.common.arrays import Array
 from rollerrig.common.splines import pieces
 
 
@@ -22,7 +23,6 @@ class IrregularityError(ValueError):
     """A file of measured rails that cannot be used; the message says where, what was found and what is allowed."""
 
 
-FloatArray = NDArray[np.float64]
 Component = Literal["alignment", "vertical", "cross_level", "gauge"]
 COMPONENTS: tuple[Component, ...] = get_args(Component)
 
@@ -30,14 +30,14 @@ RAILS = ("left_y", "left_z", "right_y", "right_z")
 """Displacements of the rails: y positive to the left, z upward [m]."""
 
 
-def rails_of(components: Mapping[Component, FloatArray]) -> dict[str, FloatArray]:
+def rails_of(components: Mapping[Component, Array]) -> dict[str, Array]:
     """Displacements of both rails of four components, of any one shape [m]."""
     y, z = components["alignment"], components["vertical"]
     half_gauge, half_level = components["gauge"] / 2, components["cross_level"] / 2
     return {"left_y": y + half_gauge, "left_z": z - half_level, "right_y": y - half_gauge, "right_z": z + half_level}
 
 
-def components_of(rails: Mapping[str, FloatArray]) -> dict[Component, FloatArray]:
+def components_of(rails: Mapping[str, Array]) -> dict[Component, Array]:
     """The four components of displacements of both rails, of any one shape [m]."""
     return {
         "alignment": (rails["left_y"] + rails["right_y"]) / 2,
@@ -60,7 +60,7 @@ class RailIrregularity:
     """
 
     step: float
-    coefficients: Mapping[str, FloatArray]
+    coefficients: Mapping[str, Array]
     fade_in: float
 
     @property
@@ -76,7 +76,7 @@ class RailIrregularity:
             table.flags.writeable = False
         return RailIrregularity(factor * self.step, coefficients, factor * self.fade_in)
 
-    def evaluate(self, rail: str, s: ArrayLike, derivative: int = 0) -> FloatArray:
+    def evaluate(self, rail: str, s: ArrayLike, derivative: int = 0) -> Array:
         """Displacement of a rail, or its slope (1), at distances s [m] of any shape, without the fading in."""
         table = self.coefficients[rail]
         place = np.mod(np.asarray(s, dtype=np.float64), self.period)
@@ -85,7 +85,7 @@ class RailIrregularity:
         c0, c1, c2, c3 = np.moveaxis(table[row], -1, 0)
         return np.asarray(c0 + t * (c1 + t * (c2 + t * c3)) if derivative == 0 else c1 + t * (2 * c2 + t * 3 * c3))
 
-    def components(self, s: ArrayLike) -> dict[Component, FloatArray]:
+    def components(self, s: ArrayLike) -> dict[Component, Array]:
         """The four components at distances s [m] of any shape, without the fading in [m]."""
         return components_of({rail: self.evaluate(rail, s) for rail in RAILS})
 
@@ -95,7 +95,7 @@ class RailIrregularity:
         return {name: float(np.sqrt(np.mean(np.square(values)))) for name, values in knots.items()}
 
 
-def periodic_spline(weights: FloatArray, step: float) -> FloatArray:
+def periodic_spline(weights: Array, step: float) -> Array:
     """Coefficients of the periodic cubic spline of some B-spline weights.
 
     Args:

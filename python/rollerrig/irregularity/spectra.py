@@ -20,15 +20,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike
 
-from rollerrig.irregularity.rails import (
-    COMPONENTS,
-    RAILS,
-    Component,
-    FloatArray,
-    RailIrregularity,
-    periodic_spline,
-    rails_of,
-)
+from rollerrig.common.arrays import Array
+from rollerrig.irregularity.rails import COMPONENTS, RAILS, Component, RailIrregularity, periodic_spline, rails_of
 
 Level = Literal["low", "high"]
 
@@ -48,7 +41,7 @@ LEVELS: dict[Level, dict[str, float]] = {
 """The factors A of the spectra [rad m]."""
 
 
-def track_spectrum(component: Component, level: Level, omega: ArrayLike) -> FloatArray:
+def track_spectrum(component: Component, level: Level, omega: ArrayLike) -> Array:
     """One-sided power spectral density of one component.
 
     Args:
@@ -115,7 +108,7 @@ def generate(
 
 def _weights(
     component: Component, level: Level, seed: int, wavelengths: tuple[float, float], period: float, count: int
-) -> FloatArray:
+) -> Array:
     """B-spline weights of one component, (count,) [m]."""
     shortest, longest = wavelengths
     first, last = int(np.ceil(period / longest - 1e-9)), int(np.floor(period / shortest + 1e-9))
@@ -128,7 +121,7 @@ def _weights(
     return np.asarray(np.round(np.fft.irfft(waves, count) / ROUNDING) * ROUNDING)
 
 
-def _phases(component: Component, seed: int, count: int) -> FloatArray:
+def _phases(component: Component, seed: int, count: int) -> Array:
     """Uniform in [0, 2 pi), from the upper 53 bits of the generator's raw numbers."""
     bits = np.random.PCG64(np.random.SeedSequence([seed, COMPONENTS.index(component)]))
     raw = np.atleast_1d(bits.random_raw(count)).astype(np.uint64)

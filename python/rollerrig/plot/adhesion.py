@@ -13,26 +13,17 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from rollerrig.common.arrays import Array
 from rollerrig.plot.style import COLOURS, GREY, STYLES, house_style, line, logarithmic, new_figure, new_grid, panels
 
 Signal = tuple[str, str | Callable[[xr.Dataset], xr.DataArray], float]
 """Label of the ordinate, variable or function of a run (over time, and over axle if each has its own), factor."""
 
 
-def axles_over_time(
-    runs: Mapping[str, xr.Dataset], signals: Sequence[Signal], height: float, xlabel: str = "time [s]"
-) -> Figure:
-    """A panel per signal.
-
-    Args:
-        runs: label -> run; the first is drawn with full lines, the next dashed.
-        signals: what is drawn.
-        height: of the figure [inches].
-        xlabel: of the abscissa.
-    """
-    with panels([label for label, _, _ in signals], xlabel, height) as (figure, axes):
+def axles_over_time(runs: Mapping[str, xr.Dataset], signals: Sequence[Signal], height: float) -> Figure:
+    """A panel per signal, of a height [inches]; the first run is drawn with full lines, the next dashed, by label."""
+    with panels([label for label, _, _ in signals], "time [s]", height) as (figure, axes):
         for panel, (_, signal, factor) in zip(axes, signals, strict=True):
             for (label, run), style in zip(runs.items(), STYLES, strict=False):
                 values = factor * (run[signal] if isinstance(signal, str) else signal(run))
@@ -110,7 +101,7 @@ def rollers(rig: xr.Dataset) -> Figure:
 
 def sliding(rig: xr.Dataset, ideal: xr.Dataset | None, radius: float) -> Figure:
     """Sliding of wheels on rollers, tracking error, and the wheelsets' own motion: with contact model, and pure rolling."""
-    signals: tuple[tuple[str, str | Callable[[xr.Dataset], xr.DataArray], float], ...] = (
+    signals: tuple[Signal, ...] = (
         ("sliding of wheel\non roller [mm/s]", "real_sliding", 1e3),
         ("wheel less virtual\nwheel [mm/s]", lambda run: run["axle_speed"] - run["virtual_speed"], 1e3 * radius),
         ("wheelset along\nthe track [mm/s]", _own_motion, 1e3),
@@ -137,14 +128,10 @@ def errors(track: xr.Dataset, rig: xr.Dataset, radius: float) -> Figure:
         return figure
 
 
-Array = NDArray[np.float64]
-
-
 def cause_bars(shares: Mapping[str, tuple[float, float, bool]]) -> Figure:
     """Bars of what each imperfection contributes to the difference in distance; the last one is all of them.
 
-    Args:
-        shares: name -> part of the track's distance [-], its standard error, and whether it is inside its error: drawn hollow.
+    By name the part of the track's distance [-], its standard error, and whether it is inside its error: drawn hollow.
     """
     with house_style():
         figure, (axes,) = new_figure(1, height=2.6)
@@ -198,12 +185,9 @@ def slip_histogram(edges: Array, shares: Mapping[str, Array]) -> Figure:
 def dead_time_curve(
     track: Mapping[float, tuple[float, float]], rig: tuple[float, float], predicted: tuple[float, float]
 ) -> Figure:
-    """Distance on track over additional dead time, and the rig's.
+    """Distance on track [m], with its standard error, over additional dead time [ms]; that of the rig.
 
-    Args:
-        track: additional dead time [ms] -> mean distance, its standard error [m].
-        rig: mean distance, its standard error [m].
-        predicted: equivalent dead time in closed form, and the least [ms].
+    Vertical lines: equivalent dead time in closed form, and the least [ms].
     """
     with house_style():
         figure, (axes,) = new_figure(1, height=2.8)
@@ -221,12 +205,7 @@ def dead_time_curve(
 
 
 def motions(runs: Mapping[str, tuple[Array, Array]], slide: float) -> Figure:
-    """Lateral displacement of the leading wheelset over time, a panel per run.
-
-    Args:
-        runs: label -> times [s] and displacement [mm].
-        slide: when the wheels begin to slide [s]; NaN: they do not.
-    """
+    """Lateral displacement [mm] of the leading wheelset over times [s], a panel per run; `slide`: its begin [s], or NaN."""
     labels = ["y [mm]"] * len(runs)
     with panels(labels, "time [s]", 1.0 + 1.15 * len(runs), legend=False, sharey=True) as (figure, all_axes):
         for axes, (label, series) in zip(all_axes, runs.items(), strict=True):
@@ -238,12 +217,7 @@ def motions(runs: Mapping[str, tuple[Array, Array]], slide: float) -> Figure:
 
 
 def amplitudes(runs: Mapping[str, tuple[Any, Any]], slips: Mapping[str, tuple[Any, Any]]) -> Figure:
-    """Amplitude of hunting over time above, slip of the leading wheelset below.
-
-    Args:
-        runs: label -> times [s] and amplitude [mm].
-        slips: label -> times [s] and slip [%].
-    """
+    """Amplitude of hunting [mm] over times [s] by label above, slip of the leading wheelset [%] below."""
     labels = ("amplitude of the\nleading wheelset [mm]", "slip of the leading\nwheelset [%]")
     with panels(labels, "time [s]", 4.6) as (figure, all_axes):
         for axes, series in zip(all_axes, (runs, slips), strict=True):
@@ -255,12 +229,7 @@ def amplitudes(runs: Mapping[str, tuple[Any, Any]], slips: Mapping[str, tuple[An
 
 
 def disturbed_control(runs: Mapping[str, xr.Dataset], radius: float) -> Figure:
-    """Tracking error and real sliding of the leading wheelset over time, a line per run.
-
-    Args:
-        runs: label -> Dataset of a rig.
-        radius: of the wheels [m].
-    """
+    """Tracking error and real sliding of the leading wheelset over time, a line per run of a rig; radius of the wheels [m]."""
     labels = ("tracking error\n[% of train speed]", "sliding of wheel\non roller [mm/s]")
     with panels(labels, "time [s]", 4.6) as (figure, (error, sliding)):
         for number, (label, run) in enumerate(runs.items()):
@@ -272,11 +241,7 @@ def disturbed_control(runs: Mapping[str, xr.Dataset], radius: float) -> Figure:
 
 
 def creep_forces(runs: Mapping[str, tuple[Any, Any, Any]]) -> Figure:
-    """Creep forces of the leading left wheel over time: along and across, a column per run.
-
-    Args:
-        runs: label -> times [s], force along and force across the track [kN].
-    """
+    """Creep forces of the leading left wheel [kN] over times [s]: along and across the track, a column per run."""
     with house_style():
         figure, grid = new_grid(2, len(runs), height=4.0, sharex=True, sharey="row")
         for column, (label, (time, along, across)) in enumerate(runs.items()):
@@ -290,13 +255,7 @@ def creep_forces(runs: Mapping[str, tuple[Any, Any, Any]]) -> Figure:
 
 
 def viscous(expected: Array, force: Array, slope: float) -> Figure:
-    """Lateral creep force of sliding wheels over the closed form.
-
-    Args:
-        expected: -F v_y / v_s [N].
-        force: of the run [N].
-        slope: of the line through both.
-    """
+    """Lateral creep force of sliding wheels [N] over the closed form -F v_y / v_s [N], and the line of a slope through both."""
     with house_style():
         figure, (axes,) = new_figure(1, height=3.6, width=5.2)
         line(axes, expected, force, 0, "", "axles on track", marker=".", markersize=2.0)

@@ -37,7 +37,7 @@ LEAST_DIFFERENCE = 0.2
 """Modes whose eigenvalues differ by less between the supports are left out [1/s]."""
 
 
-def telling_modes(modes: Mapping[str, xr.Dataset], count: int = MOST_MODES) -> list[str]:
+def telling_modes(modes: Mapping[str, xr.Dataset]) -> list[str]:
     """Names of the modes that differ most between the supports, hunting modes first; those that all supports have."""
     first = next(iter(modes.values()))
     names = [
@@ -57,15 +57,11 @@ def telling_modes(modes: Mapping[str, xr.Dataset], count: int = MOST_MODES) -> l
     hunting = [name for name in names if name.startswith("hunting")]
     others = [name for name in names if name not in hunting and (len(modes) == 1 or apart(name) > LEAST_DIFFERENCE)]
     others.sort(key=apart, reverse=True)
-    return [*hunting, *others][:count]
+    return [*hunting, *others][:MOST_MODES]
 
 
 def modes_side_by_side(modes: Mapping[str, xr.Dataset]) -> Figure:
-    """Frequency and damping of the modes over speed: a colour per mode, a line style per support.
-
-    Args:
-        modes: label -> Dataset of `stability`.
-    """
+    """Frequency and damping of the modes of `stability` over speed: a colour per mode, a line style per support."""
     names = telling_modes(modes)
     labels = ("frequency [Hz]", "damping ratio [%], unstable below 0")
     colours = [COLOURS[(1, 0, 2, 3, 4, 5, 6, 7)[number % 8]] for number in range(len(names))]
@@ -89,12 +85,7 @@ def modes_side_by_side(modes: Mapping[str, xr.Dataset]) -> Figure:
 
 
 def critical_over_radius(speeds: Mapping[str, tuple[Sequence[float], Sequence[float], float]], marked: float) -> Figure:
-    """Critical speed over the rollers' radius; the track is the line that the curves approach.
-
-    Args:
-        speeds: label -> radii [m], critical speeds [km/h], that on track [km/h].
-        marked: radius of the rig compared [m].
-    """
+    """Critical speeds [km/h] over the rollers' radius [m] by label; the track is the line that the curves approach."""
     with panels(["linear critical speed [km/h]"], "radius of the rollers [m]", 3.6, legend=False) as (figure, (axes,)):
         ticks = sorted({radius for radii, _, _ in speeds.values() for radius in radii})
         for number, (label, (radii, values, track)) in enumerate(speeds.items()):
@@ -115,13 +106,7 @@ def critical_over_radius(speeds: Mapping[str, tuple[Sequence[float], Sequence[fl
 
 
 def effect_bars(off: Mapping[str, float], alone: Mapping[str, float], loss: float) -> Figure:
-    """What each effect of a roller costs: left out of the rig, and alone on the track.
-
-    Args:
-        off: effect -> critical speed gained when it alone is switched off [km/h].
-        alone: effect -> critical speed lost when it alone is on [km/h].
-        loss: from track to rig [km/h].
-    """
+    """What each effect of a roller costs [km/h]: left out of the rig, and alone on the track; loss from track to rig."""
     with house_style():
         figure, (axes,) = new_figure(height=0.9 + 0.55 * (len(off) + 2))
         rows = [*off, "interaction", "all: track less rig"]
@@ -147,11 +132,7 @@ def effect_bars(off: Mapping[str, float], alone: Mapping[str, float], loss: floa
 
 
 def disturbed_over_time(runs: Mapping[str, xr.Dataset]) -> Figure:
-    """The leading wheelset after a disturbance: its motion, guiding force, sum of guiding forces, longitudinal creep force.
-
-    Args:
-        runs: label -> wheel-rail forces over time with `lateral` and `longitudinal_creep_force`.
-    """
+    """The leading wheelset after a disturbance: motion, guiding force, sum of guiding forces, longitudinal creep force."""
     labels = ("lateral [mm]", "Y, left wheel [kN]", "ΣY, 2 m mean [kN]", "longitudinal creep force,\nleft wheel [kN]")
     with panels(labels, "time [s]", 8.0, legend=False) as (figure, axes):
         for number, (label, run) in enumerate(runs.items()):

@@ -146,9 +146,7 @@ def creep_comparison_figure(comparison: xr.Dataset, side: str = "left") -> Figur
 def characteristics_figure(shifts: Mapping[str, xr.Dataset], conicity: Mapping[str, xr.Dataset]) -> Figure:
     """Rolling radius difference, conicity, contact positions, angles and wavelength; each support in its own style.
 
-    Args:
-        shifts: label -> what `shift_table` returns; the first is drawn full, further ones dashed over it.
-        conicity: the same labels -> what `conicity_table` returns.
+    By label what `shift_table` and `conicity_table` return; the first is drawn full, further ones dashed over it.
     """
     first = next(iter(shifts.values()))
     rolls, yawed = first.attrs["roll"] == "free", first.attrs["yaw_rad"] != 0.0

@@ -10,8 +10,8 @@ from typing import Any, Literal
 import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from rollerrig.common.arrays import Array, Complex
 from rollerrig.plot.style import (
     COLOURS,
     GREY,
@@ -31,15 +31,7 @@ from rollerrig.plot.style import (
 
 @dataclass(frozen=True)
 class Curve:
-    """Errors along one axis.
-
-    Attributes:
-        label: in the legend.
-        value: along the axis.
-        tracking: RMS [%] of train speed.
-        ripple: of the roller torque [N m]; NaN: not known.
-        ended: whether the test ended before its time.
-    """
+    """Errors along one axis: tracking RMS [% of train speed], ripple of the torque [N m] or NaN, whether a test ended early."""
 
     label: str
     value: Sequence[float]
@@ -70,14 +62,9 @@ def over_parameter(
     base: float | None,
     limits: tuple[float, float],
 ) -> Figure:
-    """Tracking error and ripple over what is varied, a line per curve.
+    """Tracking error and ripple over what is varied, a line per curve; a vertical line at the base, the value of the case.
 
-    Args:
-        curves: to be compared.
-        label: of the axis.
-        scale: of the axis.
-        base: value of the case, a vertical line.
-        limits: tracking RMS [%] and ripple [N m] from which on a variant fails.
+    Limits: tracking RMS [%] and ripple [N m] from which on a variant fails.
     """
     with panels(("tracking error\nRMS [%]", "torque ripple\nRMS [N m]"), label, 4.6) as (figure, (tracking, ripple)):
         for number, curve in enumerate(curves):
@@ -102,13 +89,7 @@ def over_parameter(
 
 
 def ranges(bars: Sequence[Bar], base: tuple[float, float], limits: tuple[float, float]) -> Figure:
-    """Range of tracking error and ripple of every curve, the worst on top.
-
-    Args:
-        bars: from the worst on.
-        base: of the case as it is.
-        limits: from which on a variant fails.
-    """
+    """Range of tracking error and ripple of every curve, the worst on top; those of the case as it is, limits of failure."""
     with house_style():
         figure, axes = new_grid(1, 2, height=1.4 + 0.24 * len(bars), sharey=True, width_ratios=(3, 2))
         tracking, ripple = axes[0]
@@ -165,12 +146,7 @@ def loop_growth(points: Mapping[str, Sequence[float]]) -> Figure:
 
 
 def courses(runs: Mapping[str, xr.Dataset], radius: float) -> Figure:
-    """Leading axle of some runs over time: wheel and virtual wheel, tracking error, roller torque; a column with own scales each.
-
-    Args:
-        runs: label -> Dataset with `axle_speed`, `virtual_speed`, `train_speed`, `roller_torque`.
-        radius: of the wheels [m].
-    """
+    """Leading axle of some runs over time: wheel and virtual wheel, tracking error, roller torque; a column each."""
     with house_style():
         figure, grid = new_grid(3, len(runs), height=5.6, sharex=True)
         for (speed, error, torque), (label, run) in zip(grid.T, runs.items(), strict=True):
@@ -188,18 +164,12 @@ def courses(runs: Mapping[str, xr.Dataset], radius: float) -> Figure:
     return figure
 
 
-Response = tuple[NDArray[np.float64], NDArray[np.complex128]]
+Response = tuple[Array, Complex]
 """Frequencies [Hz] and complex amplitudes there."""
 
 
 def bode_figure(lines: Mapping[str, Response], points: Mapping[str, Response], unit: str) -> Figure:
-    """Magnitude and phase over frequency: lines of the linear bench, points as measured, one colour per label.
-
-    Args:
-        lines: label -> response.
-        points: label -> measured response, of some of the labels.
-        unit: of the magnitude.
-    """
+    """Magnitude and phase over frequency: lines of the linear bench, points as measured, one colour per label."""
     with panels([f"magnitude [dB re 1 {unit}]", "phase [°]"], "frequency [Hz]", 5.0) as (figure, (magnitude, phase)):
         for number, (label, (frequencies, values)) in enumerate(lines.items()):
             angle = np.degrees(np.unwrap(np.angle(values)))
@@ -232,15 +202,8 @@ def nyquist_figure(lines: Mapping[str, Response], unit: str) -> Figure:
     return figure
 
 
-def poles_and_zeros_figure(
-    poles: Mapping[str, NDArray[np.complex128]], zeros: Mapping[str, NDArray[np.complex128]]
-) -> Figure:
-    """Poles as crosses, zeros as circles, one colour per label.
-
-    Args:
-        poles: label -> poles [1/s].
-        zeros: label -> zeros [1/s], of the same labels.
-    """
+def poles_and_zeros_figure(poles: Mapping[str, Complex], zeros: Mapping[str, Complex]) -> Figure:
+    """Poles as crosses, zeros as circles [1/s], one colour per label."""
     with house_style():
         figure, (axes,) = new_figure(height=4.2)
         for number, label in enumerate(poles):

@@ -15,6 +15,7 @@ from matplotlib.patches import Patch, Rectangle
 from matplotlib.tri import Triangulation
 from numpy.typing import NDArray
 
+from rollerrig.common.arrays import Array
 from rollerrig.plot.style import house_style, line, new_figure, new_grid
 
 FILLS: Mapping[str, tuple[str, str]] = {
@@ -51,17 +52,9 @@ _PANELS = (
     "tracking error\n[% of train speed]",
 )
 
-Array = NDArray[np.float64]
-
 
 def region_map(found: xr.Dataset, load: float, names: Mapping[str, str]) -> Figure:
-    """Regions of one load over torque and adhesion, runs as dots, tracking error as contours, closed forms as lines.
-
-    Args:
-        found: of `envelope`.
-        load: one of its loads.
-        names: region -> meaning.
-    """
+    """Regions of one load over torque and adhesion, runs as dots, tracking error as contours, closed forms as lines."""
     here = found.sel(load=load)
     with house_style():
         figure, (axes,) = new_figure(1, height=5.0)
@@ -182,10 +175,7 @@ def _highlighted(axes: Axes, x: Array, y: Array, name: str) -> None:
 def runs_over_time(runs: Sequence[tuple[str, xr.Dataset]], radius: float, friction: float) -> Figure:
     """Up to three runs beside each other: speeds, torques, friction used and tracking error of the axle that uses most of it.
 
-    Args:
-        runs: title and run.
-        radius: of the wheels [m].
-        friction: between wheel and roller [-].
+    Radius of the wheels [m]; friction between wheel and roller [-].
     """
     unit, scale = _unit(max(float(np.abs(run["roller_torque"]).max()) for _, run in runs))
     with house_style():

@@ -15,8 +15,8 @@ from matplotlib.axes import Axes
 from matplotlib.colors import BoundaryNorm, ListedColormap
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
-from numpy.typing import NDArray
 
+from rollerrig.common.arrays import Array, Complex
 from rollerrig.plot.style import (
     COLOURS,
     GREY,
@@ -32,8 +32,6 @@ from rollerrig.plot.style import (
     new_grid,
     panels,
 )
-
-Points = NDArray[np.float64]
 
 VIEWS = {"plan": (0, 1), "side": (0, 2), "end": (1, 2)}
 """View -> the axes it shows."""
@@ -143,7 +141,7 @@ def _draw(axes: Axes, mode: xr.Dataset, view: str, phase_deg: float) -> None:
     axes.grid(visible=False)
 
 
-def _displacement(points: Points, motion: NDArray[np.complex128], role: str) -> NDArray[np.complex128]:
+def _displacement(points: Array, motion: Complex, role: str) -> Complex:
     """Displacement of points of a body, shape (n, 3): u + rotation x point."""
     turn = motion[3:].copy()
     if role == "wheelsets":
@@ -151,7 +149,7 @@ def _displacement(points: Points, motion: NDArray[np.complex128], role: str) -> 
     return np.asarray(motion[:3] + np.cross(np.broadcast_to(turn, points.shape), points))
 
 
-def _outline(role: str, place: Points, view: str, wheelsets: Points) -> Points:
+def _outline(role: str, place: Array, view: str, wheelsets: Array) -> Array:
     """A closed line around a body, from its centre of mass, shape (n, 3)."""
     if role == "wheelsets":
         if view == "side":
@@ -168,7 +166,7 @@ def _outline(role: str, place: Points, view: str, wheelsets: Points) -> Points:
     )
 
 
-def _wheelset(view: str) -> Points:
+def _wheelset(view: str) -> Array:
     """Axle and two wheels, from above or from behind."""
     r, inner, outer = WHEEL_RADIUS, HALF_GAUGE - 0.07, HALF_GAUGE + 0.07
     half = [(1.0, 0.0), (outer, 0.0), (outer, r), (inner, r), (inner, -r), (outer, -r), (outer, 0.0), (inner, 0.0)]
@@ -177,7 +175,7 @@ def _wheelset(view: str) -> Points:
     return np.array(flat)
 
 
-def _box(view: str, half_length: float, half_width: float, bottom: float, top: float) -> Points:
+def _box(view: str, half_length: float, half_width: float, bottom: float, top: float) -> Array:
     corners = {
         "plan": [(1, 1, 0), (1, -1, 0), (-1, -1, 0), (-1, 1, 0), (1, 1, 0)],
         "side": [(1, 0, 0), (1, 0, 1), (-1, 0, 1), (-1, 0, 0), (1, 0, 0)],
@@ -342,12 +340,9 @@ def frequency_over_speed(modes: xr.Dataset, cycles: xr.Dataset | None = None) ->
 
 
 def hunting_frequencies(linear: dict[str, xr.Dataset], runs: dict[str, xr.Dataset], title: str = "") -> Figure:
-    """Frequency of hunting over speed: linear modes as lines; runs as markers, filled where they end in a limit cycle.
+    """Frequency of hunting over speed: modes of `stability` as lines, runs of `hunting_table` as markers of the same colour.
 
-    Args:
-        linear: label -> Dataset of `stability`; drawn where a mode hunts, see `hunting_frequency`.
-        runs: label -> Dataset of `hunting_table`; in the colour of the line with the same label, if there is one.
-        title: of the figure.
+    Lines are drawn where a mode hunts, see `hunting_frequency`; markers are filled where a run ends in a limit cycle.
     """
     with panels(["frequency of lateral oscillation [Hz]"], "speed [km/h]", 3.6, legend=False) as (figure, (axes,)):
         for number, (label, modes) in enumerate(linear.items()):

@@ -30,12 +30,7 @@ def speeds(runs: Runs, radius: float) -> Figure:
 
 
 def torques(runs: Runs, torque: tuple[xr.DataArray, xr.DataArray]) -> Figure:
-    """Torque of brake or motor on the axles, force of the contact, and real sliding of wheel on roller.
-
-    Args:
-        runs: of full scale and model.
-        torque: on the axles of both, over time and axle [N m].
-    """
+    """Torque of brake or motor on the axles [N m], force of the contact, and real sliding of wheel on roller."""
     labels = ("torque on\nthe axle [kN m]", "contact force\non the axle [kN]", "sliding of wheel\non roller [mm/s]")
     with panels(labels, XLABEL, 6.2) as (figure, (top, middle, low)):
         for run, values, (label, style) in zip(runs, torque, STYLES.items(), strict=True):
@@ -59,13 +54,7 @@ def lateral(runs: Runs) -> Figure:
 
 
 def differences(full: xr.Dataset, others: Mapping[str, xr.Dataset], radius: float) -> Figure:
-    """Speed of the first axle and of the train, model less full scale, and with each violation alone.
-
-    Args:
-        full: at full scale.
-        others: by words for the legend: runs at the times of full scale, as far as both ran.
-        radius: of the wheels [m].
-    """
+    """Speed of the first axle and of the train, model less full scale at the same times, and with each violation alone."""
     labels = ("first axle, model less\nfull scale [m/s]", "train, model less\nfull scale [m/s]")
     with panels(labels, XLABEL, 4.8) as (figure, (wheel, train)):
         for number, (label, run) in enumerate(others.items()):

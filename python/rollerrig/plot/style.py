@@ -218,13 +218,7 @@ def legend_beside(axes: Axes, **options: Any) -> None:
 
 
 def wheel_lines(axes: Axes, along: xr.DataArray, values: xr.DataArray) -> None:
-    """A line per wheel: each wheelset its colour, left wheels full and right ones dashed.
-
-    Args:
-        axes: to draw into.
-        along: abscissa over `time`.
-        values: over `time` and `wheel`.
-    """
+    """A line per wheel over time: each wheelset its colour, left wheels full and right ones dashed."""
     wheels = [str(wheel) for wheel in values["wheel"].to_numpy()]
     wheelsets = list(dict.fromkeys(wheel.rpartition("_")[0] for wheel in wheels))
     for wheel in wheels:
@@ -344,12 +338,7 @@ def _text(value: float) -> str:
 
 
 def logarithmic(axes: Axes, which: Literal["x", "y"] = "x") -> None:
-    """Make an axis logarithmic.
-
-    Args:
-        axes: whose axis it is.
-        which: the abscissa or the ordinate.
-    """
+    """Make the abscissa or the ordinate logarithmic."""
     (axes.set_xscale if which == "x" else axes.set_yscale)("log")
     axis = axes.xaxis if which == "x" else axes.yaxis
     axis.set_major_locator(_Places())

@@ -33,9 +33,7 @@ def _spread(count: int, most: int) -> list[int]:
 def grid_map(data: xr.Dataset, name: str) -> Figure:
     """A number of a grid: lines over one or two varied keys of which one has few values, else maps, a panel per third value.
 
-    Args:
-        data: of the sweep.
-        name: of the number. Over a fourth and further keys the middle value is shown.
+    Over a fourth and further keys the middle value is shown.
     """
     values = data[name]
     shown = sorted(values.dims, key=lambda dim: (-values.sizes[dim], values.dims.index(dim)))[:3]
@@ -169,13 +167,7 @@ def scatter(data: xr.Dataset, name: str) -> Figure:
 
 
 def tornado(ends: Mapping[str, tuple[float, float]], attributes: Mapping[str, Any], middle: float) -> Figure:
-    """Bars from the mean at the low end of each varied key to that at its high end, the longest at the top.
-
-    Args:
-        ends: key -> both means.
-        attributes: of the number: `units`, `long_name`.
-        middle: mean of all cases.
-    """
+    """Bars from the mean at the low end of each varied key to that at its high end, the longest at the top; mean of all cases."""
     keys = sorted(ends, key=lambda key: abs(ends[key][1] - ends[key][0]))
     with house_style():
         figure, axes = new_figure(1, height=max(1.8, 0.9 + 0.35 * len(keys)))

@@ -28,13 +28,7 @@ _SIZE = 6.8
 
 @dataclass(frozen=True)
 class Callout:
-    """What is named.
-
-    Attributes:
-        text: its name.
-        place: in the view [data].
-        colour: of the line.
-    """
+    """What is named: text, place in the view [data], colour of the line."""
 
     text: str
     place: tuple[float, float]

@@ -14,9 +14,9 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import FancyArrowPatch
-from numpy.typing import NDArray
 
 from rollerrig.cases import wheelsets
+from rollerrig.common.arrays import Array
 from rollerrig.config import Body, Case, Element
 
 STEEL, BODY, HELD = "#d7dde3", "#f3efe4", "#e4e4e4"
@@ -30,13 +30,9 @@ INDEX = {"x": 0, "y": 1, "z": 2}
 
 @dataclass(frozen=True)
 class Scene:
-    """What the views share.
+    """What the views of a case share: origin of the part that is run [m], half distance between the tape circles [m].
 
-    Attributes:
-        case: what is drawn.
-        origin: of the part that is run, along the vehicle [m].
-        half_base: half distance between the tape circles [m].
-        families: name -> elements of that name on any side, wheelset or bogie.
+    Families: name -> elements of that name on any side, wheelset or bogie.
     """
 
     case: Case
@@ -95,12 +91,10 @@ def box(body: Body) -> tuple[float, float, float]:
     return float(x), float(y), float(z)
 
 
-Place = NDArray[np.float64]
-
 INK = "#333333"
 
 
-def spring(axes: Axes, middle: Place, along: Place, length: float, colour: str) -> None:
+def spring(axes: Axes, middle: Array, along: Array, length: float, colour: str) -> None:
     """A zigzag of a length along a unit vector."""
     across = np.array([-along[1], along[0]])
     steps = np.array([-0.5, -0.32, -0.24, -0.08, 0.08, 0.24, 0.32, 0.5])
@@ -109,7 +103,7 @@ def spring(axes: Axes, middle: Place, along: Place, length: float, colour: str) 
     axes.plot(points[:, 0], points[:, 1], color=colour, linewidth=1.0, zorder=6)
 
 
-def damper(axes: Axes, middle: Place, along: Place, length: float, colour: str) -> None:
+def damper(axes: Axes, middle: Array, along: Array, length: float, colour: str) -> None:
     """A pot and a piston of a length along a unit vector."""
     across = np.array([-along[1], along[0]])
 
@@ -124,7 +118,7 @@ def damper(axes: Axes, middle: Place, along: Place, length: float, colour: str) 
 
 
 def turning(
-    axes: Axes, middle: Place, radius: float, colour: str, *, clockwise: bool = True, arrow: bool = True
+    axes: Axes, middle: Array, radius: float, colour: str, *, clockwise: bool = True, arrow: bool = True
 ) -> None:
     """An arc about a place, with a head in its sense of turning."""
     start, end = np.radians([200.0, -20.0] if clockwise else [-20.0, 200.0])
@@ -135,7 +129,7 @@ def turning(
         head(axes, points[-4], points[-1], colour)
 
 
-def head(axes: Axes, start: Place, end: Place, colour: str) -> None:
+def head(axes: Axes, start: Array, end: Array, colour: str) -> None:
     """An arrow from one place to another."""
     axes.add_patch(
         FancyArrowPatch(

@@ -8,11 +8,10 @@ from typing import Any
 
 import numpy as np
 from matplotlib.figure import Figure
-from numpy.typing import NDArray
 
+from rollerrig.common.arrays import Array
 from rollerrig.plot.style import COLOURS, GREY, house_style, line, logarithmic, new_figure, new_grid, panels
 
-Array = NDArray[np.float64]
 Ends = tuple[float, float, float]
 """Mean, lower and upper end of its interval."""
 
@@ -28,15 +27,7 @@ def means_with_intervals(
     dry: Sequence[float | None] = (),
     limits: Sequence[float | None] = (),
 ) -> Figure:
-    """A line per stop, track and rig beside each other.
-
-    Args:
-        stops: names.
-        found: support -> of each stop; None: none.
-        xlabel: of the abscissa with its unit.
-        dry: value of the dry stop, where there is one.
-        limits: of the programme, where there is one.
-    """
+    """A line per stop, track and rig beside each other: means with their ends, values of the dry stop, limits; None: none."""
     with house_style():
         figure, (axes,) = new_figure(1, height=1.1 + 0.32 * len(stops))
         for number, (label, ends) in enumerate(found.items()):
@@ -116,11 +107,7 @@ def slip_grid(edges: Array, shares: Mapping[str, Mapping[str, Array]]) -> Figure
 
 
 def stop_over_time(signals: Mapping[str, Mapping[str, Array]]) -> Figure:
-    """Speeds of train and wheels, and cylinder pressures, of the first tests of a stop: track above, rig below.
-
-    Args:
-        signals: support -> name with unit -> values.
-    """
+    """Speeds of train and wheels, and cylinder pressures, of the first tests of a stop: track above, rig below."""
     labels = [f"{label}\n{what}" for label in signals for what in ("speed [km/h]", "cylinder [bar]")]
     with panels(labels, "time since the demand [s]", 1.0 + 1.5 * len(labels)) as (figure, axes):
         for (speeds, pressures), one in zip(zip(axes[::2], axes[1::2], strict=True), signals.values(), strict=True):

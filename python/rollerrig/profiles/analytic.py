@@ -22,17 +22,10 @@ from typing import Literal
 import numpy as np
 from numpy.polynomial import Polynomial
 
-from rollerrig.profiles.table import (
-    DEFAULT_STEP,
-    STEEPEST_SLOPE,
-    FloatArray,
-    ProfileError,
-    ProfileKind,
-    ProfileTable,
-    tabulate,
-)
+from rollerrig.common.arrays import Array
+from rollerrig.profiles.table import DEFAULT_STEP, STEEPEST_SLOPE, ProfileError, ProfileKind, ProfileTable, tabulate
 
-Segment = Callable[[FloatArray], FloatArray]
+Segment = Callable[[Array], Array]
 
 RUN_OUT = Polynomial([1.364323640, -0.066666667])
 TREAD = Polynomial(
@@ -63,15 +56,15 @@ FLANGE_ROOT_AS_PRINTED = Polynomial(
 FLANGE_FACE = Polynomial([-93.576667419, -2.747477419])
 
 
-def _root_arc(s: FloatArray) -> FloatArray:
+def _root_arc(s: Array) -> Array:
     return np.asarray(16.446 - np.sqrt(13.0**2 - (s + 26.210665) ** 2))
 
 
-def _upper_face_arc(s: FloatArray) -> FloatArray:
+def _upper_face_arc(s: Array) -> Array:
     return np.asarray(8.834924130 + np.sqrt(20.0**2 - (s + 58.558326413) ** 2))
 
 
-def _tip_arc(s: FloatArray) -> FloatArray:
+def _tip_arc(s: Array) -> Array:
     return np.asarray(16.0 + np.sqrt(12.0**2 - (s + 55.0) ** 2))
 
 
@@ -89,7 +82,7 @@ def _flange_root() -> Segment:
     gap, length = value - FLANGE_ROOT_AS_PRINTED(ends), ends[1] - ends[0]
     turn = length * (slope - FLANGE_ROOT_AS_PRINTED.deriv()(ends))
 
-    def closing(s: FloatArray) -> FloatArray:
+    def closing(s: Array) -> Array:
         u = (s - ends[0]) / length
         of_values = gap[0] * (1 + 2 * u) * (1 - u) ** 2 + gap[1] * (3 - 2 * u) * u**2
         return np.asarray(of_values + turn[0] * u * (1 - u) ** 2 - turn[1] * (1 - u) * u**2)
@@ -109,7 +102,7 @@ SEGMENTS: tuple[tuple[float, Segment], ...] = (
 )
 
 
-def s1002_height(s_mm: FloatArray) -> FloatArray:
+def s1002_height(s_mm: Array) -> Array:
     """Radius increase [mm] over the abscissa S [mm], -62.76 <= S <= 60."""
     s_mm = np.asarray(s_mm, dtype=np.float64)
     starts = [start for start, _ in SEGMENTS]
@@ -164,7 +157,7 @@ class Arc:
     start: float  # angle [rad], smaller abscissa
     end: float  # angle [rad], larger abscissa
 
-    def point(self, angle: float | FloatArray) -> FloatArray:
+    def point(self, angle: float | Array) -> Array:
         """Point(s) [mm] at an angle [rad]; shape (2,) or (2, n)."""
         return np.array([self.y + self.radius * np.sin(angle), self.z + self.radius * np.cos(angle)])
 
@@ -205,7 +198,7 @@ def inclined_head(variant: Variant, inclination: float) -> list[Arc]:
     return [Arc(a.y - float(top[0]), a.z - float(top[1]), a.radius, a.start, a.end) for a in turned]
 
 
-def head_height(arcs: list[Arc], y_mm: FloatArray) -> FloatArray:
+def head_height(arcs: list[Arc], y_mm: Array) -> Array:
     """Height [mm] of the head over the abscissa [mm]; NaN beyond the arcs."""
     y_mm = np.asarray(y_mm, dtype=np.float64)
     height = np.full(y_mm.shape, np.nan)
@@ -215,13 +208,13 @@ def head_height(arcs: list[Arc], y_mm: FloatArray) -> FloatArray:
     return height
 
 
-def outline(arcs: list[Arc], points_per_arc: int = 500) -> FloatArray:
+def outline(arcs: list[Arc], points_per_arc: int = 500) -> Array:
     """Points [m] along the head from the foot of the gauge side to that of the field side; shape (n, 2)."""
     curve = np.concatenate(
         [arc.point(np.linspace(arc.start, arc.end, points_per_arc + 1)).T[(k > 0) :] for k, arc in enumerate(arcs)]
     )
 
-    def side(end: FloatArray, angle: float) -> FloatArray:  # the straight flank, down to SIDE_BOTTOM
+    def side(end: Array, angle: float) -> Array:  # the straight flank, down to SIDE_BOTTOM
         return np.array([[end[0] + (end[1] - SIDE_BOTTOM) / np.tan(angle), SIDE_BOTTOM]])
 
     whole = [side(curve[0], arcs[0].start), curve, side(curve[-1], arcs[-1].end)]
@@ -322,7 +315,7 @@ def arc(radius: float, kind: ProfileKind = "rail", half_width: float = 36e-3) ->
         raise ProfileError(f"arc: half_width: {half_width} m; allowed above 0 and up to 0.5 m")
     half_width = min(half_width, radius * float(np.sin(np.arctan(STEEPEST_SLOPE))))
 
-    def height(y: FloatArray) -> FloatArray:
+    def height(y: Array) -> Array:
         return np.asarray(-(y**2) / (radius + np.sqrt(radius**2 - y**2)))  # sqrt(R^2 - y^2) - R, without cancellation
 
     name = f"arc R{radius * 1e3:g}"

@@ -17,7 +17,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from rollerrig.profiles.table import FloatArray, ProfileError
+from rollerrig.common.arrays import Array, Mask
+from rollerrig.profiles.table import ProfileError
 
 STRAY = 0.3e-3
 """A point farther than this from both neighbours, which lie together, is none of the profile [m]."""
@@ -39,15 +40,15 @@ class Course:
     """
 
     file: Path
-    points: FloatArray
-    weights: FloatArray
+    points: Array
+    weights: Array
     lines: NDArray[np.intp]
 
     def __len__(self) -> int:
         """Number of points."""
         return len(self.points)
 
-    def part(self, chosen: slice | Sequence[int] | NDArray[np.intp] | NDArray[np.bool_]) -> Course:
+    def part(self, chosen: slice | Sequence[int] | NDArray[np.intp] | Mask) -> Course:
         """Some of the points, in the order of `chosen`."""
         return replace(self, points=self.points[chosen], weights=self.weights[chosen], lines=self.lines[chosen])
 
@@ -56,12 +57,12 @@ class Course:
         y, z = self.points[i] * 1e3
         return f"line {self.lines[i]}, ({y:.4g}, {z:.4g}) mm"
 
-    def nearest(self, point: FloatArray) -> str:
+    def nearest(self, point: Array) -> str:
         """The place of the point nearest to another one (2,) [m]."""
         return self.place(int(np.argmin(np.hypot(*(self.points - point).T))))
 
     @property
-    def spacing(self) -> FloatArray:
+    def spacing(self) -> Array:
         """(n - 1,) distances of neighbours [m]."""
         return np.asarray(np.hypot(*np.diff(self.points, axis=0).T))
 
@@ -129,13 +130,9 @@ KINK_WINDOW = 2.5e-3  # [m] on each side, over which the direction is extrapolat
 
 
 def check_fold(course: Course, reference: int) -> None:
-    """Refuse an abscissa that turns back before it continues outward.
+    """Refuse an abscissa that turns back before it continues outward, seen from an index.
 
     The back of a flange or the underside of a rail head turn back and stay there: those are merely not used.
-
-    Args:
-        course: the points.
-        reference: index to look outward from.
     """
     for towards in (slice(reference, None), slice(reference, None, -1)):
         path = course.points[towards]
@@ -164,21 +161,16 @@ def check_gaps(course: Course, low: float, high: float) -> None:
 
 
 def averaged(course: Course, noise: float) -> Course:
-    """Means of so many neighbours that the chords between them have a direction good to DIRECTION_NOISE.
+    """Means of so many neighbours that the chords between them have a direction good to DIRECTION_NOISE; else the points.
 
-    Args:
-        course: the points.
-        noise: their standard deviation [m].
-
-    Returns:
-        The means; the very points where they are good enough.
+    Their noise is a standard deviation [m].
     """
     spacing = float(np.median(course.spacing))
     count = max(1, int(np.ceil((np.sqrt(2.0) * noise / (DIRECTION_NOISE * spacing)) ** (2 / 3))))
     return course.averaged(min(count, len(course)))
 
 
-def direction_jumps(points: FloatArray) -> FloatArray:
+def direction_jumps(points: Array) -> Array:
     """Jump of direction at every point [rad], positive where the profile turns upward; 0 near the two ends.
 
     From each side the direction at a point is extrapolated linearly along the arc length: exact on lines and arcs,
@@ -214,7 +206,7 @@ def check_kinks(course: Course, low: float, high: float) -> None:
         )
 
 
-def _extrapolated(x: FloatArray, value: FloatArray, weight: FloatArray) -> float:
+def _extrapolated(x: Array, value: Array, weight: Array) -> float:
     """Value at x = 0 of the weighted straight line through (x, value)."""
     total = weight.sum()
     mean_x, mean = weight @ x / total, weight @ value / total

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
 
+from rollerrig.common.arrays import Array
 from rollerrig.profiles.course import (
     LARGEST_KINK,
     MOST_POINTS,
@@ -27,15 +28,7 @@ from rollerrig.profiles.course import (
     without_crowds,
 )
 from rollerrig.profiles.point_file import FEWEST_POINTS, FileFormat, LengthUnit, read_point_file
-from rollerrig.profiles.table import (
-    DEFAULT_STEP,
-    STEEPEST_SLOPE,
-    FloatArray,
-    ProfileError,
-    ProfileKind,
-    ProfileTable,
-    tabulate,
-)
+from rollerrig.profiles.table import DEFAULT_STEP, STEEPEST_SLOPE, ProfileError, ProfileKind, ProfileTable, tabulate
 
 if TYPE_CHECKING:
     from scipy.interpolate import BSpline
@@ -161,11 +154,11 @@ def _check_numbers(file: Path, step: float, inclination: float, smoothing: float
 class Samples:
     """A curve sampled along its length: arc length s, abscissa, value [m] and their derivatives over s [-]."""
 
-    s: FloatArray
-    y: FloatArray
-    z: FloatArray
-    dy: FloatArray
-    dz: FloatArray
+    s: Array
+    y: Array
+    z: Array
+    dy: Array
+    dz: Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -182,14 +175,14 @@ class SmoothCurve:
         s = np.linspace(0.0, self.length, max(2, math.ceil(self.length / SAMPLE)) + 1)
         return Samples(s, self.y(s), self.z(s), self.y(s, 1), self.z(s, 1))
 
-    def height(self, y: FloatArray, samples: Samples, branch: slice) -> FloatArray:
+    def height(self, y: Array, samples: Samples, branch: slice) -> Array:
         """Value [m] at abscissae [m] on a branch where y(s) increases."""
         s = np.interp(y, samples.y[branch], samples.s[branch])
         for _ in range(4):  # Newton; the start is good to 1e-9 m
             s = s - (self.y(s) - y) / self.y(s, 1)
         return np.asarray(self.z(s))
 
-    def origin(self, samples: Samples, branch: slice, kind: ProfileKind) -> FloatArray:
+    def origin(self, samples: Samples, branch: slice, kind: ProfileKind) -> Array:
         """The point that becomes (0, 0) [m]: on the tape circle of a wheel, on top of a rail."""
         if kind == "wheel":
             return np.array([0.0, self.height(np.zeros(1), samples, branch)[0]])
@@ -255,7 +248,7 @@ def _check_wheel(course: Course, require_flange: bool) -> None:
         )
 
 
-def _reference(points: FloatArray, kind: ProfileKind) -> int:
+def _reference(points: Array, kind: ProfileKind) -> int:
     """Index of the point that the usable branch grows from: tape circle or highest point."""
     return int(np.argmin(np.abs(points[:, 0])) if kind == "wheel" else np.argmax(points[:, 1]))
 
@@ -277,7 +270,7 @@ def _relevant(course: Course, kind: ProfileKind, noise: float) -> Course:
     return course.part(slice(first, last))
 
 
-def _smooth(points: FloatArray, weights: FloatArray, noise: float, smoothing: float | Literal["auto"]) -> SmoothCurve:
+def _smooth(points: Array, weights: Array, noise: float, smoothing: float | Literal["auto"]) -> SmoothCurve:
     """Smoothing splines y(s) and z(s) over the chord length s.
 
     Each minimises  integral (p - f)^2 ds + lambda integral f''^2 ds,  a low-pass of gain 1/(1 + (k/k_c)^4) in
@@ -308,7 +301,7 @@ def _rescaled(spline: BSpline, unit: float) -> BSpline:
     return type(spline)(spline.t * unit, spline.c * unit, spline.k)
 
 
-def _noise(points: FloatArray) -> float:
+def _noise(points: Array) -> float:
     """Standard deviation of the points across the curve [m], from fourth divided differences.
 
     Those of a smooth curve vanish; the median makes corners and single outliers count little.

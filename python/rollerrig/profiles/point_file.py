@@ -16,9 +16,10 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from rollerrig.common.arrays import Array
 from rollerrig.common.input_files import LARGEST_TABLE, read_input
 from rollerrig.profiles.course import Course, check_order, check_stray
-from rollerrig.profiles.table import FloatArray, ProfileError, ProfileKind
+from rollerrig.profiles.table import ProfileError, ProfileKind
 
 FileFormat = Literal["auto", "two_column", "simpack"]
 LengthUnit = Literal["auto", "mm", "m"]
@@ -35,13 +36,7 @@ MOST_LINES = 100_000
 
 @dataclass(frozen=True, eq=False)
 class RawProfile:
-    """Points as a file gives them, in metres.
-
-    Attributes:
-        course: the points, in the order of the file.
-        declared: "wheel" or "rail" where the file says so.
-        comment: description out of the file, may be empty.
-    """
+    """Points as a file gives them [m]; whether it declares a "wheel" or "rail", and its comment, may be empty."""
 
     course: Course
     declared: ProfileKind | None
@@ -174,7 +169,7 @@ def _simpack_sections(path: Path, lines: list[str]) -> tuple[dict[str, str], lis
 
 def _numbers(
     path: Path, lines: list[tuple[int, str]], columns: tuple[int, ...], header_allowed: bool = False
-) -> tuple[FloatArray, NDArray[np.intp]]:
+) -> tuple[Array, NDArray[np.intp]]:
     """Rows of numbers out of numbered lines, comments and blank lines left out, and the number of each row's line."""
     rows: list[list[float]] = []
     numbers: list[int] = []
@@ -233,7 +228,7 @@ def _enough_left(path: Path, kept: int, count: int, key: str, of: str = "") -> N
         )
 
 
-def _spaced(y: FloatArray, z: FloatArray, spacing: float) -> list[int]:
+def _spaced(y: Array, z: Array, spacing: float) -> list[int]:
     """Indices of points at least `spacing` from the one kept before; same unit as y and z."""
     keep = [0]
     for i in range(1, len(y)):

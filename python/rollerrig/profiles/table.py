@@ -22,8 +22,9 @@ from functools import lru_cache
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from rollerrig.common.arrays import Array
 from rollerrig.common.splines import pieces, quasi_interpolant
 
 
@@ -34,9 +35,8 @@ class ProfileError(ValueError):
     """
 
 
-FloatArray = NDArray[np.float64]
 ProfileKind = Literal["wheel", "rail"]
-HeightFunction = Callable[[FloatArray], FloatArray]
+HeightFunction = Callable[[Array], Array]
 
 #: Knot spacing [m]. The 13 mm corner of a rail head asks for it: the slope of a cubic spline is off by
 #: about h^3 f''''/125, which at 70 degrees on that corner is 1e-5 rad for 0.05 mm and 1e-4 for 0.1 mm.
@@ -70,10 +70,10 @@ class ProfileTable:
     kind: ProfileKind
     start: float
     step: float
-    coefficients: FloatArray
+    coefficients: Array
     source: str
-    outline: FloatArray = field(repr=False)
-    measured: FloatArray = field(repr=False, default_factory=lambda: np.empty((0, 2)))
+    outline: Array = field(repr=False)
+    measured: Array = field(repr=False, default_factory=lambda: np.empty((0, 2)))
 
     def __post_init__(self) -> None:
         """Freeze the arrays in the layout the compiled core reads; refuse what is not a profile."""
@@ -111,7 +111,7 @@ class ProfileTable:
         """First and last abscissa [m]."""
         return self.start, self.start + len(self.coefficients) * self.step
 
-    def evaluate(self, y: ArrayLike, derivative: int = 0) -> FloatArray:
+    def evaluate(self, y: ArrayLike, derivative: int = 0) -> Array:
         """Value of the spline, or one of its derivatives.
 
         Args:
@@ -145,7 +145,7 @@ class ProfileTable:
                 return np.asarray(6 * c3)
         raise ValueError(f"derivative: {derivative} is not one of 0, 1, 2, 3")
 
-    def curvature(self, y: ArrayLike) -> FloatArray:
+    def curvature(self, y: ArrayLike) -> Array:
         """Curvature -f''/(1 + f'^2)^1.5 of the curve as drawn, value upward [1/m].
 
         Positive where a rail head is convex, and where a wheel is: on the tip of its flange, where its radius is largest.
@@ -163,7 +163,7 @@ def tabulate(
     kind: ProfileKind,
     source: str,
     step: float = DEFAULT_STEP,
-    outline: FloatArray | None = None,
+    outline: Array | None = None,
 ) -> ProfileTable:
     """Turn any height function into a spline table.
 
@@ -244,7 +244,7 @@ def gauge_point(table: ProfileTable, depth: float = 14e-3) -> float:
     return float(y[i] + fraction * (y[i + 1] - y[i]))
 
 
-def _first_bad(values: FloatArray) -> int:
+def _first_bad(values: Array) -> int:
     return int(np.flatnonzero(~np.isfinite(values))[0] // (values.shape[1] if values.ndim == 2 else 1))
 
 

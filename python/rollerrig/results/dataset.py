@@ -32,10 +32,10 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from rollerrig import __version__, _core
 from rollerrig.assembly.model import AssembledModel
+from rollerrig.common.arrays import Array
 from rollerrig.config import Case
 from rollerrig.results import run_info
 from rollerrig.results.run_info import sources_of
@@ -113,7 +113,7 @@ class Draft:
     attributes: dict[str, Any]
     names: Names | None = None
 
-    def values(self, name: str) -> NDArray[np.float64]:
+    def values(self, name: str) -> Array:
         """Values of a variable, or of a coordinate that is a time.
 
         Raises:
@@ -167,14 +167,12 @@ def body_variable(name: str) -> str:
     return "_".join(filter(None, (_DIRECTION_WORDS[stem], {"rate": "velocity"}.get(rest, rest))))
 
 
-def run_dataset(
-    model: AssembledModel, times: NDArray[np.float64], rows: NDArray[np.float64], outcome: Outcome
-) -> xr.Dataset:
+def run_dataset(model: AssembledModel, times: Array, rows: Array, outcome: Outcome) -> xr.Dataset:
     """The Dataset of a run as `run_draft` has it: without the energy audit."""
     return run_draft(model, times, rows, outcome).dataset()
 
 
-def run_draft(model: AssembledModel, times: NDArray[np.float64], rows: NDArray[np.float64], outcome: Outcome) -> Draft:
+def run_draft(model: AssembledModel, times: Array, rows: Array, outcome: Outcome) -> Draft:
     """The results of a run, without the energy audit.
 
     Args:
@@ -312,14 +310,11 @@ _SIGNS = ((WORK_IN, 1.0), (STORED, -1.0), (DISSIPATED, -1.0))
 
 
 def add_energy_audit(draft: Draft) -> None:
-    """Add the energy balance of a run: the variable `energy_residual` and two attributes.
+    """Add the energy balance of a run to a draft with the accounts: the variable `energy_residual` and two attributes.
 
     `energy_residual` = work in - change of what is stored - heat [J]. The energy turned over, `energy_turned_over_j`, is half
     the sum of the total variations of all accounts between the output times: each joule that moves leaves one account and
     enters another. `energy_relative_residual` is the largest residual over that.
-
-    Args:
-        draft: results with the accounts, which are changed.
     """
     accounts = np.stack([draft.values(name) for names, _ in _SIGNS for name in names])
     signs = np.array([[sign] for names, sign in _SIGNS for _ in names])
@@ -354,8 +349,6 @@ def drive_warning(draft: Draft) -> str:
         f"they gave up to {delivered / 1e3:.4g} kW"
     )
 
-
-Vector = NDArray[np.float64]
 
 READING_STEP = 1e-3
 """Longest interval of the readings [s]: 50 in a period of 20 Hz."""
@@ -414,7 +407,7 @@ PREFIX = "reading_"
 DIMENSION = "reading_time"
 
 
-def add_readings(draft: Draft, model: AssembledModel, times: NDArray[np.float64], values: NDArray[np.float64]) -> None:
+def add_readings(draft: Draft, model: AssembledModel, times: Array, values: Array) -> None:
     """Add the readings of a run; nothing where there are none.
 
     Args:

@@ -76,11 +76,7 @@ class OutputError(Exception):
 
 
 def _named(path: str | Path) -> Path:
-    """The path.
-
-    Raises:
-        OutputError: no file can have that name.
-    """
+    """The path; an OutputError where no file can have that name."""
     if "\0" in str(path):
         raise OutputError(Path(str(path).replace("\0", "\\0")), OSError(errno.EINVAL, "a null byte in its name"))
     return Path(path)

@@ -29,12 +29,7 @@ _UNITS = {"kmh": "km/h", "hz": "Hz", "s": "s", "m": "m", "n": "N", "rad": "rad",
 
 @dataclass(frozen=True)
 class Summary:
-    """What results say in a few lines; it prints them.
-
-    Attributes:
-        headline: what they are of.
-        rows: of what, and the words.
-    """
+    """What results say in a few lines: a headline, rows of what and the words; it prints them."""
 
     headline: str
     rows: tuple[tuple[str, str], ...]

@@ -36,12 +36,7 @@ _MARKS = {
 
 
 def is_ours(path: Path, tables: Sequence[str] = ()) -> bool:
-    """Whether this program wrote a file.
-
-    Args:
-        path: an existing file.
-        tables: first lines of the tables that may stand there.
-    """
+    """Whether this program wrote an existing file, or the first line is that of one of the tables."""
     try:
         with open_input(path) as file:
             head = file.read(_HEAD)

@@ -21,12 +21,7 @@ LEAST_TOLERANCE = 1e-5
 
 
 def plausibility_warnings(draft: Draft, model: AssembledModel) -> Iterator[str]:
-    """What is out of proportion, a line each.
-
-    Args:
-        draft: results of a run.
-        model: the model that was run.
-    """
+    """What is out of proportion in the draft of a run's results, a line each."""
     low, high = WHEEL_LOADS
     for wheelset, load in model.axle_loads.items():
         if not low <= 0.5 * load <= high:

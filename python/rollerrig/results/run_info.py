@@ -126,12 +126,7 @@ def _in(unit: str) -> Any:
 
 @dataclass(frozen=True)
 class LowerBody:
-    """A body that carries another one.
-
-    Attributes:
-        body: its name.
-        height: at which its springs act on the body above [m].
-    """
+    """A body that carries another one, and the height at which its springs act on that [m]."""
 
     body: str
     height: float = _in("m")

@@ -17,8 +17,9 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
+from rollerrig.common.arrays import Array
 from rollerrig.results.dataset import Draft, readings_of
 from rollerrig.results.run_info import RunInfo
 
@@ -26,13 +27,8 @@ RESOLUTION = {"m": 1e-10, "rad": 1e-10, "m/s": 1e-9, "m/s^2": 1e-7, "N": 1e-3, "
 """Magnitude below which a value counts as zero, by unit; of displacements a tenth of the default absolute tolerance."""
 
 
-def resolved(values: ArrayLike, unit: str) -> NDArray[np.float64]:
-    """The values with zeros where their magnitude is below that of RESOLUTION.
-
-    Args:
-        values: any shape; NaN stays.
-        unit: a key of RESOLUTION.
-    """
+def resolved(values: ArrayLike, unit: str) -> Array:
+    """Values of any shape with zeros where their magnitude is below that of RESOLUTION for the unit; NaN stays."""
     given = np.asarray(values, dtype=np.float64)
     return np.where(np.abs(given) < RESOLUTION[unit], 0.0, given)
 
@@ -51,16 +47,7 @@ Spells = tuple[int, float, float, float]
 
 @dataclass(frozen=True)
 class ContactLoss:
-    """What one wheel ran without contact.
-
-    Attributes:
-        wheel: its name.
-        spells: number of times.
-        total_s: sum of their durations [s].
-        longest_s: duration of the longest [s].
-        longest_from_s: time at which that one began [s].
-        longest_from_m: distance there [m].
-    """
+    """What one wheel ran without contact: number and sum of the spells; of the longest duration, begin and distance there."""
 
     wheel: str
     spells: int
@@ -78,16 +65,7 @@ class ContactLoss:
 
 
 def add_contact_losses(draft: Draft, wheels: Sequence[str], spells: Sequence[Spells]) -> list[ContactLoss]:
-    """Add the losses of all wheels that had any, as JSON among the attributes.
-
-    Args:
-        draft: results with `distance`; it is changed.
-        wheels: names, in the order of `spells`.
-        spells: of each wheel.
-
-    Returns:
-        The losses.
-    """
+    """Add the losses of all wheels that had any, from the spells of each, to a draft with `distance`, as JSON; return them."""
     times, distances = draft.values("time"), draft.values("distance")
     losses = [
         ContactLoss(wheel, count, total, longest, at, float(np.interp(at, times, distances)) if len(times) else 0.0)
@@ -104,14 +82,7 @@ def contact_losses(run: xr.Dataset) -> list[ContactLoss]:
 
 
 def contact_loss_warning(losses: Sequence[ContactLoss], duration: float, *, on_rollers: bool, advice: str = "") -> str:
-    """One line that names the wheels whose contact was lost for longer than vibrations explain; empty if there are none.
-
-    Args:
-        losses: of a run.
-        duration: of the run [s].
-        on_rollers: whether it was on a rig.
-        advice: what to try, a sentence.
-    """
+    """One line that names the wheels whose contact was lost for longer than vibrations explain; empty if there are none."""
     gross = [
         loss
         for loss in losses
@@ -123,15 +94,8 @@ def contact_loss_warning(losses: Sequence[ContactLoss], duration: float, *, on_r
     return f"{told}. {advice}" if advice else told
 
 
-Numbers = NDArray[np.float64]
-
-
 def summarise(run: xr.Dataset) -> dict[str, Any]:
-    """The numbers of a run by name; None where a number does not exist.
-
-    Args:
-        run: results of `simulate`.
-    """
+    """The numbers of a run by name; None where a number does not exist."""
     attributes = run.attrs
     speed = 3.6 * run["speed"].to_numpy()
     return {
@@ -192,21 +156,21 @@ def _wheel(run: xr.Dataset, dense: xr.Dataset, loss: ContactLoss | None) -> dict
     }
 
 
-def _resolved(signal: xr.DataArray) -> Numbers:
+def _resolved(signal: xr.DataArray) -> Array:
     return resolved(signal, str(signal.attrs["units"]))
 
 
-def _largest(values: Numbers) -> float | None:
+def _largest(values: Array) -> float | None:
     finite = np.abs(values[np.isfinite(values)])
     return float(finite.max()) if finite.size else None
 
 
-def _least(values: Numbers) -> float | None:
+def _least(values: Array) -> float | None:
     finite = values[np.isfinite(values)]
     return float(finite.min()) if finite.size else None
 
 
-def _number(value: Numbers) -> float | None:
+def _number(value: Array) -> float | None:
     """The only element; an interrupted run may have none, an unloaded wheel has NaN."""
     return float(value[0]) if value.size and np.isfinite(value[0]) else None
 
@@ -225,7 +189,7 @@ WHEEL = (
 )
 _UNIT_SUFFIX = {"m": "_m", "rad": "_rad", "m/s": "_mps", "N": "_n", "1": "", "s": "_s"}
 
-Table = tuple[list[str], NDArray[np.float64]]
+Table = tuple[list[str], Array]
 """Column names and rows."""
 
 

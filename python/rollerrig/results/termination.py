@@ -9,9 +9,9 @@ import math
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from rollerrig.assembly.model import AssembledModel
+from rollerrig.common.arrays import Array
 from rollerrig.config import Track
 from rollerrig.profiles.table import STEEPEST_SLOPE, ProfileTable
 from rollerrig.results.dataset import Draft
@@ -29,18 +29,12 @@ BESIDE = 1e-3
 FLEXIBLE = "The rails are rigid: support.foundation, as flexible_track has it, lets them give way."
 """What to try where a wheel chatters or leaves its rail."""
 
-Vector = NDArray[np.float64]
-
 
 def add_termination(draft: Draft, model: AssembledModel) -> None:
-    """Add the place where a run ended and the quotient of the wheelset that ended it.
+    """Add to a draft the place where a run ended and the quotient of the wheelset that ended it.
 
     The attributes `stopped_at_m`, `stopped_segment`, `stopped_quotient`, `stopped_quotient_wheel`; they are in `status_message`
     too where a wheel ended the run.
-
-    Args:
-        draft: results with the attributes of `Outcome`; it is changed.
-        model: the model that was run.
     """
     distances = draft.values("distance")
     distance = float(distances[-1]) if len(distances) else 0.0
@@ -61,14 +55,7 @@ def add_termination(draft: Draft, model: AssembledModel) -> None:
 
 
 def contact_in_words(model: AssembledModel, wheel: str, status: str, last: xr.Dataset) -> str:
-    """Where the wheel that ended a run touched, what it carried, and what to try; with a blank before it.
-
-    Args:
-        model: the model that was run.
-        wheel: name of the wheel.
-        status: how the run ended.
-        last: what a run records, of the last state alone.
-    """
+    """Where the wheel that ended a run touched in the last state, what it carried, and what to try; with a blank before it."""
     wanted = ("wheel_abscissa", "rail_abscissa", "contact_angle", "normal")
     s, y, angle, load = (last[f"patch_{name}"].sel(wheel=wheel).to_numpy().ravel() for name in wanted)
     side, up = (float(last[name].sel(wheel=wheel).squeeze()) for name in ("lateral_force", "vertical_force"))
@@ -92,7 +79,7 @@ def contact_in_words(model: AssembledModel, wheel: str, status: str, last: xr.Da
     return "".join(f" {part}" for part in parts)
 
 
-def _end(profile: ProfileTable, places: Vector) -> tuple[Vector, ProfileTable, Vector]:
+def _end(profile: ProfileTable, places: Array) -> tuple[Array, ProfileTable, Array]:
     """How far the end of a profile is from places on it, along it as core/src/system/contact_monitor.cpp measures it [m]."""
     low, high = profile.domain
     near = np.where(2.0 * places < low + high, low, high)
@@ -103,10 +90,7 @@ def _end(profile: ProfileTable, places: Vector) -> tuple[Vector, ProfileTable, V
 def _reach(profile: ProfileTable, place: float, left: float) -> str:
     """Whether a profile ends beside a contact, where its points end or where it becomes too steep: else longer ones are no use.
 
-    Args:
-        profile: the one whose end is nearer.
-        place: of the contact on it [m].
-        left: distance along it from there to its end [m].
+    The place of the contact on it, and the distance along it from there to its end [m].
     """
     if not left < BESIDE:
         return (

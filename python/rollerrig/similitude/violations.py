@@ -57,12 +57,7 @@ class Requirement:
 
 @dataclass(frozen=True)
 class Distortion:
-    """Factors by which weight, stiffness of the material and what follows from them are wrong, 1 if right.
-
-    Attributes:
-        weight: of the model over what it should be [-].
-        modulus: of its material over what it should be [-].
-    """
+    """Factors by which weight and modulus of the material of the model are wrong, 1 if right [-]."""
 
     weight: float
     modulus: float

@@ -18,9 +18,9 @@ from types import ModuleType
 from typing import Any, Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rollerrig import _core
+from rollerrig.common.arrays import Array
 from rollerrig.common.input_files import LARGEST_TEXT, InputError, read_input
 from rollerrig.config import Case, Code, ConfigError, ConfigProblem
 from rollerrig.simulation.fmu_controller import FmuController, FmuError
@@ -155,12 +155,7 @@ def look_at_controller(code: Code, file: str) -> None:
 
 
 def load_controller(place: str, key: str, file: str) -> UserController:
-    """An object of the class that a case names.
-
-    Args:
-        place: 'module:Class' or 'file.py:Class'.
-        key: where the case names it.
-        file: the case, for messages.
+    """An object of the class that a case names under a key, as 'module:Class' or 'file.py:Class'.
 
     Raises:
         ConfigError: there is no such module, file or class, or it cannot be made.
@@ -209,7 +204,7 @@ def _refused(file: str, key: str, value: str, allowed: str) -> ConfigError:
     return ConfigError([ConfigProblem(file, key, repr(value), allowed)])
 
 
-def ask(controller: UserController, role: str, measurements: Measurements) -> NDArray[np.float64]:
+def ask(controller: UserController, role: str, measurements: Measurements) -> Array:
     """The checked command of one sample, shape (axle,).
 
     Raises:

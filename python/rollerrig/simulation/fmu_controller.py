@@ -37,13 +37,7 @@ class FmuError(Exception):
 
 
 class FmuController:
-    """An FMU that is asked like a controller of the user.
-
-    Attributes:
-        sample_time: of the case's table [s].
-        name: of its file.
-        file: what was found in it.
-    """
+    """An FMU that is asked like a controller of the user, every `sample_time` [s]."""
 
     def __init__(
         self, table: ControllerFmu, key: str, case: str, axles: Sequence[str], command: str, sample_time: float

@@ -56,16 +56,7 @@ class Link:
 
 @dataclass(frozen=True)
 class FmuFile:
-    """An FMU that fits.
-
-    Attributes:
-        path: of the file.
-        content: its bytes.
-        description: as FMPy reads it.
-        inputs: measured quantities that it takes.
-        command: what it commands.
-        parameters: with their values.
-    """
+    """An FMU that fits: its bytes, FMPy's description, measured quantities that it takes, what it commands, parameters."""
 
     path: str
     content: bytes
@@ -90,14 +81,7 @@ class FmuFile:
 
 
 def open_fmu(table: ControllerFmu, key: str, file: str, axles: Sequence[str], command: str) -> FmuFile:
-    """Read an FMU and connect it.
-
-    Args:
-        table: of the case.
-        key: of the table, for messages.
-        file: the case, for messages.
-        axles: names of those that it controls.
-        command: quantity that it commands.
+    """Read the FMU of a table of a case and connect it to the axles that it controls, whose quantity `command` it commands.
 
     Raises:
         ConfigError: FMPy is not installed; the file is no FMU that can be run here; a name or a parameter is not that of one
@@ -113,11 +97,7 @@ def open_fmu(table: ControllerFmu, key: str, file: str, axles: Sequence[str], co
 
 
 def _read(path: str, key: str, file: str) -> tuple[bytes, Any]:
-    """The bytes of an FMU for co-simulation on this machine, and its description.
-
-    Raises:
-        ConfigError: it is none.
-    """
+    """The bytes of an FMU for co-simulation on this machine, and its description; else a ConfigError."""
 
     def refused(allowed: str) -> ConfigError:
         return ConfigError([ConfigProblem(file, f"{key}.file", repr(path), allowed)])

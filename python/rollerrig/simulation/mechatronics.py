@@ -40,9 +40,7 @@ def mechatronic_setup(
 ) -> _core.MechatronicSetup | None:
     """What acts on a vehicle and how it is sampled; None for a case without actuators and controllers.
 
-    Args:
-        model: assembled with its actuators.
-        controllers: the user's, by table of the case.
+    `controllers` are the user's, by table of the case.
 
     Raises:
         StartError: the virtual train's vehicle has no equilibrium on track.
@@ -363,11 +361,7 @@ def feedback_gains(model: AssembledModel) -> tuple[float, float]:
 
 
 def estimator_response(model: AssembledModel) -> dict[str, tuple[float, float]]:
-    """Measured bandwidth [Hz] and delay of slow changes [s] of the estimates 'force' and 'torque', with exact sensors.
-
-    Args:
-        model: of a case with [rig_control].
-    """
+    """Measured bandwidth [Hz] and delay of slow changes [s] of the estimates 'force' and 'torque', with exact sensors."""
     control = model.case.rig_control
     assert control is not None
     found = _core.estimator_response(estimator(control), assumed_parameters(model), control.sample_time)

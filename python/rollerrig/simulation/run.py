@@ -16,12 +16,12 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from rollerrig import _core
 from rollerrig.assembly.actuators import assemble_with_actuators
 from rollerrig.assembly.model import AssembledModel, assemble
 from rollerrig.cases import as_case
+from rollerrig.common.arrays import Array, Complex
 from rollerrig.common.linear_algebra import eigenvalues
 from rollerrig.config import Case, ConfigError, ConfigProblem, Rig
 from rollerrig.results import COMPLETED, Draft, Outcome, add_energy_audit, add_termination, run_draft
@@ -57,7 +57,6 @@ __all__ = [
     "simulate",
 ]
 
-Vector = NDArray[np.float64]
 Progress = Callable[[float, str], None]
 """Called with the fraction done and a short text."""
 
@@ -213,7 +212,7 @@ def prepare(
 def begin(
     simulation: _core.Simulation,
     model: AssembledModel,
-    state: Vector,
+    state: Array,
     *,
     start_time: float = 0.0,
     end_time: float | None = None,
@@ -255,7 +254,7 @@ def integrator_settings(simulation: _core.Simulation, model: AssembledModel) -> 
     }
 
 
-def check_fixed_step(simulation: _core.Simulation, case: Case, state: Vector) -> None:
+def check_fixed_step(simulation: _core.Simulation, case: Case, state: Array) -> None:
     """Refuse a step that is beyond the stability limit of the case's method at the start.
 
     Raises:
@@ -265,7 +264,7 @@ def check_fixed_step(simulation: _core.Simulation, case: Case, state: Vector) ->
         _check_amplification(simulation, case, state)
 
 
-def _check_amplification(simulation: _core.Simulation, case: Case, state: Vector) -> None:
+def _check_amplification(simulation: _core.Simulation, case: Case, state: Array) -> None:
     """Refuse a step at which the method lets a decaying motion of the starting state grow.
 
     The motions that last or grow by themselves each own the eigenvalue of the step's amplification matrix nearest to
@@ -275,7 +274,7 @@ def _check_amplification(simulation: _core.Simulation, case: Case, state: Vector
     method, step = case.integration.method, case.integration.step or 0.0
 
     @cache
-    def lasting() -> NDArray[np.complex128]:
+    def lasting() -> Complex:
         rates = eigenvalues(simulation.jacobian(0.0, state)[0])
         return rates[rates.real >= -1.0]
 
@@ -343,8 +342,8 @@ def _room(case: Case, width: int, columns: int) -> Recording:
 def march(
     simulation: _core.Simulation,
     until: float,
-    times: Vector,
-    rows: Vector,
+    times: Array,
+    rows: Array,
     *,
     slice_length: float,
     begin_at: float = 0.0,
@@ -397,7 +396,7 @@ def _answer(simulation: _core.Simulation, users: Mapping[str, UserController]) -
     return bool(due)
 
 
-def _reporter(case: Case, rows: Vector, progress: Progress) -> Callable[[float, int], None]:
+def _reporter(case: Case, rows: Array, progress: Progress) -> Callable[[float, int], None]:
     """Progress of a run as a whole, with the speed of the train or of the rollers."""
     duration, column = case.time.duration, -len(_core.train_fields) if case.sampled else -1
 

@@ -15,17 +15,15 @@ from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from rollerrig import _core
 from rollerrig.assembly.model import AssembledModel
+from rollerrig.common.arrays import Array
 from rollerrig.common.linear_algebra import eigenvalues, one_blas_thread
 from rollerrig.config import ConfigError, ConfigProblem, Rig
 from rollerrig.config.schema.vehicle import DIRECTIONS
 from rollerrig.results import Outcome, run_dataset
 from rollerrig.results.termination import segment_in_words
-
-Vector = NDArray[np.float64]
 
 LEAST_RATE = 0.01
 """A motion along the track that grows more slowly counts as held [1/s]: round-off and running resistance are far below it."""
@@ -52,7 +50,7 @@ class Drift:
     whole: bool
 
 
-def drift(simulation: _core.Simulation, model: AssembledModel, state: Vector) -> Drift | None:
+def drift(simulation: _core.Simulation, model: AssembledModel, state: Array) -> Drift | None:
     """The motion with which a vehicle rolls off its rollers; None where it is held, and on track.
 
     Args:
@@ -70,7 +68,7 @@ def drift(simulation: _core.Simulation, model: AssembledModel, state: Vector) ->
     )
 
 
-def _along_track(simulation: _core.Simulation, model: AssembledModel, matrix: Vector, rate: float) -> Drift | None:
+def _along_track(simulation: _core.Simulation, model: AssembledModel, matrix: Array, rate: float) -> Drift | None:
     """The drift that belongs to a real eigenvalue; None if its motion is another one."""
     with one_blas_thread():
         values, vectors = np.linalg.eig(matrix)
@@ -90,7 +88,7 @@ def _along_track(simulation: _core.Simulation, model: AssembledModel, matrix: Ve
     return Drift(body, rate, all(one > 0.5 * speed[body] for one in speed.values()))
 
 
-def require_restraint(simulation: _core.Simulation, model: AssembledModel, state: Vector) -> None:
+def require_restraint(simulation: _core.Simulation, model: AssembledModel, state: Array) -> None:
     """Refuse a vehicle on rollers that rolls off them by itself.
 
     Args:
@@ -146,7 +144,7 @@ class StartError(Exception):
     """No state was found from which the run can start; the message says what to change."""
 
 
-def starting_state(model: AssembledModel, *, may_drift: bool = False) -> Vector:
+def starting_state(model: AssembledModel, *, may_drift: bool = False) -> Array:
     """Equilibrium at the starting speed, with the disturbed coordinates prescribed at their offsets.
 
     An offset counts from the undisturbed equilibrium. A disturbed body keeps its equilibrium yaw unless the
@@ -183,7 +181,7 @@ def _no_equilibrium(model: AssembledModel, residual: float) -> StartError:
     )
 
 
-def equilibrium(simulation: _core.Simulation, model: AssembledModel) -> Vector:
+def equilibrium(simulation: _core.Simulation, model: AssembledModel) -> Array:
     """State of steady running at the starting speed, undisturbed.
 
     Raises:
@@ -247,7 +245,7 @@ def equilibrium_dataset(model: AssembledModel) -> xr.Dataset:
     return recorded_state(simulation, model, rest)
 
 
-def recorded_state(simulation: _core.Simulation, model: AssembledModel, state: Vector, time: float = 0.0) -> xr.Dataset:
+def recorded_state(simulation: _core.Simulation, model: AssembledModel, state: Array, time: float = 0.0) -> xr.Dataset:
     """Everything a run records, of one state."""
     row = simulation.record(time, state, np.zeros(simulation.quadrature_count))
     outcome = Outcome("ok", _core.status_sentence(0), 0.0, "", {}, {})

@@ -10,12 +10,12 @@ wheelsets' gain of spin, is a moment on what carries their brakes.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rollerrig import _core
 from rollerrig.assembly.model import GROUND, AssembledModel, Assembly, assemble, axle_torque
 from rollerrig.assembly.train_axles import train_mass
 from rollerrig.cases import on_track, without_actuators
+from rollerrig.common.arrays import Array
 from rollerrig.config import Case, RigControl
 from rollerrig.simulation.starting_state import equilibrium_dataset
 
@@ -55,7 +55,7 @@ def rail_patch(model: AssembledModel) -> _core.EquivalentPatch:
     return _core.equivalent_patch(load=rails.axle_loads[rails.wheelsets[0]] / 2.0, a=a, b=b)
 
 
-def _axle_loads(case: Case, acceleration: float) -> NDArray[np.float64]:
+def _axle_loads(case: Case, acceleration: float) -> Array:
     """Load of each axle on straight track, all axles sharing the force [N]."""
     assembly = Assembly(_bare_on_track(case))
     plain = assembly.finish()

@@ -128,13 +128,7 @@ class Runs:
 
 @dataclass(frozen=True)
 class AdhesionStudy(Study[Runs]):
-    """A test on degraded track and on the rig.
-
-    Attributes:
-        case: of the rig.
-        error_budget: also run the variants of the rig, the track with later protection, and other creep laws.
-        quick: only two starts of each test: to see that everything works.
-    """
+    """A test on degraded track and on the rig; attributes as the arguments of `rollerrig.adhesion`."""
 
     case: Case
     error_budget: bool = True

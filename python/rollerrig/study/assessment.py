@@ -94,14 +94,7 @@ def change_in_words(ratio: Interval) -> str:
 
 
 def outcome(value: Interval, low: float, high: float, *, excluded: bool = False) -> Outcome:
-    """Whether a quantity is within its limits.
-
-    Args:
-        value: where it lies.
-        low: lower limit, included.
-        high: upper limit, likewise.
-        excluded: whether an agreement says nothing; a disagreement stands.
-    """
+    """Whether a quantity is within its limits, both included; where `excluded`, only a disagreement says something."""
     within = value.within(low, high)
     if within is None or (within and excluded):
         return NOT_DECIDED

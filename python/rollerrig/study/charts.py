@@ -17,7 +17,8 @@ from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from rollerrig.viewer.columns import Columns, Numbers, extremes
+from rollerrig.common.arrays import Array
+from rollerrig.viewer.columns import Columns, extremes
 
 _LEAST_POINTS = 40
 """Fewer are no history."""
@@ -27,12 +28,7 @@ _DASHES = {"-": [], "--": [7, 4], "-.": [9, 4, 2, 4], ":": [2, 3]}
 
 @dataclass(frozen=True)
 class Chart:
-    """What the page needs of one figure.
-
-    Attributes:
-        head: its panels and where their numbers are, as JSON.
-        numbers: of its curves, compressed, as base64.
-    """
+    """What the page needs of one figure: panels and places of their numbers, as JSON; the numbers, compressed, as base64."""
 
     head: dict[str, Any]
     numbers: str
@@ -44,13 +40,7 @@ class Chart:
 
 
 def chart_of(figure: Figure, name: str, mark: str = "") -> Chart | None:
-    """The figure as a chart; None where it is no history of lines over one abscissa.
-
-    Args:
-        figure: as it is drawn in print.
-        name: of it, once in a report.
-        mark: a word that lies across it.
-    """
+    """The figure as a chart, with a mark across; None where it is no history of lines over one abscissa."""
     panels = [axes for axes in figure.axes if axes.get_visible()]
     abscissae = {axes.get_xlabel() for axes in panels} - {""}
     if len(abscissae) != 1 or not all(map(_is_plain, panels)):
@@ -83,11 +73,11 @@ def _is_level(axes: Axes, line: Line2D) -> bool:
     return line.get_transform() == axes.get_yaxis_transform(which="grid")
 
 
-def _rises(values: Numbers) -> bool:
+def _rises(values: Array) -> bool:
     return len(values) > 0 and bool(np.isfinite(values).all()) and bool((np.diff(values) >= 0.0).all())
 
 
-def _numbers(values: Any) -> Numbers:
+def _numbers(values: Any) -> Array:
     return np.ma.filled(np.ma.asarray(values, dtype=float), np.nan)
 
 

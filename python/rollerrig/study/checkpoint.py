@@ -39,11 +39,7 @@ _MOST_DIFFERENCES = 5
 
 
 def check_jobs(folder: Path, study: str) -> None:
-    """Refuse a folder with unfinished jobs of another study.
-
-    Raises:
-        OutputError: it has such.
-    """
+    """Refuse with an OutputError a folder with unfinished jobs of another study."""
     path = folder / NAME
     try:
         lines = _lines(path)

@@ -18,7 +18,7 @@ from rollerrig.contact_analysis import conicity_table, pair_case, shift_table
 from rollerrig.plot.contact import characteristics_figure
 from rollerrig.study.frame import Study, dataset_rows
 from rollerrig.study.jobs import Done, Round, job
-from rollerrig.study.quantities import Numbers, Quantities
+from rollerrig.study.quantities import Numbers
 from rollerrig.study.report import Block, Picture, Section, Table, Text
 
 REFERENCE_AMPLITUDE = 3e-3
@@ -36,8 +36,6 @@ ROLLERS = (
     "radius difference includes the rollers' radii, Δr - (r0/R0) ΔR, and the wavelength is measured along the rollers' surface. "
     "The contribution of the rollers to the conicity stands beside that of the wheels."
 )
-QUANTITIES = Quantities("conicity")
-
 PARTS = {"of_wheels": "of the wheels", "of_rollers": "of the rollers", "conicity": "together"}
 SIDE_COLUMNS = {
     "rolling_radius": ("mm", 1e3),
@@ -51,12 +49,7 @@ SIDE_COLUMNS = {
 
 @dataclass(frozen=True)
 class Characteristics:
-    """Tables by label of the support.
-
-    Attributes:
-        shifts: what `shift_table` returns.
-        conicity: what `conicity_table` returns.
-    """
+    """Tables of `shift_table` and `conicity_table` by label of the support."""
 
     shifts: dict[str, xr.Dataset]
     conicity: dict[str, xr.Dataset]
@@ -87,17 +80,12 @@ class ConicityStudy(Study[Characteristics]):
     lengths: Mapping[str, float] = field(default_factory=dict)
 
     command = "conicity"
-    quantities = QUANTITIES
     writes = ("shift.csv", "conicity.csv")
     formats = ("svg", "png")
     resumable = False
 
     def __post_init__(self) -> None:
-        """Refuse profiles and lengths that cannot be used.
-
-        Raises:
-            ConfigError: they cannot.
-        """
+        """Refuse with a ConfigError profiles and lengths that cannot be used."""
         self.cases()
 
     @property
@@ -170,11 +158,7 @@ class ConicityStudy(Study[Characteristics]):
 
 
 def shifts_of(study: ConicityStudy, case: Case) -> xr.Dataset:
-    """The table over lateral shift of one support.
-
-    Raises:
-        ValueError: the wheels do not touch.
-    """
+    """The table over lateral shift of one support; a ValueError where the wheels do not touch."""
     return shift_table(case, study.largest, study.step, free_to_roll=study.free_to_roll, yaw=study.yaw)
 
 

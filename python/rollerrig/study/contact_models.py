@@ -51,22 +51,16 @@ def contact_effect_jobs(
     case: Case,
     speeds_kmh: Sequence[float],
     run_speed_kmh: float,
-    normals: Sequence[str] = NORMAL_LAWS,
     creeps: Sequence[str] = CREEP_LAWS,
 ) -> dict[str, Job]:
     """A job per combination, on the case's own support and on the catalogue's of the other kind.
 
-    Args:
-        case: of the vehicle.
-        speeds_kmh: range in which the critical speed is looked for [km/h].
-        run_speed_kmh: speed of the run from a lateral offset [km/h].
-        normals: names for `contact.normal`.
-        creeps: names for `contact.creep`.
+    The critical speed is looked for in a range [km/h], the run from a lateral offset has one speed [km/h].
     """
     own, speeds = case.support.data.kind, tuple(speeds_kmh)
     other, support = COUNTERPART[own]
     cases: Mapping[str, Case] = {own: case, other: case.with_changes({"support.use": support})}
-    every = itertools.product(cases, normals, creeps)
+    every = itertools.product(cases, NORMAL_LAWS, creeps)
     return {
         f"contact model {', '.join(one)}": job(contact_effect, cases[one[0]], one, speeds, run_speed_kmh)
         for one in every

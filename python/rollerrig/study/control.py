@@ -83,14 +83,7 @@ class Failure:
 
 @dataclass(frozen=True)
 class Rank:
-    """One curve in the order of how badly it fares.
-
-    Attributes:
-        family: of FAMILIES.
-        points: its results along the axis.
-        worst: the result of most severity.
-        failures: the parts of the axis in which it fails.
-    """
+    """One curve in the order of how badly it fares: results along the axis, that of most severity, parts in which it fails."""
 
     family: Family
     points: list[Result]
@@ -104,12 +97,7 @@ class Rank:
 
 
 def failures(family: Family, points: Sequence[Result]) -> list[Failure]:
-    """All parts of a curve that fail: a curve may pass again beyond one.
-
-    Args:
-        family: of the curve.
-        points: of one curve, in the order of the axis.
-    """
+    """All parts of a curve that fail, its points in the order of the axis: a curve may pass again beyond one."""
     found, last = [], len(points) - 1
     for cause, group in itertools.groupby(range(len(points)), key=lambda k: points[k].cause):
         if not cause:
@@ -234,14 +222,9 @@ class Found:
 
 @dataclass(frozen=True)
 class ControlStudy(Study[Found]):
-    """One test under many variants of the controller.
+    """One test under many variants of the controller; attributes as the arguments of `rollerrig.control`.
 
-    Attributes:
-        case: of `study_case`.
-        families: names of FAMILIES; none: all.
-        user: 'file.py:Class' of a controller to be compared with the built-in one.
-        loop: also find where the loop becomes unstable, computed and measured, and what it does where a brake holds a wheel.
-        lags: duration of the runs that compare ways to compensate the lags [s]; 0: none.
+    The case is that of `study_case`; `lags` is the duration of the runs that compare ways to compensate the lags [s]; 0: none.
     """
 
     case: Case
@@ -262,11 +245,7 @@ class ControlStudy(Study[Found]):
     )
 
     def __post_init__(self) -> None:
-        """Refuse an unknown family, and a user's controller that cannot be used.
-
-        Raises:
-            ConfigError: it is.
-        """
+        """Refuse with a ConfigError an unknown family, and a user's controller that cannot be used."""
         known = [family.name for family in FAMILIES]
         problems = []
         for name in (name for name in self.families if name not in known):

@@ -16,10 +16,8 @@ from rollerrig.contact_analysis.creep_laws import COMPONENTS, DEMANDS, REFERENCE
 from rollerrig.plot.contact import creep_figure
 from rollerrig.study.frame import Study, dataset_rows
 from rollerrig.study.jobs import Done, Round, job
-from rollerrig.study.quantities import Numbers, Quantities
+from rollerrig.study.quantities import Numbers
 from rollerrig.study.report import Picture, Section, Text
-
-QUANTITIES = Quantities("creep")
 
 
 @dataclass(frozen=True)
@@ -34,17 +32,12 @@ class CreepStudy(Study[xr.Dataset]):
 
     command = "creep"
     heading = "Creep laws on an ellipse a/b = {a_over_b:g}"
-    quantities = QUANTITIES
     writes = ("creep.csv",)
     formats = ("svg", "png")
     resumable = False
 
     def __post_init__(self) -> None:
-        """Refuse a law that is asked for twice.
-
-        Raises:
-            ValueError: it is.
-        """
+        """Refuse with a ValueError a law that is asked for twice."""
         repeated = sorted({name for name in self.laws if self.laws.count(name) > 1})
         if repeated:
             raise ValueError(f"{', '.join(repeated)}: asked for more than once")
@@ -61,7 +54,7 @@ class CreepStudy(Study[xr.Dataset]):
             entry = laws.setdefault(law, {})
             parts: dict[str, dict[str, float]] = {"force": {}, "moment": {}}
             entry[kind.replace(" ", "_")] = parts
-            for quantity, value in zip(QUANTITIES.below("laws.*.*"), errors, strict=True):
+            for quantity, value in zip(self.quantities.below("laws.*.*"), errors, strict=True):
                 parts[quantity.key.split(".")[3]][quantity.name] = round(value, 3)
         grid_error = round(100 * float(results["grid_error"].max()), 3)
         return {"a_over_b": self.a_over_b, "poisson_ratio": self.poisson_ratio, "laws": laws, "grid_error": grid_error}
@@ -92,7 +85,7 @@ class CreepStudy(Study[xr.Dataset]):
         )
         entries = {
             f"{law}, {kind.replace('_', ' ')}": {
-                q.key: entry[kind][q.key.split(".")[3]][q.name] for q in QUANTITIES.below("laws.*.*")
+                q.key: entry[kind][q.key.split(".")[3]][q.name] for q in self.quantities.below("laws.*.*")
             }
             for law, entry in numbers["laws"].items()
             for kind in ("no_spin", "spin")
@@ -100,16 +93,12 @@ class CreepStudy(Study[xr.Dataset]):
         note = "Against the exact theory. What a call costs on this machine is in timing.json."
         return [
             Section("Forces", [Picture("creep", creep_figure(results), caption)]),
-            Section("Errors", [QUANTITIES.table(entries, "laws.*.*", note, "law, creepage"), Text(exact)]),
+            Section("Errors", [self.quantities.table(entries, "laws.*.*", note, "law, creepage"), Text(exact)]),
         ]
 
 
 def compare(study: CreepStudy) -> xr.Dataset:
-    """The laws of a study beside the exact theory; see `compare_laws`.
-
-    Raises:
-        ValueError: an unknown law, one that lacks a parameter, a number outside its range.
-    """
+    """The laws of a study beside the exact theory; see `compare_laws`, also for its errors."""
     laws = {name: creep_law(name, **study.parameters.get(name, {})) for name in study.laws}
     return compare_laws(study.a_over_b, laws, poisson_ratio=study.poisson_ratio, demands=study.demands)
 

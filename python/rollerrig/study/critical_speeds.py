@@ -105,12 +105,7 @@ def between(found: CriticalSpeedByDisturbance) -> str:
 
 
 def ended_early(runs: Sequence[tuple[float, str]], count: int) -> str:
-    """Which runs did not come to their end, and how the slowest of them ended; '' if all did.
-
-    Args:
-        runs: speed [m/s] and message of each of them.
-        count: of all runs.
-    """
+    """Which runs of `count` did not come to their end, by speed [m/s] and message, and how the slowest ended; '' if all did."""
     if not runs:
         return ""
     speeds = sorted({round(3.6 * speed, 1) for speed, _ in runs})

@@ -18,7 +18,7 @@ from rollerrig.config import Case
 from rollerrig.plot.run import curving_over_radius
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Round, job
-from rollerrig.study.quantities import Numbers, Quantities
+from rollerrig.study.quantities import Numbers
 from rollerrig.study.report import Picture, Section, Text
 
 MEASURED = {
@@ -38,8 +38,6 @@ METHOD = (
 LIMITED = {"derailment_quotient": "Y/Q", "guiding_force_sum_n": "ΣY"}
 """Key of what has a limit -> how texts call it."""
 
-QUANTITIES = Quantities("curving")
-
 
 @dataclass(frozen=True)
 class CurvingStudy(Study[xr.Dataset]):
@@ -52,7 +50,6 @@ class CurvingStudy(Study[xr.Dataset]):
 
     command = "curving"
     heading = "Steady curving of {case.name}"
-    quantities = QUANTITIES
     writes = ("curving.nc",)
     resumable = False
 
@@ -107,7 +104,9 @@ class CurvingStudy(Study[xr.Dataset]):
         caption = "Largest magnitudes of all wheels or wheelsets; dashed: limits."
         picture = Picture("curving", curving_over_radius(results, limits_of(results)), caption)
         columns = ("speed_kmh", *MEASURED, "least_wheel_load_n", "growth_rate_per_s")
-        return [Section("Curves", [picture, QUANTITIES.table(numbers["curves"], columns, head="curve"), Text(METHOD)])]
+        return [
+            Section("Curves", [picture, self.quantities.table(numbers["curves"], columns, head="curve"), Text(METHOD)])
+        ]
 
 
 def limits_of(results: xr.Dataset) -> dict[str, float]:

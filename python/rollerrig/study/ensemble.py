@@ -43,11 +43,7 @@ def starts(case: Case, count: int) -> list[Case]:
 
 
 def drawn(case: Case, shares: Mapping[str, float]) -> Case:
-    """One test of an ensemble.
-
-    Args:
-        case: with the widths of the distributions.
-        shares: name in [ensemble] -> where in its distribution, 0 to 1; those that are missing keep their value.
+    """One test of an ensemble, by name in [ensemble] where in its distribution, 0 to 1; what is missing keeps its value.
 
     Raises:
         ConfigError: a value is none that the case may have.
@@ -74,11 +70,7 @@ def drawn(case: Case, shares: Mapping[str, float]) -> Case:
 
 
 def check_ensemble(case: Case) -> None:
-    """Refuse distributions whose ends are no values of the case.
-
-    Raises:
-        ConfigError: a line for each such end.
-    """
+    """Refuse distributions whose ends are no values of the case, with a ConfigError of a line for each such end."""
     problems = []
     for name in DRAWN:
         for share in (0.0, 1.0):
@@ -104,21 +96,15 @@ def finer(case: Case) -> Case:
 
 
 def recorded(case: Case, progress: Progress | None = None) -> TestRecord:
-    """Run a test and keep its record: a job.
-
-    Raises:
-        KeyboardInterrupt: Ctrl-C cut it short.
-    """
+    """Run a test and keep its record: a job."""
     return test_record(whole_run(case, progress=progress), case)
 
 
 @dataclass(frozen=True)
 class Estimate:
-    """A number of an ensemble.
+    """Mean over the tests of an ensemble, NaN where one of them has no such number, with its standard error.
 
     Attributes:
-        mean: over the tests; NaN where one of them has no such number.
-        standard_error: of the mean; NaN for a single test.
         freedom: degrees of freedom of the error; 0: unknown.
         systematic: by how much the mean may be off beside that, however many tests are made: step and samples.
     """
@@ -243,12 +229,8 @@ def dead_times(case: Case, predicted: DeadTime | None) -> tuple[float, ...]:
 def measured_dead_time(rig: Estimate, track: Mapping[float, Estimate]) -> Estimate:
     """Additional dead time [s] with which the track has the rig's mean number: its distance, or its dump cycles.
 
-    Args:
-        rig: that number of the rig.
-        track: additional dead time [s] -> the same on track, 0 among them.
-
-    Returns:
-        By linear interpolation between two ensembles; NaN where the rig's number is outside all of the track's.
+    By linear interpolation between two ensembles on track, by additional dead time [s], 0 among them; NaN where the rig's number
+    is outside all of the track's.
     """
     found, slope = at_track_of(rig.mean, {delay: one.mean for delay, one in track.items()})
     if not math.isfinite(found):

@@ -159,11 +159,7 @@ class EnvelopeStudy(Study[Envelope]):
     irrelevant = ("description", "time.duration", "time.output_step", "torques", "adhesions", "loads", "refine")
 
     def __post_init__(self) -> None:
-        """Fill in the torques, and refuse what cannot be run.
-
-        Raises:
-            ConfigError: all mistakes found; the case is not that of a rig with [rig_control].
-        """
+        """Fill in the torques, and refuse what cannot be run, with a ConfigError of all mistakes found."""
         if not isinstance(self.case.support.data, Rig) or self.case.rig_control is None:
             needed = "needed: a case on rollers with [rig_control], which reproduces a track; see adhesion_* of the catalogue"
             raise ConfigError([ConfigProblem(self.case.name, "rig_control", "missing", needed)])

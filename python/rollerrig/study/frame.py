@@ -58,7 +58,7 @@ class Study(ABC, Generic[R]):
         command: of the command line, for messages.
         heading: title of the report; {names} are fields of the study.
         assumes, leaves_out: limitations that stand before and after those of the cases, a sentence each.
-        quantities: what it reports.
+        quantities: what it reports; by default what is registered for the command.
         writes: names of its own files, with wildcards: looked for in the folder before the work begins.
         formats: of the figures' files; the first one is shown in the report.
         resumable: whether finished jobs are kept until the report is written.
@@ -78,6 +78,12 @@ class Study(ABC, Generic[R]):
     keeps_jobs: ClassVar[bool] = False
     irrelevant: ClassVar[tuple[str, ...]] = ("description",)
     round_ends: ClassVar[tuple[float, ...]] = (1.0,)
+
+    def __init_subclass__(cls) -> None:
+        """Report what is registered for the command, where a study does not say otherwise."""
+        super().__init_subclass__()
+        if "command" in vars(cls) and not hasattr(cls, "quantities"):
+            cls.quantities = Quantities(cls.command)
 
     # --------------------------------------------------------------------------------- what a study says of itself
 
@@ -219,16 +225,7 @@ def _plain(name: str, value: Any) -> Iterator[tuple[str, Any]]:
 
 @dataclass(frozen=True)
 class Outcome(Generic[R]):
-    """What a study found.
-
-    Attributes:
-        study: what was asked for.
-        results: what its jobs were collected into.
-        interrupted: whether Ctrl-C ended it early.
-        taken_over: jobs that were finished before.
-        checkpoint: of the finished jobs.
-        seconds: that it took.
-    """
+    """What a study found: what its jobs were collected into, and how many of them were finished before (`taken_over`)."""
 
     study: Study[R]
     results: R

@@ -42,11 +42,6 @@ def job(function: Callable[..., Any], *arguments: Any) -> Job:
     return Job(function, arguments)
 
 
-def call(work: Job, progress: Progress) -> Any:
-    """Do a job."""
-    return work.call(progress)
-
-
 @dataclass(frozen=True)
 class Chains:
     """Jobs of which each needs the results of those before it, in several chains side by side.
@@ -61,11 +56,7 @@ class Chains:
 
 
 def whole_run(case: Case, progress: Progress | None = None) -> xr.Dataset:
-    """A run that Ctrl-C did not cut short.
-
-    Raises:
-        KeyboardInterrupt: it did.
-    """
+    """A run that Ctrl-C did not cut short; KeyboardInterrupt where it did."""
     run = simulate(case, progress=progress)
     if is_partial(run):
         raise KeyboardInterrupt
@@ -73,11 +64,7 @@ def whole_run(case: Case, progress: Progress | None = None) -> xr.Dataset:
 
 
 def whole_modes(case: Case, speeds_kmh: Sequence[float], progress: Progress | None = None) -> xr.Dataset:
-    """Modes over speed [km/h] that Ctrl-C did not cut short.
-
-    Raises:
-        KeyboardInterrupt: it did.
-    """
+    """Modes over speed [km/h], likewise."""
     modes = stability(case, speeds_kmh, progress=progress)
     if modes.attrs["interrupted"]:
         raise KeyboardInterrupt
@@ -200,18 +187,7 @@ def kept_rounds(
     processes: int,
     progress: Progress | None,
 ) -> tuple[Done, bool]:
-    """Do all rounds of jobs, those that the folder has not again.
-
-    Args:
-        rounds: called with the results so far.
-        folder: made if need be; None: nothing is kept.
-        what: is computed, as messages call it.
-        plan: all that decides the results, as JSON takes it.
-        processes: jobs at a time.
-        progress: called with the fraction done and a short text.
-
-    Returns:
-        Results by name, and whether Ctrl-C ended it early.
+    """`run_rounds` with a Checkpoint of `what` and `plan` in a folder, made if need be; None: nothing is kept.
 
     Raises:
         ConfigError: the folder has the jobs of another plan.

@@ -86,7 +86,6 @@ def compensation_numbers(case: Case, done: Done) -> dict[str, dict[str, float]] 
     runs = {label: started(done, label) for label in cases}
     if not cases or any(len(one) < STARTS for one in runs.values()):
         return None
-    found = means(runs, RESULTS)
     cycles = {label: [one["dump_cycles"] for one in tests] for label, tests in runs.items()}
     estimates = {label: difference(one, cycles[TRACK]) for label, one in cycles.items()}
     added = {TRACK: 0.0, **{_later(seconds): seconds for seconds in DEAD_TIMES}}
@@ -95,9 +94,8 @@ def compensation_numbers(case: Case, done: Done) -> dict[str, dict[str, float]] 
     for label, one in cases.items():
         like = measured_dead_time(estimates[label], curve)
         late = added[label] if label in added else lags(assemble_with_actuators(one)).dead_time
-        own = {str(name): float(values.sel(variant=label)) for name, values in found.items()}
         times = {"measured_ms": 1e3 * like.mean, "measured_ms_standard_error": 1e3 * like.standard_error}
-        numbers[label] = {"predicted_ms": 1e3 * late, **own, **times}
+        numbers[label] = {"predicted_ms": 1e3 * late, **means(runs[label], RESULTS), **times}
     return numbers
 
 

@@ -35,7 +35,7 @@ from rollerrig.plot import adhesion as figures
 from rollerrig.results import COMPLETED
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Progress, Round, job, whole_run
-from rollerrig.study.quantities import Numbers, Quantities
+from rollerrig.study.quantities import Numbers
 from rollerrig.study.report import VIEW, Block, Picture, Section, Text
 from rollerrig.study.runs.adhesion import track_case
 from rollerrig.study.variants import means, start_jobs, started
@@ -108,8 +108,6 @@ REPEATED = ("rig", "rig_rigid")
 CHAOTIC = ("tracking_rms", "real_sliding_largest_mps", "amplitude_before_mm", "amplitude_in_slide_mm")
 """Quantities of a run that the smallest change moves."""
 
-QUANTITIES = Quantities("lateral")
-
 
 def run_measured(case: Case, slide: float, progress: Progress | None = None) -> dict[str, Any]:
     """The numbers of one more member of an ensemble."""
@@ -117,12 +115,7 @@ def run_measured(case: Case, slide: float, progress: Progress | None = None) -> 
 
 
 def run_numbers(run: xr.Dataset, slide: float) -> dict[str, Any]:
-    """The numbers of one run of `runs`; NaN where not defined.
-
-    Args:
-        run: of the study.
-        slide: when the wheels begin to slide, the same for all runs [s]; NaN: they do not.
-    """
+    """The numbers of one run of `runs`; NaN where not defined, and where the wheels do not begin to slide at `slide` [s]."""
     time, lateral = run["time"].to_numpy(), leading_lateral(run)
     begin = slide if math.isfinite(slide) else float(time[-1])
     later = [amplitude(time, lateral, t, t + 1.0) for t in np.arange(begin + 1.0, time[-1] - 0.999)]
@@ -234,15 +227,10 @@ class LateralStudy(Study[Found]):
 
     command = "lateral"
     heading = "{case.name}: lateral motion during a slide"
-    quantities = QUANTITIES
     writes = ("*.nc", VIEW)
 
     def __post_init__(self) -> None:
-        """Refuse a case that says nothing about lateral motion in a slide.
-
-        Raises:
-            ConfigError: it has no rig controller, no elastic rollers, no disturbance or no degraded rail.
-        """
+        """Refuse with a ConfigError a case without rig controller, elastic rollers, disturbance or degraded rail."""
         track_case(self.case)
         rig = self.case.support.data
         needed = (
@@ -304,17 +292,14 @@ class LateralStudy(Study[Found]):
 
     def numbers(self, results: Found) -> dict[str, Any]:
         begin = _slide(results.runs)
-        names = [q.name for q in QUANTITIES.below("guidance.*")]
+        names = [q.name for q in self.quantities.below("guidance.*")]
         left = {key: self.guidance_of(results.runs[key]) for key in GUIDED if key in results.runs}
         runs = {key: run_numbers(run, begin) for key, run in results.runs.items()}
-        one = means({key: [runs[key], *others] for key, others in results.repeated.items() if others}, CHAOTIC)
         return {
             "case": self.case.name,
             "slide_begins_s": begin,
             "runs": runs,
-            "ensemble": {
-                str(key): {name: float(one[name].sel(variant=key)) for name in one} for key in one["variant"].to_numpy()
-            },
+            "ensemble": {k: means([runs[k], *others], CHAOTIC) for k, others in results.repeated.items() if others},
             "guidance": {
                 key: dict(zip(names, (one.slope, one.correlation, one.rolling, one.sliding), strict=True))
                 for key, one in left.items()
@@ -340,10 +325,10 @@ class LateralStudy(Study[Found]):
 
     def sections(self, results: Found, numbers: Numbers) -> list[Section]:
         shown = {LABELS[key]: run for key, run in numbers["runs"].items()}
-        table = QUANTITIES.list_table(shown, "runs.*")
+        table = self.quantities.list_table(shown, "runs.*")
         again = {LABELS[key]: one for key, one in numbers["ensemble"].items()}
         caption = f"mean of {MEMBERS} runs whose disturbances differ by 10⁻⁹, and its standard error"
-        repeated = [QUANTITIES.list_table(again, "ensemble.*", caption)] if again else []
+        repeated = [self.quantities.list_table(again, "ensemble.*", caption)] if again else []
         sections = [Section("Numbers", [table, *repeated])]
         sections += [Section(title, [Picture(*picture)]) for title, *picture in _pictures(results.runs)]
         return [*sections, Section("Lateral guidance of a sliding wheel", self._guidance_blocks(results, numbers))]
@@ -364,7 +349,7 @@ class LateralStudy(Study[Found]):
                     f"{LABELS[key]}: axles whose wheels slide faster than 1 m/s, each sample.")
             for key, one in found.items() if one is not None
         ]  # fmt: skip
-        return [Text(text), QUANTITIES.table(entries, "guidance.*", head="run"), *pictures]
+        return [Text(text), self.quantities.table(entries, "guidance.*", head="run"), *pictures]
 
 
 def _slide(results: Mapping[str, xr.Dataset]) -> float:

@@ -14,7 +14,6 @@ from typing import Any, Literal
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from rollerrig.analysis import Diagram, LimitCycleSettings, limit_cycle_table
 from rollerrig.analysis.critical_speed import onset_from
@@ -23,6 +22,7 @@ from rollerrig.analysis.limit_cycle import KIND_SENTENCES, Branch, CyclePoint, N
 from rollerrig.analysis.limit_cycle_runs import LastState, settling_run
 from rollerrig.analysis.mode_table import SPEEDS_KMH
 from rollerrig.cases import as_case
+from rollerrig.common.arrays import Array
 from rollerrig.config import Case
 from rollerrig.plot import limit_cycle_diagram
 from rollerrig.results.dataset import variable
@@ -45,19 +45,7 @@ def limit_cycles(
     folder: str | Path | None = None,
     progress: Progress | None = None,
 ) -> Diagram:
-    """The limit-cycle diagram of a case.
-
-    Args:
-        case: the case; rollers or rails are speed-controlled.
-        speeds_kmh: at least one speed, each positive [km/h].
-        linear_critical_kmh: linear critical speed, from `stability` or `linear_critical_speed` [km/h]; NaN if there is none.
-        settings: disturbances, tolerances, longest time.
-        processes: 2 runs the two sweeps at a time.
-        folder: where each finished run is kept: after Ctrl-C or a killed program the same call goes on; None: nowhere.
-        progress: called with the fraction done and a short text.
-
-    Returns:
-        The diagram; after Ctrl-C what was done until then.
+    """The limit-cycle diagram of a case, after Ctrl-C what was done until then; arguments as of `rollerrig.limit_cycle`.
 
     Raises:
         ConfigError: the folder has the runs of another case, or with other settings.
@@ -265,7 +253,7 @@ def critical_speed(
     done, interrupted = kept_rounds(rounds, folder, "critical_speed", plan, processes, progress)
     if interrupted:
         raise KeyboardInterrupt
-    found: dict[str, float | NDArray[np.float64]] = {}
+    found: dict[str, float | Array] = {}
     searched_to = math.nan
     if _LINEAR in done:
         onset, searched_to = done[_LINEAR]

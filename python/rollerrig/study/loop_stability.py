@@ -97,7 +97,7 @@ def loop_numbers(case: Case, points: list[dict[str, float]]) -> dict[str, Any] |
         return None
     found, vehicle = margins(loop), vehicle_plant(excited)
     return {
-        "crossover_hz": found.crossover / (2.0 * math.pi),
+        "crossover_hz": found.phase_frequency,
         "phase_margin_deg": math.degrees(found.phase),
         "gain_margin": found.gain,
         "unstable_from_factor_alone": gain_limit(loop, rolling_plant(loop.real, creep)),
@@ -171,14 +171,9 @@ def held_growth(case: Case) -> tuple[float, float]:
 def held_ripple(
     time: np.ndarray, rolling: np.ndarray, train: np.ndarray, torque: np.ndarray, case: Case
 ) -> tuple[float, float]:
-    """Time for which all wheels of a run were held [s], the last time, and the ripple of the drives in it [N m].
+    """Time for which all wheels were locked, as the case says, the last time [s], and the ripple of the drives in it [N m].
 
-    Args:
-        time: evenly spaced [s], shape (time,).
-        rolling: speed of the wheels' circumference [m/s], shape (time, axle).
-        train: speed of the train [m/s].
-        torque: of the roller drives [N m], shape (time, axle).
-        case: for the speed below which a wheel is locked.
+    Time [s] and train's speed [m/s], evenly spaced; rolling speed of the wheels [m/s] and torque [N m], shape (time, axle).
     """
     assert case.rig_control is not None
     locked = case.rig_control.locked_speed

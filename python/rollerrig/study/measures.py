@@ -187,5 +187,3 @@ MEASURES: Mapping[str, Measure] = {
     }),
 }  # fmt: skip
 """Kind of a measure in a plan -> what it computes."""
-
-KINDS = tuple(MEASURES)

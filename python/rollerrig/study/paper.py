@@ -28,7 +28,7 @@ from rollerrig.study.assessment import NOT_DECIDED, Interval, check_table, count
 from rollerrig.study.contact_models import sensitivity_table
 from rollerrig.study.frame import Study, dataset_rows
 from rollerrig.study.jobs import Done, Round
-from rollerrig.study.quantities import Numbers, Quantities
+from rollerrig.study.quantities import Numbers
 from rollerrig.study.report import VIEW, Block, Mark, Picture, Section, Table, Text
 from rollerrig.study.run import audit_tables
 from rollerrig.study.runs.paper import (
@@ -65,21 +65,14 @@ PAPER: str = TEXT["paper"]
 CRITICAL_KMH, NEAR = 100.0, 0.1
 """Speed above which the paper's figure 7a grows [km/h]; a critical speed within this share of it fits it [1]."""
 
-QUANTITIES = Quantities("paper")
-
 
 @dataclass(frozen=True)
 class PaperStudy(Study[Results]):
-    """Both studies of the paper.
-
-    Attributes:
-        chosen: what is computed.
-    """
+    """Both studies of the paper."""
 
     chosen: PaperPlan = FULL
 
     command = "paper"
-    quantities = QUANTITIES
     writes = ("data/*.nc", "data/*.csv", VIEW)
     formats = ("svg", "png")
     round_ends = (0.2, 0.8)
@@ -253,7 +246,7 @@ class PaperStudy(Study[Results]):
         if results.contact:
             entries = {NAMES[m]: numbers["materials"][m]["contact"] for m in results.contact if m in results.modes}
             caption = "Steady rolling on the rig, small motions."
-            blocks.append(QUANTITIES.table(entries, "materials.*.contact", caption, "material"))
+            blocks.append(self.quantities.table(entries, "materials.*.contact", caption, "material"))
         if any(results.merging.values()):
             scans = {b: [results.merging[m].get(b) for m in MATERIALS] for b in self.chosen.criteria}
             cells = [[f"{b:g}", *map(speeds.linear_cell, own)] for b, own in scans.items()]

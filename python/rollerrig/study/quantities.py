@@ -40,11 +40,7 @@ class Quantities:
         return iter(self._all)
 
     def __getitem__(self, key: str) -> Quantity:
-        """The quantity of a key, or the first whose last name it is.
-
-        Raises:
-            KeyError: there is none.
-        """
+        """The quantity of a key, or the first whose last name it is; else a KeyError."""
         for found in (*(q for q in self._all if q.key == key), *(q for q in self._all if q.name == key)):
             return found
         raise KeyError(key)

@@ -92,13 +92,7 @@ Block = Text | Picture | Table | Preformatted
 
 @dataclass
 class Section:
-    """A part of the report with a heading.
-
-    Attributes:
-        title: the heading.
-        blocks: in their order.
-        folded: whether it is a detail that the reader opens.
-    """
+    """A part of the report with a heading; where folded, a detail that the reader opens."""
 
     title: str
     blocks: list[Block] = field(default_factory=list)
@@ -137,16 +131,7 @@ VIEW = "view.html"
 
 @dataclass
 class Page:
-    """A whole report.
-
-    Attributes:
-        title: of it.
-        summary: the findings, a line each.
-        sections: in their order.
-        footer: who made it.
-        mark: what is said on every page.
-        view: what the page VIEW beside it shows in motion; "": there is none.
-    """
+    """A whole report: findings, a line each, sections, what VIEW beside it shows in motion ("": there is none)."""
 
     title: str
     summary: str

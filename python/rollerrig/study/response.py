@@ -11,16 +11,16 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rollerrig.analysis.linear_bench import LinearBench
 from rollerrig.analysis.linear_system import LinearSystem, margins_of
 from rollerrig.analysis.measured_response import MeasuredResponse, measured_response
+from rollerrig.common.arrays import Array, Complex
 from rollerrig.config import Case, ConfigError, ConfigProblem
 from rollerrig.plot.control import bode_figure, nyquist_figure, poles_and_zeros_figure
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Progress, Round, job
-from rollerrig.study.quantities import Numbers, Quantities
+from rollerrig.study.quantities import Numbers
 from rollerrig.study.report import Block, Picture, Section, Table, Text
 
 Rows = list[list[object]]
@@ -28,13 +28,7 @@ Rows = list[list[object]]
 
 @dataclass(frozen=True)
 class AtSpeed:
-    """What is found at one speed.
-
-    Attributes:
-        system: the linear bench.
-        measured: per input what was measured, if anything.
-        drives: bandwidth of the drives that follow inputs [Hz].
-    """
+    """The linear bench at one speed, per input what was measured, and bandwidths of the drives that follow inputs [Hz]."""
 
     system: LinearSystem
     measured: Mapping[str, MeasuredResponse]
@@ -42,11 +36,7 @@ class AtSpeed:
 
 
 def measured_error(found: AtSpeed, output: int, source: int) -> float:
-    """Largest difference of measured and linear magnitude up to half the bandwidth of the command's drive [dB].
-
-    Returns:
-        The difference; NaN where nothing was measured.
-    """
+    """Largest difference of measured and linear magnitude up to half the bandwidth of the command's drive [dB], or NaN."""
     name = found.system.inputs[source]
     measured = found.measured.get(name)
     if measured is None:
@@ -59,7 +49,7 @@ def measured_error(found: AtSpeed, output: int, source: int) -> float:
     return float(np.abs(20 * np.log10(np.abs(measured.values[inside, output] / linear))).max())
 
 
-def response_rows(results: Mapping[str, AtSpeed], frequencies: NDArray[np.float64]) -> Rows:
+def response_rows(results: Mapping[str, AtSpeed], frequencies: Array) -> Rows:
     """Every response, linear and measured, header first."""
     rows: Rows = [["speed_kmh", "input", "output", "frequency_hz", "real", "imaginary", "measured"]]
     for found in results.values():
@@ -90,7 +80,6 @@ def pole_rows(results: Mapping[str, AtSpeed]) -> Rows:
     return rows
 
 
-QUANTITIES = Quantities("response")
 POLES = "poles (crosses) and zeros (circles) by growth rate and frequency."
 
 
@@ -114,17 +103,12 @@ class ResponseStudy(Study[dict[str, AtSpeed]]):
         "The controllers are outside; a delay of their commands is in the response of a case with samples.",
     )
     heading = "Frequency response: {case.name}"
-    quantities = QUANTITIES
     writes = ("response.csv", "poles.csv", "linear_*_kmh.mat")
     formats = ("svg",)
     resumable = False
 
     def __post_init__(self) -> None:
-        """Refuse frequencies that are none, or beyond half the sampling frequency.
-
-        Raises:
-            ConfigError: they are.
-        """
+        """Refuse with a ConfigError frequencies that are none, or beyond half the sampling frequency."""
         low, high = self.frequencies
         most = 0.5 / self.case.time.sampling_step if self.case.sampled else math.inf
         if not 0.0 < low < high or high > most:
@@ -143,7 +127,7 @@ class ResponseStudy(Study[dict[str, AtSpeed]]):
     # --------------------------------------------------------------------------------------------------- numbers
 
     @property
-    def _grid(self) -> NDArray[np.float64]:
+    def _grid(self) -> Array:
         return np.geomspace(*self.frequencies, self.points)
 
     def _channels(self) -> Iterator[tuple[str, int, int]]:
@@ -170,7 +154,7 @@ class ResponseStudy(Study[dict[str, AtSpeed]]):
             "channels": channels,
         }
 
-    def _channel(self, found: AtSpeed, response: NDArray[np.complex128], output: int, source: int) -> dict[str, float]:
+    def _channel(self, found: AtSpeed, response: Complex, output: int, source: int) -> dict[str, float]:
         values = response[:, output, source]
         size = 20 * np.log10(np.abs(values))
         below = np.flatnonzero(size < size[0] - 3.0)
@@ -223,7 +207,7 @@ class ResponseStudy(Study[dict[str, AtSpeed]]):
             zeros = {label: found.system.zeros(i, k) for label, found in results.items()}
             blocks: list[Block] = [
                 Picture(f"bode_{number}", bode_figure(lines, points, unit), f"{name}: magnitude and phase."),
-                QUANTITIES.table(numbers["channels"][name], "channels.*.*", "Bandwidth and margins.", "at"),
+                self.quantities.table(numbers["channels"][name], "channels.*.*", "Bandwidth and margins.", "at"),
                 Picture(f"nyquist_{number}", nyquist_figure(lines, unit), f"{name} in the complex plane."),
                 Picture(f"poles_{number}", poles_and_zeros_figure(poles, zeros), f"{name}: {POLES}"),
             ]

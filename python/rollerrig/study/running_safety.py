@@ -94,13 +94,7 @@ def _weighted(assessment: Assessment) -> dict[str, dict[str, float]] | None:
 
 
 def sections(assessment: Assessment, rows: Sequence[Row], along: xr.DataArray) -> list[Section]:
-    """Sections of the report: the most critical place of each quantity, and the quantities along the run.
-
-    Args:
-        assessment: what `assess` returns.
-        rows: its table.
-        along: time or distance to draw over; with fewer than two samples nothing is drawn.
-    """
+    """Sections of the report: the most critical place of each quantity, and the quantities along time or distance."""
     notes = [Text(note) for note in (*assessment.notes, *vibrations(assessment))]
     by_section = {row.section: [other for other in rows if other.section == row.section] for row in rows}
     tables = [_most_critical(some, name if len(by_section) > 1 else "") for name, some in by_section.items()]

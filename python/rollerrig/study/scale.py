@@ -47,7 +47,7 @@ from rollerrig.similitude import (
 from rollerrig.simulation.run import simulate
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Round, job
-from rollerrig.study.quantities import Numbers, Quantities
+from rollerrig.study.quantities import Numbers
 from rollerrig.study.report import Picture, Section, Table
 
 
@@ -111,9 +111,6 @@ LABELS = {
     "own": "the model's own actuators alone",
 }
 
-QUANTITIES = Quantities("scale")
-
-
 LEFT_OUT = (
     "The suspension of the model is built to scale: elements, bearings and play of a real model have friction and tolerances of "
     "their own. Where the weight is to be right although gravity is not scaled, a model needs vertical forces beside its own "
@@ -147,16 +144,11 @@ class Scaled:
 
 @dataclass(frozen=True)
 class ScaleStudy(Study[Scaled]):
-    """A test at full scale and on models of it.
-
-    Attributes:
-        variants: name of LABELS -> case: 'full', 'model', and those of the error budget.
-    """
+    """A test at full scale and on models of it: by name of LABELS 'full', 'model', and those of the error budget."""
 
     variants: Mapping[str, Case]
 
     command = "scale"
-    quantities = QUANTITIES
     writes = (CASE_FILE, "full.nc", "model.nc", "axles.csv")
     round_ends = (0.8, 1.0)
     leaves_out = (LEFT_OUT,)
@@ -210,7 +202,7 @@ class ScaleStudy(Study[Scaled]):
             for name, run in results.mapped.items()
         }
         speeds = {name: 3.6 * results.critical.get(name, math.nan) for name in ("full", "model")}
-        violated = QUANTITIES.below("violations.*")
+        violated = self.quantities.below("violations.*")
         return {
             "case": self.full.name,
             "model": self.model.name,
@@ -243,7 +235,7 @@ class ScaleStudy(Study[Scaled]):
         hidden = {"status", "status_message"}
         hidden |= set() if _moves_sideways(numbers) else {"lateral_largest_m", "lateral_rms_m"}
         shown, compared = (
-            [q.name for q in QUANTITIES.below(group) if q.name in known.keys() - hidden]
+            [q.name for q in self.quantities.below(group) if q.name in known.keys() - hidden]
             for group, known in (("*", numbers["full"]), ("fidelity", numbers["fidelity"]))
         )
         violations = [
@@ -256,16 +248,16 @@ class ScaleStudy(Study[Scaled]):
         assert record is not None
         scaled = [[name, number(factors.factor(unit)), unit] for name, unit in FACTORS]
         similitude = Table(("quantity", "full scale over model", "unit"), scaled, STRATEGIES[record.strategy].title)
-        less = QUANTITIES.list_table({"model less full scale": numbers["fidelity"]}, compared)
+        less = self.quantities.list_table({"model less full scale": numbers["fidelity"]}, compared)
         sections = [
             Section("Similitude", [similitude, Table(header, violations, "requirements, met or violated")]),
             Section("Contact at rest", [contact_at_rest_table(self.model, *results.contact)]),
-            Section("Numbers", [QUANTITIES.list_table(runs, shown), less]),
+            Section("Numbers", [self.quantities.list_table(runs, shown), less]),
         ]
         sections += [Section(title, [Picture(*picture)]) for title, *picture in self._pictures(results, numbers)]
         if numbers["error_budget"]:
             entries = {LABELS[n]: one for n, one in {"model": numbers["fidelity"], **numbers["error_budget"]}.items()}
-            budget = QUANTITIES.table(entries, compared, "against full scale", "model")
+            budget = self.quantities.table(entries, compared, "against full scale", "model")
             sections.append(Section("Error budget of the model", [budget]))
         return sections
 

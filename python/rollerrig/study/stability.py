@@ -26,7 +26,7 @@ from rollerrig.study.contact_models import ContactEffect
 from rollerrig.study.frame import Study, dataset_rows
 from rollerrig.study.jobs import Chains, Done, Round, job
 from rollerrig.study.limit_cycles import cycle_chains, cycle_diagram
-from rollerrig.study.quantities import Numbers, Quantities
+from rollerrig.study.quantities import Numbers
 from rollerrig.study.report import VIEW, Block, Picture, Section, Table, Text
 
 SUSPENSION_WORDS = ("car body", "bogie", "bogies", "front bogie", "rear bogie")
@@ -130,8 +130,6 @@ def _shape_table(mode: xr.Dataset) -> Table:
 MOST_CYCLE_SPEEDS = 20
 """Runs are made at no more speeds than this, spread over the range."""
 
-QUANTITIES = Quantities("stability")
-
 
 @dataclass(frozen=True)
 class Results:
@@ -166,7 +164,6 @@ class StabilityStudy(Study[Results]):
         "saturation beyond its slope.",
         "Rollers or rails are speed-controlled at each speed; torques keep their value at time 0.",
     )
-    quantities = QUANTITIES
     writes = ("stability.nc", "modes.csv", "shapes.csv", "limit_cycles.csv", "contact_effects.csv", VIEW)
     formats = ("svg",)
 
@@ -247,9 +244,9 @@ class StabilityStudy(Study[Results]):
         found["shapes.csv"] = dataset_rows(modes, SHAPE_COLUMNS, "speed", "mode", "body", "direction")
         if results.diagram is not None:
             points = numbers["limit_cycles"]["points"]
-            found["limit_cycles.csv"] = QUANTITIES.csv(points, "limit_cycles.points.*")
+            found["limit_cycles.csv"] = self.quantities.csv(points, "limit_cycles.points.*")
         if results.contact:
-            found["contact_effects.csv"] = QUANTITIES.csv(numbers["contact_effects"], "contact_effects.*")
+            found["contact_effects.csv"] = self.quantities.csv(numbers["contact_effects"], "contact_effects.*")
         return found
 
     # ---------------------------------------------------------------------------------------------------- report
@@ -267,7 +264,7 @@ class StabilityStudy(Study[Results]):
                 "The same vehicle with each normal contact and creep law. The limit cycle is the end of a run from a "
                 f"lateral offset of {1e3 * contact_effects.SETTINGS.disturbance:g} mm of the leading wheelset."
             )
-            table = QUANTITIES.table(numbers["contact_effects"], "contact_effects.*")
+            table = self.quantities.table(numbers["contact_effects"], "contact_effects.*")
             found.append(Section("Effect of the contact model", [Text(text), table]))
         return found
 
@@ -282,7 +279,7 @@ class StabilityStudy(Study[Results]):
         found, where = numbers["crossings"], f"from {modes['speed'][0]:g} to {modes['speed'][-1]:g} km/h"
         crossings: Block = Text(f"No oscillation begins or ends to grow {where}.")
         if found:
-            crossings = QUANTITIES.table(found, names, "Speeds at which an oscillation begins or ends to grow.")
+            crossings = self.quantities.table(found, names, "Speeds at which an oscillation begins or ends to grow.")
         return [*(Picture(*one) for one in drawn), crossings, mode_table(modes)]
 
 

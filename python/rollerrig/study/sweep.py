@@ -24,9 +24,9 @@ from rollerrig.config.errors import nearest, one_of, show_value
 from rollerrig.config.validate.messages import validate
 from rollerrig.plot import sweep as figures
 from rollerrig.study.frame import Study
-from rollerrig.study.jobs import Done, Job, Progress, Round, call, job
-from rollerrig.study.measures import KINDS, MEASURES
-from rollerrig.study.quantities import Numbers, Quantities
+from rollerrig.study.jobs import Done, Job, Progress, Round
+from rollerrig.study.measures import MEASURES
+from rollerrig.study.quantities import Numbers
 from rollerrig.study.report import Block, Picture, Section, Table, Text
 from rollerrig.study.runs.sweep import (
     FAILED,
@@ -80,8 +80,6 @@ MOST = 1_000_000
 Compute = Callable[[Case], Mapping[str, float]]
 """A measure of the user's own: a case -> numbers by name."""
 
-QUANTITIES = Quantities("sweep")
-
 
 @dataclass(frozen=True)
 class Sweep:
@@ -93,12 +91,9 @@ class Sweep:
 
 @dataclass(frozen=True)
 class SweepStudy(Study[Sweep]):
-    """All cases of a plan.
+    """All cases of a plan; more than MOST_UNASKED only if `many` says so.
 
-    Attributes:
-        whole: the plan and its case.
-        many: whether more than MOST_UNASKED cases are meant.
-        compute: measure of the user's own, beside or in place of those of the plan.
+    `compute` is a measure of the user's own, beside or in place of those of the plan.
     """
 
     whole: WholePlan
@@ -107,17 +102,12 @@ class SweepStudy(Study[Sweep]):
     _seen: dict[str, float] = field(default_factory=dict, compare=False, repr=False)
 
     command = "sweep"
-    quantities = QUANTITIES
     writes = ("sweep.nc", "sweep.csv", "plan.toml")
     keeps_jobs = True
     irrelevant = ("description", "plan.name", "plan.description")
 
     def __post_init__(self) -> None:
-        """Refuse what cannot be done.
-
-        Raises:
-            ConfigError: a value that does not fit its key, a number that no measure has, or too many cases.
-        """
+        """Refuse with a ConfigError values that do not fit their key, numbers that no measure has, too many cases."""
         count, file = number_of_cases(self.whole.plan), self.whole.file
         allowed = f"allowed: up to {MOST} cases, which are held in memory; several plans can share the work"
         if count > MOST_UNASKED and not self.many:
@@ -267,11 +257,7 @@ class SweepStudy(Study[Sweep]):
 
 
 def sweep_study(case: Case, vary: Mapping[str, Any], measure: Any, design: Any, *, many: bool = False) -> SweepStudy:
-    """The study of `rollerrig.sweep`, whose arguments these are.
-
-    Raises:
-        ConfigError: all mistakes found.
-    """
+    """The study of `rollerrig.sweep`, whose arguments these are; a ConfigError has all mistakes found."""
     compute = measure if callable(measure) else None
     several = [] if compute else [measure] if isinstance(measure, str | Mapping) else list(measure)
     varied = [{"key": k, **(one if isinstance(one, Mapping) else {"values": _listed(one)})} for k, one in vary.items()]
@@ -280,7 +266,7 @@ def sweep_study(case: Case, vary: Mapping[str, Any], measure: Any, design: Any, 
     if plan is None:
         raise ConfigError(problems)
     if compute is None and not plan.measure:
-        raise ConfigError([ConfigProblem("sweep", "measure", "missing", one_of(KINDS))])
+        raise ConfigError([ConfigProblem("sweep", "measure", "missing", one_of(tuple(MEASURES)))])
     return SweepStudy(plan_of_case(plan, case, "sweep"), many, compute)
 
 
@@ -311,18 +297,13 @@ def _unpacked(packed: bytes) -> tuple[Case, tuple[Any, ...], Compute | None]:
 
 
 def run_case(packed: bytes, changes: Mapping[str, Any], progress: Progress | None = None) -> Record:
-    """The numbers of one case; whatever goes wrong with it is its reason, not the end of the sweep.
-
-    Raises:
-        KeyboardInterrupt: Ctrl-C.
-    """
+    """The numbers of one case; whatever goes wrong with it, but for Ctrl-C, is its reason, not the end of the sweep."""
     case, measures, compute = _unpacked(packed)
     numbers: dict[str, float] = {}
     try:
         changed = case.with_changes(changes)
         for measure in measures:
-            work = job(MEASURES[measure.kind].measure, changed, measure)
-            found = call(work, progress or (lambda _fraction, _text: None))
+            found = MEASURES[measure.kind].measure(changed, measure, progress)
             numbers |= {name: float(found[name]) for name in measure.keep or found}
         if compute is not None:
             numbers |= {str(name): float(value) for name, value in compute(changed).items()}

@@ -11,9 +11,9 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rollerrig.analysis.slide_statistics import SLIP_EDGES, idle_valves
+from rollerrig.common.arrays import Array
 from rollerrig.common.formatting import number
 from rollerrig.config import CRITERIA, Case, Programme
 from rollerrig.config.schema.programme import BrakedRun
@@ -64,14 +64,7 @@ WORDS = ("met", "not met", "not decided")
 
 @dataclass(frozen=True)
 class StopResult:
-    """What a stop gave.
-
-    Attributes:
-        tests: by support.
-        judged: its criteria on both supports.
-        signals: of the first tests, by support.
-        seconds: processor time of all its tests [s].
-    """
+    """What a stop gave: tests and signals of the first ones by support, criteria on both, processor time of all [s]."""
 
     tests: Tests
     judged: Sequence[Judgement]
@@ -84,14 +77,7 @@ Results = Mapping[str, StopResult]
 
 @dataclass(frozen=True)
 class WspStudy(Study[Results]):
-    """A test programme for wheel slide protection.
-
-    Attributes:
-        case: of the rig.
-        programme: stops and limits.
-        starts: tests of each stop on each support; 0: as many as the programme asks for. With fewer nothing is decided.
-        quick: only two starts of the first two stops: to see that everything works.
-    """
+    """A test programme for wheel slide protection; attributes as the arguments of `rollerrig.wsp`."""
 
     case: Case
     programme: Programme
@@ -473,7 +459,7 @@ def _pictures(results: Results, numbers: Numbers) -> Iterator[Block]:
         )
         drawn = means_with_intervals(list(stopping), _ends(stopping, "k_wet"), "K_wet [-]", limits=limits)
         yield Picture("k_wet", drawn, caption)
-    shares: dict[str, dict[str, NDArray[np.float64]]] = {
+    shares: dict[str, dict[str, Array]] = {
         name: {on: np.mean([test.slip_shares for test in one.tests[on].tests], axis=0) for on in SUPPORTS}
         for name, one in results.items()
     }

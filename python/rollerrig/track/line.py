@@ -16,9 +16,9 @@ from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
-from numpy.typing import ArrayLike, NDArray
+from numpy.typing import ArrayLike
 
-FloatArray = NDArray[np.float64]
+from rollerrig.common.arrays import Array
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +35,7 @@ class PiecewiseCubic:
         rows: (n, 5), one row [s_k, c_k0, c_k1, c_k2, c_k3] per piece, s_k [m] ascending, read-only.
     """
 
-    rows: FloatArray
+    rows: Array
 
     def __post_init__(self) -> None:
         """Freeze the rows in the layout that the compiled core reads."""
@@ -43,7 +43,7 @@ class PiecewiseCubic:
         rows.flags.writeable = False
         object.__setattr__(self, "rows", rows)
 
-    def evaluate(self, s: ArrayLike, derivative: int = 0) -> FloatArray:
+    def evaluate(self, s: ArrayLike, derivative: int = 0) -> Array:
         """Value (0), slope (1) or second derivative (2) at distances s [m], any shape."""
         s = np.asarray(s, dtype=np.float64)
         first = self.rows[0, 0]
@@ -59,12 +59,12 @@ class PiecewiseCubic:
                 return np.where(s < first, 0.0, 2 * c2 + t * 6 * c3)
         raise ValueError(f"derivative: {derivative} is not one of 0, 1, 2")
 
-    def integral(self, s: ArrayLike) -> FloatArray:
+    def integral(self, s: ArrayLike) -> Array:
         """Integral from 0 to s [m], exact for the cubics; any shape."""
         s = np.asarray(s, dtype=np.float64)
         return self._primitive(s) - self._primitive(np.zeros(()))
 
-    def _primitive(self, s: FloatArray) -> FloatArray:
+    def _primitive(self, s: Array) -> Array:
         start = self.rows[:, 0]
         width = np.diff(start)
         c = self.rows[:, 1:]
@@ -128,7 +128,7 @@ class Line:
         """Distance at which the last segment ends [m]."""
         return self.segments[-1].end
 
-    def heading(self, s: ArrayLike) -> FloatArray:
+    def heading(self, s: ArrayLike) -> Array:
         """Angle through which the line has turned since s = 0, positive to the left [rad]."""
         return self.curvature.integral(s)
 

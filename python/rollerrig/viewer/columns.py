@@ -17,7 +17,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-Numbers = NDArray[np.float64]
+from rollerrig.common.arrays import Array
 
 MOST_FRAMES = 4000
 """Largest number of frames of a page: more would make it slow to open; between them the page interpolates."""
@@ -40,20 +40,14 @@ class Frames:
     """
 
     index: NDArray[np.intp]
-    times: Numbers
+    times: Array
     errors: Mapping[str, float]
 
 
-def interpolated(times: Numbers, values: Numbers, at: Numbers) -> Numbers:
-    """The page's curve through frames.
+def interpolated(times: Array, values: Array, at: Array) -> Array:
+    """The page's curve through frames at rising times [s]: a cubic whose slope is that from the frame before to the one after.
 
-    Args:
-        times: of the frames, rising (n,) [s].
-        values: (n, ...), any columns.
-        at: times between the first and the last (m,) [s].
-
-    Returns:
-        (m, ...): a cubic whose slope at a frame is that from the frame before to the one after.
+    Values (n, ...) at times (m,) between the first and the last become (m, ...).
     """
     if len(times) < 2:
         return np.repeat(values[:1], len(at), axis=0)
@@ -68,9 +62,7 @@ def interpolated(times: Numbers, values: Numbers, at: Numbers) -> Numbers:
     )
 
 
-def thinned(
-    times: Numbers, drawn: Mapping[str, Numbers], allowed: Mapping[str, float], most: int = MOST_FRAMES
-) -> Frames:
+def thinned(times: Array, drawn: Mapping[str, Array], allowed: Mapping[str, float], most: int = MOST_FRAMES) -> Frames:
     """The fewest evenly spaced samples whose curve stays within the allowed errors, at most `most`.
 
     Args:
@@ -90,7 +82,7 @@ def thinned(
     return Frames(index, times[index], errors)
 
 
-def _error(times: Numbers, values: Numbers, index: NDArray[np.intp]) -> float:
+def _error(times: Array, values: Array, index: NDArray[np.intp]) -> float:
     if len(index) < 2 or not values.size:
         return 0.0
     difference = np.abs(interpolated(times[index], values[index], times) - values)
@@ -98,13 +90,8 @@ def _error(times: Numbers, values: Numbers, index: NDArray[np.intp]) -> float:
     return float(found.max()) if found.size else 0.0
 
 
-def extremes(values: Numbers, most: int = MOST_POINTS) -> NDArray[np.intp]:
-    """Samples to keep of curves: all, or of even parts those where a curve is least and greatest, and both ends.
-
-    Args:
-        values: of all curves (n, curves).
-        most: samples.
-    """
+def extremes(values: Array, most: int = MOST_POINTS) -> NDArray[np.intp]:
+    """Samples to keep of curves (n, curves): all, or of even parts those where a curve is least and greatest, and both ends."""
     count, curves = values.shape
     if count <= most:
         return np.arange(count)
@@ -129,7 +116,7 @@ class Columns:
     _parts: list[bytes] = field(default_factory=list)
     _size: int = 0
 
-    def add(self, name: str, values: Numbers, *, exact: bool = False) -> None:
+    def add(self, name: str, values: Array, *, exact: bool = False) -> None:
         """A column; `exact`: with 32 bits, for angles and distances that only grow."""
         if exact:
             self._append(name, np.asarray(values, dtype="<f4"), "f", 1.0, 0.0)

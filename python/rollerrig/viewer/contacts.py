@@ -20,10 +20,9 @@ from numpy.typing import NDArray
 
 from rollerrig import _core
 from rollerrig.assembly.model import AssembledModel
+from rollerrig.common.arrays import Array
 from rollerrig.config import Track
 from rollerrig.config.schema.support import NOWHERE, rail_layout
-
-Numbers = NDArray[np.float64]
 
 PLACE = ("x", "y", "z", "peak_pressure", "length", "width")
 """What is found of a patch: point from the crown or top of rail below the wheelset's design position [m], [Pa], [m]."""
@@ -32,7 +31,7 @@ _FARTHEST = 3e-3
 """Between the abscissas of a recorded patch and the one that the geometry finds: more is another patch [m]."""
 
 
-def contact_places(model: AssembledModel, run: xr.Dataset, index: NDArray[np.intp], patches: int) -> Numbers:
+def contact_places(model: AssembledModel, run: xr.Dataset, index: NDArray[np.intp], patches: int) -> Array:
     """Places of the recorded patches.
 
     Args:
@@ -62,12 +61,10 @@ def contact_places(model: AssembledModel, run: xr.Dataset, index: NDArray[np.int
     return found
 
 
-def relative_pose(
-    model: AssembledModel, run: xr.Dataset, wheelset: str, index: NDArray[np.intp]
-) -> dict[bool, Numbers]:
+def relative_pose(model: AssembledModel, run: xr.Dataset, wheelset: str, index: NDArray[np.intp]) -> dict[bool, Array]:
     """Pose of a wheelset against what it stands on, x, y, z, roll, yaw (frames, 5); True: on the right."""
     own = _motion(run, wheelset, index)
-    poses: dict[bool, Numbers] = {}
+    poses: dict[bool, Array] = {}
     support = model.case.support.data
     layout = rail_layout(support) if isinstance(support, Track) else None
     for right, side in ((False, "left"), (True, "right")):
@@ -99,8 +96,8 @@ def support_under(model: AssembledModel, wheelset: str, side: str) -> str:
 
 
 def seen_from_rail(
-    model: AssembledModel, under: str, wheelset: str, y: Numbers | float, z: Numbers | float, roll: Numbers | float
-) -> Numbers:
+    model: AssembledModel, under: str, wheelset: str, y: Array | float, z: Array | float, roll: Array | float
+) -> Array:
     """Lateral and vertical displacement of a wheelset in the axes of a rail that rolls about its centre of mass (..., 2) [m].
 
     Args:
@@ -117,16 +114,14 @@ def seen_from_rail(
     return _in_turned_axes(y, z, roll, (y_rail, z_rail - height))
 
 
-def _in_turned_axes(
-    y: Numbers | float, z: Numbers | float, roll: Numbers | float, middle: tuple[float, float]
-) -> Numbers:
+def _in_turned_axes(y: Array | float, z: Array | float, roll: Array | float, middle: tuple[float, float]) -> Array:
     """A displacement in axes that are turned about a point, given from the wheelset's centre [m]."""
     sine, cosine = np.sin(roll), np.cos(roll)
     y, z = y - middle[0], z - middle[1]
     return np.stack([cosine * y + sine * z + middle[0], cosine * z - sine * y + middle[1]], axis=-1)
 
 
-def _motion(run: xr.Dataset, body: str, index: NDArray[np.intp]) -> Numbers:
+def _motion(run: xr.Dataset, body: str, index: NDArray[np.intp]) -> Array:
     one = run.sel(body=body)
     return np.stack(
         [one[name].to_numpy()[index] for name in ("longitudinal", "lateral", "vertical", "roll", "yaw")], axis=1

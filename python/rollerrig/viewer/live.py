@@ -49,15 +49,7 @@ GAINS = {
 
 @dataclass(frozen=True)
 class Slider:
-    """What a visitor may move.
-
-    Attributes:
-        name: of it; of a gain that of the plant's parameter.
-        label: beside it.
-        unit: of its numbers.
-        least, most, value: its range and where it begins.
-        factor: of the plant's number over the slider's.
-    """
+    """What a visitor may move: range and begin, in the slider's unit; `factor` of the plant's number over the slider's."""
 
     name: str
     label: str

@@ -37,21 +37,12 @@ def bundle(name: str) -> str:
 
 
 def live_page(head: dict[str, Any]) -> str:
-    """The page of a simulation that runs now and is asked for frames; it may ask the server that it came from alone.
-
-    Args:
-        head: of its scene.
-    """
+    """The page of a simulation that runs now and is asked for frames; it may ask the server that it came from alone."""
     return _html(str(head["title"]), [head], "", ALLOWED + "; connect-src 'self'")
 
 
 def page(title: str, scenes: Sequence[Scene]) -> str:
-    """The whole page.
-
-    Args:
-        title: of the page.
-        scenes: one, or two that are shown side by side in step.
-    """
+    """The whole page of one scene, or of two that are shown side by side in step."""
     numbers = "\n".join(
         f'<script type="text/plain" id="numbers{k}">{scene.columns.text()}</script>' for k, scene in enumerate(scenes)
     )

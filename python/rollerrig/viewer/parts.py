@@ -12,16 +12,15 @@ from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rollerrig.assembly.model import AssembledModel
+from rollerrig.common.arrays import Array, Mask
 from rollerrig.config import Element, Rig, Track
 from rollerrig.config.schema.vehicle import DIRECTIONS
 from rollerrig.profiles import ProfileTable
 from rollerrig.track import Line
 
 Table = dict[str, Any]
-Points = NDArray[np.float64]
 
 _FLAT = 0.03e-3
 """A drawn profile leaves the true one by less than this [m]."""
@@ -144,7 +143,7 @@ def outline(profile: ProfileTable) -> list[list[float]]:
     return [[round(float(y), 6), round(float(z), 6)] for y, z in points[keep]]
 
 
-def _simplify(points: Points, first: int, last: int, keep: NDArray[np.bool_]) -> None:
+def _simplify(points: Array, first: int, last: int, keep: Mask) -> None:
     """Douglas and Peucker."""
     if last - first < 2:
         return
@@ -161,13 +160,7 @@ def _simplify(points: Points, first: int, last: int, keep: NDArray[np.bool_]) ->
 
 
 def track(model: AssembledModel, run_from: float, run_to: float) -> Table | None:
-    """Plan, heading, cant and height of the line over the way run; None on a rig.
-
-    Args:
-        model: of the run.
-        run_from: least distance of the vehicle [m].
-        run_to: greatest one [m].
-    """
+    """Plan, heading, cant and height of the line over the way run, from least to greatest distance [m]; None on a rig."""
     if not isinstance(model.case.support.data, Track):
         return None
     s = np.arange(run_from - _BEHIND, run_to + _AHEAD + _LINE_STEP, _LINE_STEP)
@@ -185,9 +178,9 @@ def track(model: AssembledModel, run_from: float, run_to: float) -> Table | None
     }
 
 
-def _line(line: Line, s: Points) -> tuple[Points, Points, float]:
+def _line(line: Line, s: Array) -> tuple[Array, Array, float]:
     return np.asarray(line.heading(s)), np.asarray(line.cant.evaluate(s)), line.cant_base
 
 
-def _running(rate: Points, step: float) -> Points:
+def _running(rate: Array, step: float) -> Array:
     return np.concatenate([[0.0], np.cumsum((rate[1:] + rate[:-1]) / 2 * step)])

@@ -126,11 +126,7 @@ class Theatre:
 
 
 def server(theatre: Theatre, port: int = 0) -> ThreadingHTTPServer:
-    """The server on the loopback.
-
-    Args:
-        theatre: whose simulation it shows.
-        port: where it listens; 0: any free one.
+    """The server on the loopback, at a port; 0: any free one.
 
     Raises:
         OSError: the port is taken.

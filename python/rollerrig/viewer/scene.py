@@ -120,12 +120,7 @@ _MOVES = 1e-12
 
 @dataclass(frozen=True)
 class Scene:
-    """What the page needs of one run.
-
-    Attributes:
-        head: plain tables, as JSON.
-        columns: the numbers over time.
-    """
+    """What the page needs of one run: plain tables, as JSON, and the numbers over time."""
 
     head: dict[str, Any]
     columns: Columns
@@ -299,11 +294,7 @@ def holds_modes(results: xr.Dataset) -> bool:
 
 
 def mode_scene(modes: xr.Dataset, *, label: str = "") -> Scene:
-    """The scene of modes over speed.
-
-    Args:
-        modes: Dataset of `stability`.
-        label: how it is called; by default its case.
+    """The scene of the modes of `stability`, called by its label or its case.
 
     Raises:
         ResultsError: their case cannot be read by this version.

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "models.hpp"
+#include "rollerrig/plant/byte_stream.hpp"
 #include "rollerrig/plant/plant.hpp"
 
 using namespace rollerrig;

@@ -10,7 +10,7 @@ import pytest
 from typer.testing import CliRunner, Result
 
 from rollerrig.cli.app import build_app
-from rollerrig.study.conicity import QUANTITIES
+from rollerrig.study.conicity import ConicityStudy
 
 FILES = {
     "rollerrig.json",
@@ -56,8 +56,8 @@ def test_rail_and_roller_stand_side_by_side(outputs: list[Path]) -> None:
 
 def test_every_key_of_the_summary_is_explained_and_reported(outputs: list[Path]) -> None:
     summary = json.loads((outputs[0] / "summary.json").read_text())
-    assert QUANTITIES.unexplained(summary) == []
-    assert QUANTITIES.unreported(summary) == []
+    assert ConicityStudy.quantities.unexplained(summary) == []
+    assert ConicityStudy.quantities.unreported(summary) == []
 
 
 @pytest.mark.parametrize("name", sorted(FILES - {"timing.json"}))

@@ -13,7 +13,7 @@ from typer.testing import CliRunner, Result
 from rollerrig.assembly.laws import creep_law
 from rollerrig.cli.app import build_app
 from rollerrig.contact_analysis.creep_laws import REFERENCE, compare_laws, error_table
-from rollerrig.study.creep import QUANTITIES
+from rollerrig.study.creep import CreepStudy
 
 FILES = {
     "rollerrig.json",
@@ -53,7 +53,7 @@ def test_all_files_are_written_and_say_the_same(output: Path) -> None:
 
 
 def test_every_key_of_the_summary_is_explained(output: Path) -> None:
-    assert QUANTITIES.unexplained(json.loads((output / "summary.json").read_text())) == []
+    assert CreepStudy.quantities.unexplained(json.loads((output / "summary.json").read_text())) == []
 
 
 @pytest.mark.parametrize(

@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 import rollerrig as rr
 from rollerrig.cli.app import build_app
 from rollerrig.config import Case
-from rollerrig.study.curving import QUANTITIES, CurvingStudy
+from rollerrig.study.curving import CurvingStudy
 from rollerrig.study.frame import Outcome
 
 WAGON = Path(__file__).parents[1] / "two_axle_wagon.toml"
@@ -31,8 +31,8 @@ def outcome() -> Outcome:
 
 
 def test_every_number_is_explained(outcome: Outcome) -> None:
-    assert QUANTITIES.unexplained(outcome.numbers) == []
-    assert QUANTITIES.unreported(outcome.numbers) == []
+    assert CurvingStudy.quantities.unexplained(outcome.numbers) == []
+    assert CurvingStudy.quantities.unreported(outcome.numbers) == []
 
 
 def test_limits_exceeded_and_points_without_a_steady_state_are_named(outcome: Outcome) -> None:

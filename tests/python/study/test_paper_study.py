@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from rollerrig.study.frame import Outcome
-from rollerrig.study.paper import CAPTIONS, QUANTITIES, PaperStudy, Results
+from rollerrig.study.paper import CAPTIONS, PaperStudy, Results
 from rollerrig.study.runs.paper import EXACT, FULL, QUICK, RIG, case_of, rig_case
 
 
@@ -137,14 +137,14 @@ def test_a_wrong_run_fails_its_checks(outcome) -> None:
 
 def test_every_number_is_registered_and_every_registered_quantity_reported(folder) -> None:
     summary = json.loads((folder / "summary.json").read_text())
-    assert QUANTITIES.unexplained(summary) == []
+    assert PaperStudy.quantities.unexplained(summary) == []
     whole = {
         "materials.*.roller_effects",
         "traction",
         "exact_contact.traction",
         "checks",
     }  # null or empty where nothing is computed
-    assert set(QUANTITIES.unreported(summary)) == whole
+    assert set(PaperStudy.quantities.unreported(summary)) == whole
 
 
 @pytest.mark.long

@@ -16,7 +16,7 @@ from rollerrig.analysis.linear_bench import LinearBench
 from rollerrig.analysis.measured_response import measured_response
 from rollerrig.cli.app import build_app
 from rollerrig.study.frame import Outcome
-from rollerrig.study.response import QUANTITIES
+from rollerrig.study.response import ResponseStudy
 
 COMMAND = "wheelset_1.roller_torque_command"
 OUTPUTS = ("wheelset_1.axle_speed", "wheelset_1.left.longitudinal_force")
@@ -82,7 +82,7 @@ def test_a_wrong_name_leaves_no_folder(tmp_path: Path) -> None:
 
 def test_files(outcome: Outcome, folder: Path) -> None:
     summary = json.loads((folder / "summary.json").read_text())
-    assert QUANTITIES.unexplained(summary) == []
+    assert ResponseStudy.quantities.unexplained(summary) == []
     with (folder / "response.csv").open() as file:
         rows = list(csv.DictReader(file))
     assert len(rows) == 2 * 2 * (40 + 3)

@@ -17,7 +17,7 @@ from rollerrig.analysis import LimitCycleSettings
 from rollerrig.cli.app import build_app
 from rollerrig.config import ConfigError, load_case
 from rollerrig.results import load_run
-from rollerrig.study.stability import MOST_CYCLE_SPEEDS, QUANTITIES, StabilityStudy, cycle_speeds, line_sentences
+from rollerrig.study.stability import MOST_CYCLE_SPEEDS, StabilityStudy, cycle_speeds, line_sentences
 
 runner = CliRunner()
 
@@ -46,8 +46,12 @@ def test_everything_is_written(folder) -> None:
 
 def test_numbers_are_registered_and_those_of_the_bogie(folder) -> None:
     summary = json.loads((folder / "summary.json").read_text())
-    assert QUANTITIES.unexplained(summary) == []
-    missing = [key for key in QUANTITIES.unreported(summary) if not key.startswith(("contact_effects", "diverging.*"))]
+    assert StabilityStudy.quantities.unexplained(summary) == []
+    missing = [
+        key
+        for key in StabilityStudy.quantities.unreported(summary)
+        if not key.startswith(("contact_effects", "diverging.*"))
+    ]
     assert missing == ["crossings"]  # there are some
     assert summary["linear_critical_speed_kmh"] == pytest.approx(253.09, abs=0.01)
     cycles = summary["limit_cycles"]

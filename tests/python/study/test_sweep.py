@@ -495,7 +495,6 @@ def test_bad_input_leaves_nothing_behind(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("name", ["critical_speed_map", "stopping_distance_fidelity", "flange_force_misalignment"])
 def test_a_plan_that_ships_is_whole_and_its_first_case_has_numbers(name: str) -> None:
-    from rollerrig.study.jobs import call
 
     study = SweepStudy(load_plan(name))
     if name == "stopping_distance_fidelity":
@@ -504,7 +503,7 @@ def test_a_plan_that_ships_is_whole_and_its_first_case_has_numbers(name: str) ->
         plan = study.whole.plan.model_copy(update={"measure": (measure,)})
         study = SweepStudy(replace(study.whole, plan=plan))
     first = next(iter(next(study.rounds({})).values()))
-    record = call(first, lambda _fraction, _text: None)
+    record = first.call(lambda _fraction, _text: None)
     assert record["failed"] == ""
     assert all(math.isfinite(value) for value in record["numbers"].values())
 

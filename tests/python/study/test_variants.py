@@ -28,7 +28,8 @@ def test_what_is_there_ends_with_the_first_that_is_missing() -> None:
 
 
 def test_means_and_errors_are_those_of_each_variant() -> None:
-    found = means({"a": [{"x": 1.0}, {"x": 3.0}], "b": [{"x": 5.0}, {"x": 5.0}]}, ["x"])
-    assert found["x"].to_numpy().tolist() == [2.0, 5.0]
-    assert found["x_standard_error"].sel(variant="a") == pytest.approx(1.0)  # s = sqrt(2), over sqrt(2)
-    assert found["x_standard_error"].sel(variant="b") == 0.0
+    found = means([{"x": 1.0}, {"x": 3.0}], ["x"])
+    assert list(found) == ["x", "x_standard_error"]
+    assert found["x"] == 2.0
+    assert found["x_standard_error"] == pytest.approx(1.0)  # s = sqrt(2), over sqrt(2)
+    assert means([{"x": 5.0}, {"x": 5.0}], ["x"])["x_standard_error"] == 0.0

@@ -57,12 +57,7 @@ def check_new_code(
 ) -> tuple[tuple[Code, ...], list[ConfigProblem]]:
     """Code that changes of a case bring, whatever else they say, and a problem for each piece that may not run.
 
-    Args:
-        changes: dotted key -> value, with absolute paths.
-        file: in which they stand, as messages name it.
-        at: where in that file.
-        own_folder: of the file; None: it has none.
-        allow: whether code from elsewhere may run.
+    Values are absolute paths; code may lie in the file's own folder, if it has one, and elsewhere where `allow` says so.
     """
     found = []
     for key, value in leaves(changes):
@@ -85,17 +80,9 @@ def _match(names: list[str], patterns: list[str]) -> bool:
 def place_code(
     raw: dict[str, Any], file: str, folder: Path, own_folder: Path | None, *, allow: bool
 ) -> list[ConfigProblem]:
-    """Make paths of code absolute, in place.
+    """Make paths of code in the tables of a case absolute, in place; a problem for each piece of code that may not run.
 
-    Args:
-        raw: tables of a case.
-        file: as messages name it.
-        folder: where relative paths start.
-        own_folder: of the case; None: it has none.
-        allow: whether code from elsewhere may run.
-
-    Returns:
-        A problem for each piece of code that may not run.
+    Relative paths start at `folder`; `own_folder` is that of the case, None: it has none.
     """
     problems = _place_fmus(raw, file, folder, own_folder, allow=allow)
     for key, table in raw.items():

@@ -18,7 +18,7 @@ from pydantic import (
 )
 from pydantic_core import PydanticCustomError
 
-from rollerrig.config.schema.base import OrShort, Table, by_kind, in_order, refused
+from rollerrig.config.schema.base import OrShort, Table, by_kind, in_order, optional, refused
 from rollerrig.config.schema.brakes import AnyAir, AnyElectrodynamicBrake, Pressure, Rate, UnlimitedAir, Volume
 from rollerrig.config.schema.units import Quantity, Time, Torque
 
@@ -44,13 +44,13 @@ class ControllerFmu(Table):
     """An FMU for co-simulation, version 2.0 or 3.0, in place of our own controller."""
 
     file: Annotated[str, Field(min_length=1)] = Field(description="FMU file, relative to the file that names it")
-    names: dict[str, str | tuple[str, ...]] = Field(
-        default={},
-        description="measured quantity or command -> variable of the FMU: a name in which `{axle}` stands for the axle's name "
+    names: dict[str, str | tuple[str, ...]] = optional(
+        {},
+        "measured quantity or command -> variable of the FMU: a name in which `{axle}` stands for the axle's name "
         "and `{number}` for 1, 2, ..., or a list with a name for each axle; absent: `{axle}.axle_speed`, and so on, as "
         "`rollerrig export-fmu --part` writes them",
     )
-    parameters: dict[str, Parameter] = Field(default={}, description="parameter of the FMU -> value, in the FMU's unit")
+    parameters: dict[str, Parameter] = optional({}, "parameter of the FMU -> value, in the FMU's unit")
 
 
 def _from_file(value: Any) -> Any:
@@ -85,30 +85,28 @@ Phase = Annotated[float, Quantity("s", 1e-6, 1e4)]
 class Motor(Table):
     """A drive from torque command to torque."""
 
-    envelope: TorqueOverSpeed | None = Field(
-        default=None,
-        description="rows [speed of the driven axle, largest torque], a torque-speed table: each speed once; absent: no limit",
+    envelope: TorqueOverSpeed | None = optional(
+        None, "rows [speed of the driven axle, largest torque], a torque-speed table: each speed once; absent: no limit"
     )
-    bandwidth: Frequency = Field(default=50.0, description="bandwidth of the torque loop")
-    damping_ratio: Annotated[float, Quantity("1", 0.0, 5.0)] = Field(
-        default=0.0, description="damping ratio of a torque loop of second order; 0: first order"
+    bandwidth: Frequency = optional(50.0, "bandwidth of the torque loop")
+    damping_ratio: Annotated[float, Quantity("1", 0.0, 5.0)] = optional(
+        0.0, "damping ratio of a torque loop of second order; 0: first order"
     )
-    largest_torque: Annotated[float, Quantity("N m", 1e-3, 1e9)] | None = Field(
-        default=None, description="on the driven axle, either way; absent: no limit"
+    largest_torque: Annotated[float, Quantity("N m", 1e-3, 1e9)] | None = optional(
+        None, "on the driven axle, either way; absent: no limit"
     )
-    largest_power: Annotated[float, Quantity("W", 1e-3, 1e10)] | None = Field(
-        default=None, description="torque times speed of the driven axle, either way; absent: no limit"
+    largest_power: Annotated[float, Quantity("W", 1e-3, 1e10)] | None = optional(
+        None, "torque times speed of the driven axle, either way; absent: no limit"
     )
-    largest_speed: Annotated[float, Quantity("rad/s", 1e-3, 1e5)] | None = Field(
-        default=None, description="largest speed of the driven axle: beyond it there is no torque; absent: no limit"
+    largest_speed: Annotated[float, Quantity("rad/s", 1e-3, 1e5)] | None = optional(
+        None, "largest speed of the driven axle: beyond it there is no torque; absent: no limit"
     )
-    rotor_inertia: Annotated[float, Quantity("kg m^2", 0.0, 1e8)] = Field(
-        default=0.0,
-        description="inertia of the rotor about its shaft; on the driven axle it counts times gear_ratio squared",
+    rotor_inertia: Annotated[float, Quantity("kg m^2", 0.0, 1e8)] = optional(
+        0.0, "inertia of the rotor about its shaft; on the driven axle it counts times gear_ratio squared"
     )
-    gear_ratio: Annotated[float, Quantity("1", -20.0, 20.0)] = Field(
-        default=-1.0,
-        description="speed of the rotor over that of the driven axle, for rotor_inertia alone: torques and speeds of this "
+    gear_ratio: Annotated[float, Quantity("1", -20.0, 20.0)] = optional(
+        -1.0,
+        "speed of the rotor over that of the driven axle, for rotor_inertia alone: torques and speeds of this "
         "table are the driven axle's; negative: the rotor turns against the axle, as with one pair of gears",
     )
 
@@ -117,58 +115,48 @@ class Brake(Table):
     """Friction brake of each axle, filled by a control valve; the defaults are those of a coach with two discs an axle."""
 
     demand: PressureTable = Field(description="rows [time, cylinder pressure over the ambient]; linear between")
-    application_rate: PressureRate = Field(default=1.2e5, description="rise of the control valve's pressure")
-    release_rate: PressureRate = Field(default=1.2e5, description="its fall")
-    follow_rate: Rate = Field(default=20.0, description="how fast the control valve closes in on the demand")
-    air: AnyAir = Field(default=UnlimitedAir(), description="what fills and vents the cylinders: its kind, or a table")
-    ambient_pressure: Annotated[float, Quantity("Pa", 1.0, 1e8)] = Field(
-        default=101325.0, description="pressure of the air around: valves choke by ratios of absolute pressures"
+    application_rate: PressureRate = optional(1.2e5, "rise of the control valve's pressure")
+    release_rate: PressureRate = optional(1.2e5, "its fall")
+    follow_rate: Rate = optional(20.0, "how fast the control valve closes in on the demand")
+    air: AnyAir = optional(UnlimitedAir(), "what fills and vents the cylinders: its kind, or a table")
+    ambient_pressure: Annotated[float, Quantity("Pa", 1.0, 1e8)] = optional(
+        101325.0, "pressure of the air around: valves choke by ratios of absolute pressures"
     )
-    volume: Volume = Field(default=5e-3, description="volume of one axle's cylinders and pipes")
-    piston_area: Annotated[float, Quantity("m^2", 1e-8, 10.0)] = Field(
-        default=0.085, description="times ratio and efficiency of the rigging, one axle"
+    volume: Volume = optional(5e-3, "volume of one axle's cylinders and pipes")
+    piston_area: Annotated[float, Quantity("m^2", 1e-8, 10.0)] = optional(
+        0.085, "times ratio and efficiency of the rigging, one axle"
     )
-    spring_force: Annotated[float, Quantity("N", 0.0, 1e7)] = Field(
-        default=500.0, description="spring force of the retracting spring"
+    spring_force: Annotated[float, Quantity("N", 0.0, 1e7)] = optional(500.0, "spring force of the retracting spring")
+    friction: FrictionOverSpeed = optional(
+        ((0.0, 0.38), (50.0, 0.30)), "rows [sliding speed at the friction radius, friction of the pads]"
     )
-    friction: FrictionOverSpeed = Field(
-        default=((0.0, 0.38), (50.0, 0.30)),
-        description="rows [sliding speed at the friction radius, friction of the pads]",
+    friction_radius: Annotated[float, Quantity("m", 1e-4, 2.0)] = optional(
+        0.247, "effective radius of the disc; of a tread brake the wheel radius"
     )
-    friction_radius: Annotated[float, Quantity("m", 1e-4, 2.0)] = Field(
-        default=0.247, description="effective radius of the disc; of a tread brake the wheel radius"
+    faces: Annotated[float, Quantity("1", 0.01, 100.0)] = optional(2.0, "friction faces that the force presses on")
+    friction_regularisation_speed: PositiveSpeed = optional(0.05, "below it friction turns into viscous drag")
+    motors_stand_in: StrictBool = optional(
+        False, "the traction motors exert the brake's torque, within what they can do, as on the scaled bogie"
     )
-    faces: Annotated[float, Quantity("1", 0.01, 100.0)] = Field(
-        default=2.0, description="friction faces that the force presses on"
-    )
-    friction_regularisation_speed: PositiveSpeed = Field(
-        default=0.05, description="below it friction turns into viscous drag"
-    )
-    motors_stand_in: StrictBool = Field(
-        default=False,
-        description="the traction motors exert the brake's torque, within what they can do, as on the scaled bogie",
-    )
-    electrodynamic: AnyElectrodynamicBrake | None = Field(
-        default=None,
-        description="traction motors brake first, the friction brake gives the rest: their kind, or a table; absent: none do",
+    electrodynamic: AnyElectrodynamicBrake | None = optional(
+        None, "traction motors brake first, the friction brake gives the rest: their kind, or a table; absent: none do"
     )
 
 
 class Traction(Table):
     """Traction drive of each axle."""
 
-    demand: TorqueOverTime = Field(
-        default=((0.0, 0.0), (1.0, 0.0)), description="rows [time, torque per axle], positive forward; linear between"
+    demand: TorqueOverTime = optional(
+        ((0.0, 0.0), (1.0, 0.0)), "rows [time, torque per axle], positive forward; linear between"
     )
-    motor: Motor = Field(default=Motor(), description="the motor and its gear, seen from the axle")
-    suspension: Literal["frame", "ground", "axle"] = Field(
-        default="frame",
-        description="what holds the motor against its moment: the bogie frame; nothing of the vehicle; or, axle-hung "
+    motor: Motor = optional(Motor(), "the motor and its gear, seen from the axle")
+    suspension: Literal["frame", "ground", "axle"] = optional(
+        "frame",
+        "what holds the motor against its moment: the bogie frame; nothing of the vehicle; or, axle-hung "
         "(nose-suspended), its bearings on the axle and a link on the frame, which exert two opposite vertical forces",
     )
-    link: Annotated[float, Quantity("m", 1e-3, 20.0)] | None = Field(
-        default=None,
-        description="distance of the link from the axle for suspension = 'axle', towards the frame's middle",
+    link: Annotated[float, Quantity("m", 1e-3, 20.0)] | None = optional(
+        None, "distance of the link from the axle for suspension = 'axle', towards the frame's middle"
     )
 
     @model_validator(mode="after")
@@ -183,18 +171,15 @@ class Traction(Table):
 class Controller(Table):
     """When a controller is asked, and who it is."""
 
-    sample_time: SampleTime = Field(default=5e-3, description="a multiple of time.sampling_step")
-    delay: Delay = Field(
-        default=1e-3, description="delay from the sample to the command's acting, a multiple of time.sampling_step"
-    )
-    user: str | None = Field(
-        default=None,
-        description="your own class in its place: 'module:Class' or 'file.py:Class', the file relative to the one that names "
+    sample_time: SampleTime = optional(5e-3, "a multiple of time.sampling_step")
+    delay: Delay = optional(1e-3, "delay from the sample to the command's acting, a multiple of time.sampling_step")
+    user: str | None = optional(
+        None,
+        "your own class in its place: 'module:Class' or 'file.py:Class', the file relative to the one that names "
         "it; its sample_time counts, this delay too",
     )
-    fmu: AnyControllerFmu | None = Field(
-        default=None,
-        description="an FMU in its place: its file, or a table; it is asked every sample_time, and this delay counts, too",
+    fmu: AnyControllerFmu | None = optional(
+        None, "an FMU in its place: its file, or a table; it is asked every sample_time, and this delay counts, too"
     )
 
     @property
@@ -216,37 +201,31 @@ class BrakeUnit(Controller):
     controllers have commanded.
     """
 
-    sample_time: SampleTime = Field(default=1e-3, description="a multiple of time.sampling_step")
-    delay: Delay = Field(
-        default=0.0, description="delay from the sample to the pressure's acting, a multiple of time.sampling_step"
-    )
+    sample_time: SampleTime = optional(1e-3, "a multiple of time.sampling_step")
+    delay: Delay = optional(0.0, "delay from the sample to the pressure's acting, a multiple of time.sampling_step")
 
 
 class WheelSlipControl(Controller):
     """Takes torque off a driven axle that slips, and gives it back."""
 
-    reference_acceleration: Deceleration = Field(default=1.5, description="the reference speed rises at most this fast")
-    slip: Ratio = Field(default=0.04, description="relative slip above which torque is taken off")
-    slip_speed: PositiveSpeed = Field(default=0.15, description="lower limit of that slip as a speed")
-    acceleration: Deceleration = Field(default=3.0, description="an axle that gains speed faster loses torque as well")
-    filter_time: Phase = Field(default=0.04, description="filter time of the axles' acceleration")
-    reduction_rate: Rate = Field(default=4.0, description="reduction rate of the factor on the torque")
-    restoring_rate: Rate = Field(default=0.35, description="restoring rate of the factor on the torque")
-    least_factor: Ratio = Field(default=0.05, description="what is always left of the torque")
-    release_interval: Pause = Field(
-        default=3.0, description="while axles slip one is released this often for the reference speed; 0: never"
+    reference_acceleration: Deceleration = optional(1.5, "the reference speed rises at most this fast")
+    slip: Ratio = optional(0.04, "relative slip above which torque is taken off")
+    slip_speed: PositiveSpeed = optional(0.15, "lower limit of that slip as a speed")
+    acceleration: Deceleration = optional(3.0, "an axle that gains speed faster loses torque as well")
+    filter_time: Phase = optional(0.04, "filter time of the axles' acceleration")
+    reduction_rate: Rate = optional(4.0, "reduction rate of the factor on the torque")
+    restoring_rate: Rate = optional(0.35, "restoring rate of the factor on the torque")
+    least_factor: Ratio = optional(0.05, "what is always left of the torque")
+    release_interval: Pause = optional(
+        3.0, "while axles slip one is released this often for the reference speed; 0: never"
     )
-    shortest_release: Pause = Field(
-        default=0.4, description="shortest duration of such a release: the torque needs some time to go"
+    shortest_release: Pause = optional(0.4, "shortest duration of such a release: the torque needs some time to go")
+    longest_release: Phase = optional(1.2, "longest duration of such a release")
+    release_deceleration: Deceleration = optional(
+        0.5, "a released axle that slows less has run down to the train's speed"
     )
-    longest_release: Phase = Field(default=1.2, description="longest duration of such a release")
-    release_deceleration: Deceleration = Field(
-        default=0.5, description="a released axle that slows less has run down to the train's speed"
-    )
-    least_acceleration: Deceleration = Field(
-        default=0.05, description="least acceleration of the reference speed between releases"
-    )
-    regained_after: Phase = Field(default=3.0, description="without slip for so long the axles count as gripping")
+    least_acceleration: Deceleration = optional(0.05, "least acceleration of the reference speed between releases")
+    regained_after: Phase = optional(3.0, "without slip for so long the axles count as gripping")
 
 
 Entry = Literal["fill", "hold", "vent", "vent_in_steps"]
@@ -255,42 +234,37 @@ Entry = Literal["fill", "hold", "vent", "vent_in_steps"]
 class ReferencedProtection(Controller):
     """What every law of slide protection has: reference speed, stepwise filling, watchdog."""
 
-    reference_deceleration: Deceleration = Field(
-        default=1.6, description="the reference speed falls at most this fast: no train brakes harder"
+    reference_deceleration: Deceleration = optional(
+        1.6, "the reference speed falls at most this fast: no train brakes harder"
     )
-    release_interval: Pause = Field(
-        default=3.0, description="while all axles slide one is released this often for the reference speed; 0: never"
+    release_interval: Pause = optional(
+        3.0, "while all axles slide one is released this often for the reference speed; 0: never"
     )
-    shortest_release: Pause = Field(
-        default=0.3, description="shortest duration of such a release: valve and cylinder need some time"
+    shortest_release: Pause = optional(0.3, "shortest duration of such a release: valve and cylinder need some time")
+    longest_release: Phase = optional(1.2, "longest duration of such a release")
+    least_deceleration: Deceleration = optional(
+        0.2, "least deceleration of the reference speed between releases: a braked train slows at least so"
     )
-    longest_release: Phase = Field(default=1.2, description="longest duration of such a release")
-    least_deceleration: Deceleration = Field(
-        default=0.2,
-        description="least deceleration of the reference speed between releases: a braked train slows at least so",
-    )
-    regained_after: Phase = Field(default=2.0, description="an axle without slip for so long counts as gripping")
-    filter_time: Phase = Field(default=0.04, description="filter time of the axles' deceleration")
-    recovery_acceleration: Deceleration = Field(
-        default=0.5, description="an axle that gains speed faster is left alone"
-    )
-    pulse_time: Phase = Field(default=0.06, description="after a slide filling is stepwise: open for so long ...")
-    pulse_pause: Phase = Field(default=0.14, description="... closed for so long")
-    longest_vent: Phase = Field(default=5.0, description="after this the watchdog fills")
-    least_speed: PositiveSpeed = Field(default=5.0 / 3.6, description="below it all valves fill")
+    regained_after: Phase = optional(2.0, "an axle without slip for so long counts as gripping")
+    filter_time: Phase = optional(0.04, "filter time of the axles' deceleration")
+    recovery_acceleration: Deceleration = optional(0.5, "an axle that gains speed faster is left alone")
+    pulse_time: Phase = optional(0.06, "after a slide filling is stepwise: open for so long ...")
+    pulse_pause: Phase = optional(0.14, "... closed for so long")
+    longest_vent: Phase = optional(5.0, "after this the watchdog fills")
+    least_speed: PositiveSpeed = optional(5.0 / 3.6, "below it all valves fill")
 
 
 class SlideProtection(ReferencedProtection):
     """Our law: two slips, a deceleration, written after EN 15595's principles."""
 
-    kind: Literal["slip_and_deceleration"] = Field(
-        default="slip_and_deceleration", description="two slips and a deceleration; written after EN 15595's principles"
+    kind: Literal["slip_and_deceleration"] = optional(
+        "slip_and_deceleration", "two slips and a deceleration; written after EN 15595's principles"
     )
-    vent_slip: Ratio = Field(default=0.12, description="relative slip above which a cylinder is vented")
-    vent_slip_speed: PositiveSpeed = Field(default=1.0, description="lower limit of that slip as a speed")
-    vent_deceleration: Deceleration = Field(default=4.0, description="a slipping axle that slows faster is vented")
-    fill_slip: Ratio = Field(default=0.06, description="relative slip below which a cylinder is filled")
-    fill_slip_speed: PositiveSpeed = Field(default=0.5, description="lower limit of that slip as a speed")
+    vent_slip: Ratio = optional(0.12, "relative slip above which a cylinder is vented")
+    vent_slip_speed: PositiveSpeed = optional(1.0, "lower limit of that slip as a speed")
+    vent_deceleration: Deceleration = optional(4.0, "a slipping axle that slows faster is vented")
+    fill_slip: Ratio = optional(0.06, "relative slip below which a cylinder is filled")
+    fill_slip_speed: PositiveSpeed = optional(0.5, "lower limit of that slip as a speed")
 
 
 class TableSlideProtection(ReferencedProtection):
@@ -299,24 +273,23 @@ class TableSlideProtection(ReferencedProtection):
     kind: Literal["threshold_table"] = Field(
         description="a table over bands of slip and acceleration: the phases of an anti-lock cycle"
     )
-    least_slip_reference: PositiveSpeed = Field(
-        default=30.0 / 3.6, description="below this reference speed slip is over it, not over the reference"
+    least_slip_reference: PositiveSpeed = optional(
+        30.0 / 3.6, "below this reference speed slip is over it, not over the reference"
     )
-    slip_thresholds: tuple[Ratio, ...] = Field(
-        default=(0.05, 0.1, 0.2), description="relative slips between the rows of `entries`, ascending"
+    slip_thresholds: tuple[Ratio, ...] = optional(
+        (0.05, 0.1, 0.2), "relative slips between the rows of `entries`, ascending"
     )
-    acceleration_thresholds: tuple[Annotated[float, Quantity("m/s^2", -1e3, 1e3)], ...] = Field(
-        default=(-4.0, -1.5, 0.5),
-        description="limits of the axle's acceleration, between the columns of `entries`, ascending",
+    acceleration_thresholds: tuple[Annotated[float, Quantity("m/s^2", -1e3, 1e3)], ...] = optional(
+        (-4.0, -1.5, 0.5), "limits of the axle's acceleration, between the columns of `entries`, ascending"
     )
-    entries: tuple[tuple[Entry, ...], ...] = Field(
-        default=(
+    entries: tuple[tuple[Entry, ...], ...] = optional(
+        (
             ("hold", "fill", "fill", "fill"),
             ("vent", "hold", "hold", "hold"),
             ("vent", "vent_in_steps", "vent_in_steps", "hold"),
             ("vent", "vent", "vent", "hold"),
         ),
-        description="what an axle's valve does: a row for each band of slip, least first, with an entry for each band of "
+        "what an axle's valve does: a row for each band of slip, least first, with an entry for each band of "
         "acceleration, strongest deceleration first; after a slide filling is stepwise",
     )
 

@@ -7,7 +7,7 @@ from pydantic import BeforeValidator, Field, ValidationInfo, field_validator, mo
 from pydantic_core import PydanticCustomError
 
 from rollerrig.config.errors import nearest, show_value
-from rollerrig.config.schema.base import OrShort, Table, refused
+from rollerrig.config.schema.base import OrShort, Table, optional, refused
 from rollerrig.config.schema.contact import AnyFriction, FallingFriction, Share
 from rollerrig.config.schema.units import Quantity
 
@@ -30,13 +30,12 @@ class Condition(Table):
     """A rail's surface: friction, and what is left of the creep curve's stiffness."""
 
     friction: AnyFriction = Field(description="a number, or a law over slip velocity")
-    k_A: Share = Field(
-        default=1.0,
-        description="reduction factor of the creep curve's stiffness on the area of adhesion, in place of polach's own",
+    k_A: Share = optional(
+        1.0, "reduction factor of the creep curve's stiffness on the area of adhesion, in place of polach's own"
     )
-    k_S: Share = Field(
-        default=1.0,
-        description="on the area of slip, at most k_A; the stiffness of laws without k_A and k_S is times their mean, beside k_0 "
+    k_S: Share = optional(
+        1.0,
+        "on the area of slip, at most k_A; the stiffness of laws without k_A and k_S is times their mean, beside k_0 "
         "of modified_fastsim",
     )
 
@@ -75,12 +74,10 @@ AnyCondition = Annotated[Condition, BeforeValidator(_by_name), OrShort({"enum": 
 class Piece(Table):
     """Section from a place, or from a time, on which the rail is another one."""
 
-    distance: Annotated[float, Quantity("m", 0.0, 1e6)] | None = Field(
-        default=None, description="distance of the wheel from the vehicle's place at the start, where the piece begins"
+    distance: Annotated[float, Quantity("m", 0.0, 1e6)] | None = optional(
+        None, "distance of the wheel from the vehicle's place at the start, where the piece begins"
     )
-    time: Annotated[float, Quantity("s", 1e-6, 1e6)] | None = Field(
-        default=None, description="when it begins, in its place"
-    )
+    time: Annotated[float, Quantity("s", 1e-6, 1e6)] | None = optional(None, "when it begins, in its place")
     rail: AnyCondition = Field(description=ALLOWED)
 
 
@@ -91,32 +88,32 @@ class Adhesion(Table):
     piece: tuple[Piece, ...] = Field(
         default=(), max_length=10_000, description="where or when it changes, in ascending order"
     )
-    blend: Annotated[float, Quantity("m", 0.0, 1e5)] = Field(
-        default=0.0,
-        description="length over which one condition passes into the next, like '10 m'; where pieces begin at a time the "
+    blend: Annotated[float, Quantity("m", 0.0, 1e5)] = optional(
+        0.0,
+        "length over which one condition passes into the next, like '10 m'; where pieces begin at a time the "
         "time, like '0.1 s'; 0: a jump",
     )
-    recovery_per: Literal["area", "length"] = Field(
-        default="area",
-        description="what the recovery constant goes with: energy per area of the running surface, tau in m^2/J; or per metre "
+    recovery_per: Literal["area", "length"] = optional(
+        "area",
+        "what the recovery constant goes with: energy per area of the running surface, tau in m^2/J; or per metre "
         "run by a wheel, tau in m/J",
     )
-    recovery_constant: Annotated[float, Quantity("m^2/J", 0.0, 1e6)] = Field(
-        default=0.0,
-        description="tau of the recovery by dissipated energy W, lambda = 1 - exp(-tau W), like '5e-6 m^2/J' or '1.9e-4 m/J': "
+    recovery_constant: Annotated[float, Quantity("m^2/J", 0.0, 1e6)] = optional(
+        0.0,
+        "tau of the recovery by dissipated energy W, lambda = 1 - exp(-tau W), like '5e-6 m^2/J' or '1.9e-4 m/J': "
         "a text's unit decides `recovery_per`; 0: no recovery",
     )
-    wheel_memory: Annotated[float, Quantity("m", 0.0, 1e6)] = Field(
-        default=0.0,
-        description="sliding cleans the wheel's tread too, and it takes up a film again as it rolls: length over which its "
+    wheel_memory: Annotated[float, Quantity("m", 0.0, 1e6)] = optional(
+        0.0,
+        "sliding cleans the wheel's tread too, and it takes up a film again as it rolls: length over which its "
         "cleaning fades; 0: only the rail is cleaned",
     )
-    cell_length: Annotated[float, Quantity("m", 1e-4, 100.0)] = Field(
-        default=0.05, description="dissipated energy is kept along the rail in cells of this length"
+    cell_length: Annotated[float, Quantity("m", 1e-4, 100.0)] = optional(
+        0.05, "dissipated energy is kept along the rail in cells of this length"
     )
-    recovered: AnyCondition = Field(
-        default=Condition(friction=FallingFriction(kind="falling", mu_0=0.70, A=0.40, B=0.60)),
-        description="condition of the rail once it has recovered",
+    recovered: AnyCondition = optional(
+        Condition(friction=FallingFriction(kind="falling", mu_0=0.70, A=0.40, B=0.60)),
+        "condition of the rail once it has recovered",
     )
 
     @property

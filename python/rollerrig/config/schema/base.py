@@ -7,6 +7,7 @@ from pydantic import (
     AfterValidator,
     BaseModel,
     ConfigDict,
+    Field,
     GetCoreSchemaHandler,
     GetJsonSchemaHandler,
     JsonValue,
@@ -27,6 +28,11 @@ from rollerrig.config.schema.units import (
     Time,
     Torque,
 )
+
+
+def optional(default: Any, description: str) -> Any:
+    """A key that a file may leave out: its default, and what it means."""
+    return Field(default=default, description=description)
 
 
 def quantity_of(annotation: object, metadata: object = ()) -> Quantity | None:

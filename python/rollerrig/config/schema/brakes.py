@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 from pydantic import AfterValidator, Discriminator, Field, StrictInt, model_validator
 
 from rollerrig.config.schema.adhesion import ALLOWED, AnyCondition, Condition
-from rollerrig.config.schema.base import Table, by_kind, in_order, refused
+from rollerrig.config.schema.base import Table, by_kind, in_order, optional, refused
 from rollerrig.config.schema.contact import AnyFriction, FallingFriction
 from rollerrig.config.schema.units import Mass, Quantity, Time
 
@@ -23,12 +23,11 @@ class TrainAxles(Table):
     under_test: tuple[Annotated[StrictInt, Field(ge=1, le=MOST_AXLES)], ...] = Field(
         description="which of them are those of [vehicle]: on rollers, or on track in the 3-D model; the first axle is 1"
     )
-    loads: tuple[Annotated[float, Quantity("N", 1.0, 1e7)], ...] | None = Field(
-        default=None, description="loads of each simulated axle, in order; absent: the mean of the axles under test"
+    loads: tuple[Annotated[float, Quantity("N", 1.0, 1e7)], ...] | None = optional(
+        None, "loads of each simulated axle, in order; absent: the mean of the axles under test"
     )
-    load_transfer: tuple[Annotated[float, Quantity("kg", -1e6, 1e6)], ...] | None = Field(
-        default=None,
-        description="change of each simulated axle's load per acceleration of the train, forward; absent: none",
+    load_transfer: tuple[Annotated[float, Quantity("kg", -1e6, 1e6)], ...] | None = optional(
+        None, "change of each simulated axle's load per acceleration of the train, forward; absent: none"
     )
 
     @model_validator(mode="after")
@@ -57,20 +56,19 @@ class TrainAxles(Table):
 class Train(Table):
     """The train of which the axles under test brake or pull their part: it runs on a track, on a rig it is reproduced."""
 
-    mass: Mass | None = Field(default=None, description="that these axles brake or pull; absent: what they carry")
-    resistance_constant: Annotated[float, Quantity("N", 0.0, 1e8)] = Field(
-        default=0.0,
-        description="A in the part of the running resistance that these axles overcome, R = A + B v + C v^2",
+    mass: Mass | None = optional(None, "that these axles brake or pull; absent: what they carry")
+    resistance_constant: Annotated[float, Quantity("N", 0.0, 1e8)] = optional(
+        0.0, "A in the part of the running resistance that these axles overcome, R = A + B v + C v^2"
     )
-    resistance_linear: Annotated[float, Quantity("N s/m", 0.0, 1e6)] = Field(default=0.0, description="B")
-    resistance_quadratic: Annotated[float, Quantity("N s^2/m^2", 0.0, 1e6)] = Field(default=0.0, description="C")
-    gradient: Annotated[float, Quantity("1", -0.1, 0.1)] = Field(default=0.0, description="positive uphill")
-    axles: TrainAxles | None = Field(
-        default=None, description="the train's axles, of which some are under test; absent: all of them are"
+    resistance_linear: Annotated[float, Quantity("N s/m", 0.0, 1e6)] = optional(0.0, "B")
+    resistance_quadratic: Annotated[float, Quantity("N s^2/m^2", 0.0, 1e6)] = optional(0.0, "C")
+    gradient: Annotated[float, Quantity("1", -0.1, 0.1)] = optional(0.0, "positive uphill")
+    axles: TrainAxles | None = optional(
+        None, "the train's axles, of which some are under test; absent: all of them are"
     )
-    brake_signal_speed: Annotated[float, Quantity("m/s", 10.0, 1e4)] | None = Field(
-        default=None,
-        description="at which the brake demand runs along the main pipe, from the train's first axle; absent: everywhere at once",
+    brake_signal_speed: Annotated[float, Quantity("m/s", 10.0, 1e4)] | None = optional(
+        None,
+        "at which the brake demand runs along the main pipe, from the train's first axle; absent: everywhere at once",
     )
 
 
@@ -84,11 +82,11 @@ DeadTime = Annotated[float, Quantity("s", 0.0, 1.0)]
 class UnlimitedAir(Table):
     """A supply that never runs out, behind dump valves that switch at once."""
 
-    kind: Literal["unlimited"] = Field(
-        default="unlimited", description="a supply that never runs out, behind dump valves that switch at once"
+    kind: Literal["unlimited"] = optional(
+        "unlimited", "a supply that never runs out, behind dump valves that switch at once"
     )
-    fill_rate: Rate = Field(default=6.0, description="choked filling of the cylinder, p'/p_supply, absolute")
-    vent_rate: Rate = Field(default=5.0, description="choked venting of the cylinder, -p'/p, absolute")
+    fill_rate: Rate = optional(6.0, "choked filling of the cylinder, p'/p_supply, absolute")
+    vent_rate: Rate = optional(5.0, "choked venting of the cylinder, -p'/p, absolute")
 
 
 class ReservoirAir(Table):
@@ -100,40 +98,34 @@ class ReservoirAir(Table):
     kind: Literal["reservoir"] = Field(
         description="an auxiliary reservoir fed by the main pipe, behind dump valves with dead times, orifices after ISO 6358"
     )
-    fill_conductance: Conductance = Field(
-        default=2.5e-7, description="sonic conductance C from the reservoir to one axle's cylinders"
+    fill_conductance: Conductance = optional(2.5e-7, "sonic conductance C from the reservoir to one axle's cylinders")
+    vent_conductance: Conductance = optional(2.5e-7, "sonic conductance C from one axle's cylinders to the ambient")
+    critical_ratio: Annotated[float, Quantity("1", 0.0, 0.9)] = optional(
+        0.3, "critical pressure ratio b of all orifices"
     )
-    vent_conductance: Conductance = Field(
-        default=2.5e-7, description="sonic conductance C from one axle's cylinders to the ambient"
+    relay_band: Annotated[float, Quantity("Pa", 1.0, 1e7)] = optional(
+        1e4, "missing cylinder pressure from which the relay valve is wide open"
     )
-    critical_ratio: Annotated[float, Quantity("1", 0.0, 0.9)] = Field(
-        default=0.3, description="critical pressure ratio b of all orifices"
+    opening_time: DeadTime = optional(
+        0.02, "dead time of a dump valve's magnet valves, a multiple of time.sampling_step"
     )
-    relay_band: Annotated[float, Quantity("Pa", 1.0, 1e7)] = Field(
-        default=1e4, description="missing cylinder pressure from which the relay valve is wide open"
+    closing_time: DeadTime = optional(0.02, "the same for closing")
+    least_pulse: DeadTime = optional(
+        0.02, "a magnet valve's command stays at least so long: a shorter one is prolonged"
     )
-    opening_time: DeadTime = Field(
-        default=0.02, description="dead time of a dump valve's magnet valves, a multiple of time.sampling_step"
+    reservoir_volume: Volume = optional(0.1, "volume of each auxiliary reservoir")
+    axles_per_reservoir: Annotated[StrictInt, Field(ge=1, le=MOST_AXLES)] | None = optional(
+        None, "axles in a row that share a reservoir, counted from the front: 4 of a coach, 2 of a bogie; absent: all"
     )
-    closing_time: DeadTime = Field(default=0.02, description="the same for closing")
-    least_pulse: DeadTime = Field(
-        default=0.02, description="a magnet valve's command stays at least so long: a shorter one is prolonged"
+    reservoir_pressure: Pressure | None = optional(
+        None, "over the ambient, at the start; absent: that of the main pipe"
     )
-    reservoir_volume: Volume = Field(default=0.1, description="volume of each auxiliary reservoir")
-    axles_per_reservoir: Annotated[StrictInt, Field(ge=1, le=MOST_AXLES)] | None = Field(
-        default=None,
-        description="axles in a row that share a reservoir, counted from the front: 4 of a coach, 2 of a bogie; absent: all",
+    main_pipe_pressure: Pressure = optional(8.5e5, "over the ambient")
+    charging_conductance: Annotated[float, Quantity("m^3/(s Pa)", 0.0, 1e-2)] = optional(
+        2e-8, "conductance of the choke between main pipe and reservoir; 0: the reservoir is not fed"
     )
-    reservoir_pressure: Pressure | None = Field(
-        default=None, description="over the ambient, at the start; absent: that of the main pipe"
-    )
-    main_pipe_pressure: Pressure = Field(default=8.5e5, description="over the ambient")
-    charging_conductance: Annotated[float, Quantity("m^3/(s Pa)", 0.0, 1e-2)] = Field(
-        default=2e-8,
-        description="conductance of the choke between main pipe and reservoir; 0: the reservoir is not fed",
-    )
-    reference_pressure: Annotated[float, Quantity("Pa", 1.0, 1e8)] = Field(
-        default=1e5, description="at which conductances are stated, with 20 degrees C (ISO 8778)"
+    reference_pressure: Annotated[float, Quantity("Pa", 1.0, 1e8)] = optional(
+        1e5, "at which conductances are stated, with 20 degrees C (ISO 8778)"
     )
 
 
@@ -153,44 +145,32 @@ class ElectrodynamicBrake(Table):
     axles: tuple[str, ...] | None = Field(
         default=None, min_length=1, description="wheelsets with a motor that brakes, by name; absent: all"
     )
-    share: Share = Field(
-        default=1.0, description="share of the torque asked of the axle, at most; friction gives the rest"
-    )
-    time_constant: Annotated[float, Quantity("s", 1e-4, 100.0)] = Field(
-        default=0.1, description="time constant of the torque"
-    )
-    blending_delay: Annotated[float, Quantity("s", 0.0, 10.0)] = Field(
-        default=0.2,
-        description="blending delay from the motor's torque to the pneumatic demand that allows for it, a multiple of "
+    share: Share = optional(1.0, "share of the torque asked of the axle, at most; friction gives the rest")
+    time_constant: Annotated[float, Quantity("s", 1e-4, 100.0)] = optional(0.1, "time constant of the torque")
+    blending_delay: Annotated[float, Quantity("s", 0.0, 10.0)] = optional(
+        0.2,
+        "blending delay from the motor's torque to the pneumatic demand that allows for it, a multiple of "
         "time.sampling_step; the control valve's rates follow",
     )
-    on_slide: Literal["keep", "reduce", "switch_off"] = Field(
-        default="reduce",
-        description="while slide protection vents the axle's cylinder: keep the torque; take it off and give it back, and the "
+    on_slide: Literal["keep", "reduce", "switch_off"] = optional(
+        "reduce",
+        "while slide protection vents the axle's cylinder: keep the torque; take it off and give it back, and the "
         "friction brake does not fill the gap; or switch off until the brake is released, and the friction brake takes over",
     )
-    reduction_rate: FactorRate = Field(
-        default=5.0, description="reduction rate of the factor on the torque while the cylinder is vented"
+    reduction_rate: FactorRate = optional(
+        5.0, "reduction rate of the factor on the torque while the cylinder is vented"
     )
-    restoring_rate: FactorRate = Field(
-        default=1.0, description="restoring rate of the factor on the torque while it is filled"
-    )
+    restoring_rate: FactorRate = optional(1.0, "restoring rate of the factor on the torque while it is filled")
 
 
 class ConstantPowerBrake(ElectrodynamicBrake):
     """Constant force, constant power, fading at low speed; the defaults are ours, of the size of a multiple unit's axle."""
 
-    kind: Literal["constant_power"] = Field(
-        default="constant_power", description="constant force, constant power, fading at low speed"
-    )
-    largest_force: BrakeForce = Field(
-        default=15e3, description="largest force of one axle at the wheels' circumference"
-    )
-    largest_power: Annotated[float, Quantity("W", 0.0, 1e9)] = Field(
-        default=300e3, description="largest power of one axle"
-    )
-    fade_from: BrakeSpeed = Field(default=10.0 / 3.6, description="below this speed the force fades ...")
-    fade_to: BrakeSpeed = Field(default=3.0 / 3.6, description="... along a straight line, to nothing here")
+    kind: Literal["constant_power"] = optional("constant_power", "constant force, constant power, fading at low speed")
+    largest_force: BrakeForce = optional(15e3, "largest force of one axle at the wheels' circumference")
+    largest_power: Annotated[float, Quantity("W", 0.0, 1e9)] = optional(300e3, "largest power of one axle")
+    fade_from: BrakeSpeed = optional(10.0 / 3.6, "below this speed the force fades ...")
+    fade_to: BrakeSpeed = optional(3.0 / 3.6, "... along a straight line, to nothing here")
 
     @model_validator(mode="after")
     def _does_not_cross(self) -> "ConstantPowerBrake":
@@ -227,31 +207,28 @@ class TrackBrake(Table):
     """What every track brake has: when it is on."""
 
     demand: Excitation = Field(description="rows [time, excitation asked for, 0 to 1]; linear between")
-    delay: Annotated[float, Quantity("s", 0.0, 1e3)] = Field(
-        default=0.5, description="delay from the demand to the first force: the magnets are lowered"
+    delay: Annotated[float, Quantity("s", 0.0, 1e3)] = optional(
+        0.5, "delay from the demand to the first force: the magnets are lowered"
     )
-    rise_time: Annotated[float, Quantity("s", 1e-4, 1e3)] = Field(
-        default=0.5, description="rise time of the excitation, from none to full"
+    rise_time: Annotated[float, Quantity("s", 1e-4, 1e3)] = optional(
+        0.5, "rise time of the excitation, from none to full"
     )
-    release_speed: Annotated[float, Quantity("m/s", 0.0, 1e3)] = Field(
-        default=0.0, description="a slower train has the magnets lifted"
-    )
+    release_speed: Annotated[float, Quantity("m/s", 0.0, 1e3)] = optional(0.0, "a slower train has the magnets lifted")
 
 
 class MagneticTrackBrake(TrackBrake):
     """Magnets that rub on the rail; the numbers are ours, of the size of two magnets of 1 m on each bogie."""
 
-    kind: Literal["magnetic"] = Field(default="magnetic", description="magnets that are lowered and rub on the rail")
-    attraction: MagnetForce = Field(
-        default=160e3,
-        description="attraction of all magnets of one bogie together; between magnet and rail, it loads no wheel",
+    kind: Literal["magnetic"] = optional("magnetic", "magnets that are lowered and rub on the rail")
+    attraction: MagnetForce = optional(
+        160e3, "attraction of all magnets of one bogie together; between magnet and rail, it loads no wheel"
     )
-    friction: AnyFriction = Field(
-        default=FallingFriction(kind="falling", mu_0=0.20, A=0.35, B=0.1),
-        description="friction coefficient of pole shoes over speed: a number, or a law; the state of the rail is not part of it",
+    friction: AnyFriction = optional(
+        FallingFriction(kind="falling", mu_0=0.20, A=0.35, B=0.1),
+        "friction coefficient of pole shoes over speed: a number, or a law; the state of the rail is not part of it",
     )
-    regularisation_speed: Annotated[float, Quantity("m/s", 1e-6, 10.0)] = Field(
-        default=0.05, description="below it friction turns into viscous drag"
+    regularisation_speed: Annotated[float, Quantity("m/s", 1e-6, 10.0)] = optional(
+        0.05, "below it friction turns into viscous drag"
     )
 
 
@@ -259,10 +236,8 @@ class EddyCurrentTrackBrake(TrackBrake):
     """Magnets over the rail that do not touch it; the curve over a critical speed is Wouterse's, the numbers are ours."""
 
     kind: Literal["eddy_current"] = Field(description="magnets over the rail that do not touch it: eddy currents brake")
-    largest_force: MagnetForce = Field(default=15e3, description="largest force of one bogie, at the critical speed")
-    critical_speed: Annotated[float, Quantity("m/s", 1e-3, 1e3)] = Field(
-        default=25.0, description="at which the force is largest"
-    )
+    largest_force: MagnetForce = optional(15e3, "largest force of one bogie, at the critical speed")
+    critical_speed: Annotated[float, Quantity("m/s", 1e-3, 1e3)] = optional(25.0, "at which the force is largest")
 
 
 AnyTrackBrake = Annotated[MagneticTrackBrake | EddyCurrentTrackBrake, Discriminator("kind"), by_kind("magnetic")]
@@ -275,9 +250,8 @@ Place = Annotated[float, Quantity("m", 0.0, 1e6)]
 class SandOnSlide(Table):
     """While slide protection vents an axle, or wheel-slip control takes torque off one."""
 
-    kind: Literal["on_slide"] = Field(
-        default="on_slide",
-        description="while slide protection vents an axle or wheel-slip control takes torque off one",
+    kind: Literal["on_slide"] = optional(
+        "on_slide", "while slide protection vents an axle or wheel-slip control takes torque off one"
     )
 
 
@@ -286,7 +260,7 @@ class SandFromDistance(Table):
 
     kind: Literal["from_distance"] = Field(description="sand from a place on")
     begin: Place = Field(description="distance of the train since the start")
-    end: Place = Field(default=1e6, description="end of sanding")
+    end: Place = optional(1e6, "end of sanding")
 
     @model_validator(mode="after")
     def _in_order(self) -> "SandFromDistance":
@@ -300,7 +274,7 @@ class SandFromTime(Table):
 
     kind: Literal["from_time"] = Field(description="sand from a time on, as a driver switches it")
     begin: Duration = Field(description="time of the run")
-    end: Duration = Field(default=1e6, description="end of sanding")
+    end: Duration = optional(1e6, "end of sanding")
 
     @model_validator(mode="after")
     def _in_order(self) -> "SandFromTime":
@@ -315,30 +289,25 @@ AnySandingStart = Annotated[SandOnSlide | SandFromDistance | SandFromTime, Discr
 class Sanding(Table):
     """Sand in front of some axles: they and all axles behind them find it on the rail. All numbers are ours."""
 
-    start: AnySandingStart = Field(default=SandOnSlide(), description="when sand is wanted: its kind, or a table")
+    start: AnySandingStart = optional(SandOnSlide(), "when sand is wanted: its kind, or a table")
     axles: tuple[str, ...] | None = Field(
         default=None,
         min_length=1,
         description="wheelsets in front of which sand falls, by name; absent: the leading one",
     )
-    delay: Annotated[float, Quantity("s", 0.0, 10.0)] = Field(
-        default=0.5,
-        description="delay from the wish to the sand on the rail, and back, a multiple of time.sampling_step",
+    delay: Annotated[float, Quantity("s", 0.0, 10.0)] = optional(
+        0.5, "delay from the wish to the sand on the rail, and back, a multiple of time.sampling_step"
     )
-    run_on: Duration = Field(default=1.0, description="sand is wanted for so long after its reason has gone")
-    flow: Annotated[float, Quantity("kg/s", 1e-9, 100.0)] = Field(
-        default=0.01, description="on each rail in front of one axle"
+    run_on: Duration = optional(1.0, "sand is wanted for so long after its reason has gone")
+    flow: Annotated[float, Quantity("kg/s", 1e-9, 100.0)] = optional(0.01, "on each rail in front of one axle")
+    least_speed: Annotated[float, Quantity("m/s", 0.0, 1e3)] = optional(2.0, "a slower train gets none")
+    saturation: Annotated[float, Quantity("kg/m", 1e-9, 100.0)] = optional(
+        5e-4, "mass per length of rail that brings 63 % of the effect, q_0 in 1 - exp(-q/q_0)"
     )
-    least_speed: Annotated[float, Quantity("m/s", 0.0, 1e3)] = Field(
-        default=2.0, description="a slower train gets none"
+    kept: Annotated[float, Quantity("1", 0.0, 1.0)] = optional(
+        0.7, "share of the sand under it that a wheel leaves on the rail"
     )
-    saturation: Annotated[float, Quantity("kg/m", 1e-9, 100.0)] = Field(
-        default=5e-4, description="mass per length of rail that brings 63 % of the effect, q_0 in 1 - exp(-q/q_0)"
-    )
-    kept: Annotated[float, Quantity("1", 0.0, 1.0)] = Field(
-        default=0.7, description="share of the sand under it that a wheel leaves on the rail"
-    )
-    rail: AnyCondition = Field(
-        default=Condition(friction=FallingFriction(kind="falling", mu_0=0.25, A=0.6, B=0.2), k_A=0.3, k_S=0.1),
-        description=f"condition of a rail with much sand: {ALLOWED}",
+    rail: AnyCondition = optional(
+        Condition(friction=FallingFriction(kind="falling", mu_0=0.25, A=0.6, B=0.2), k_A=0.3, k_S=0.1),
+        f"condition of a rail with much sand: {ALLOWED}",
     )

@@ -6,7 +6,7 @@ from pydantic import ConfigDict, Field, StrictBool, model_validator
 
 from rollerrig.config.schema.actuators import AnySlideProtection, Brake, BrakeUnit, Traction, WheelSlipControl
 from rollerrig.config.schema.adhesion import Adhesion
-from rollerrig.config.schema.base import SpeedTable, Table, TorqueTable, instead_of, refused
+from rollerrig.config.schema.base import SpeedTable, Table, TorqueTable, instead_of, optional, refused
 from rollerrig.config.schema.brakes import AnyTrackBrake, Sanding, Train
 from rollerrig.config.schema.contact import (
     AnyCreep,
@@ -39,9 +39,9 @@ class ScaledFrom(Table):
     length: Factor = Field(description="a length at full scale over that of the model")
     time: Factor = Field(description="a time at full scale over that of the model")
     density: Factor = Field(description="a density at full scale over that of the model")
-    keep: tuple[Kept, ...] = Field(
-        default=(),
-        description="what a real model cannot scale, or does not: gravity; material of wheels and rollers; clock, sample times "
+    keep: tuple[Kept, ...] = optional(
+        (),
+        "what a real model cannot scale, or does not: gravity; material of wheels and rollers; clock, sample times "
         "and delays of the controllers; drives, bandwidth of the motors",
     )
 
@@ -53,17 +53,15 @@ GRAVITY = 9.81
 class VehicleChoice(Table):
     """Which vehicle, and which part of it."""
 
-    use: str | None = Field(default=None, description="a vehicle of the catalogue, or a file relative to this one")
+    use: str | None = optional(None, "a vehicle of the catalogue, or a file relative to this one")
     data: Vehicle = Field(
         description="the vehicle itself, in place of `use`; after loading it is always here",
         json_schema_extra=instead_of("use"),
     )
-    changes: dict[str, Any] | None = Field(
-        default=None, description="values in place of the vehicle's own, by dotted key; loading writes them into `data`"
+    changes: dict[str, Any] | None = optional(
+        None, "values in place of the vehicle's own, by dotted key; loading writes them into `data`"
     )
-    cut: str = Field(
-        default="vehicle", description="the part that is run: a [cut.NAME] of the vehicle, or 'vehicle' for all"
-    )
+    cut: str = optional("vehicle", "the part that is run: a [cut.NAME] of the vehicle, or 'vehicle' for all")
 
     @property
     def part(self) -> Cut:
@@ -74,33 +72,27 @@ class VehicleChoice(Table):
 class SupportChoice(Table):
     """Which rig or track."""
 
-    use: str | None = Field(default=None, description="a support of the catalogue, or a file relative to this one")
+    use: str | None = optional(None, "a support of the catalogue, or a file relative to this one")
     data: AnySupport = Field(
         description="the support itself, in place of `use`; after loading it is always here",
         json_schema_extra=instead_of("use"),
     )
-    roller_radius: RollerRadius | None = Field(
-        default=None, description="in place of the rig's own; loading writes it into `data`"
-    )
-    changes: dict[str, Any] | None = Field(
-        default=None,
-        description="other values in place of the support's own, by dotted key; loading writes them into `data`",
+    roller_radius: RollerRadius | None = optional(None, "in place of the rig's own; loading writes it into `data`")
+    changes: dict[str, Any] | None = optional(
+        None, "other values in place of the support's own, by dotted key; loading writes them into `data`"
     )
 
 
 class RollerEffects(Table):
     """What makes a roller differ from a rail, each to be switched off to see what it costs; track knows none of them."""
 
-    curvature: StrictBool = Field(
-        default=True, description="the roller's curvature along x makes the patch shorter (Hertz and Kalker)"
+    curvature: StrictBool = optional(True, "the roller's curvature along x makes the patch shorter (Hertz and Kalker)")
+    conicity: StrictBool = optional(
+        True, "the roller's surface speed follows its local radius; off: crown speed everywhere"
     )
-    conicity: StrictBool = Field(
-        default=True, description="the roller's surface speed follows its local radius; off: crown speed everywhere"
-    )
-    spin: StrictBool = Field(default=True, description="the roller's turning counts in the spin creepage")
-    yaw: StrictBool = Field(
-        default=True,
-        description="a yawed or shifted wheel leaves the crown and its contact normal tilts; off: the geometry of a rail",
+    spin: StrictBool = optional(True, "the roller's turning counts in the spin creepage")
+    yaw: StrictBool = optional(
+        True, "a yawed or shifted wheel leaves the crown and its contact normal tilts; off: the geometry of a rail"
     )
 
 
@@ -108,38 +100,35 @@ class Contact(Table):
     """Laws and parameters of the contact between wheel and rail or roller."""
 
     material: Material = Field(description="material of both: a catalogue name, a file or a table")
-    friction: AnyFriction = Field(
-        default=ConstantFriction(kind="constant", mu_0=0.3), description="a coefficient, or a law over slip velocity"
+    friction: AnyFriction = optional(
+        ConstantFriction(kind="constant", mu_0=0.3), "a coefficient, or a law over slip velocity"
     )
-    gauge_face_friction: Friction | None = Field(
-        default=None,
-        description="coefficient on the gauge face of rail or roller, from a contact angle of 40 degrees on; up to 20 degrees "
+    gauge_face_friction: Friction | None = optional(
+        None,
+        "coefficient on the gauge face of rail or roller, from a contact angle of 40 degrees on; up to 20 degrees "
         "that of the top, `friction` or [adhesion]; a smooth transition between; absent: the same everywhere",
     )
-    creep: AnyCreep = Field(
-        default=ExactTable(kind="table"),
-        description="law of the tangential force: its name, or a table with `kind` and parameters",
+    creep: AnyCreep = optional(
+        ExactTable(kind="table"), "law of the tangential force: its name, or a table with `kind` and parameters"
     )
-    normal: AnyNormal = Field(
-        default=Strips(kind="strips"),
-        description="law of the normal force: its name, or a table with `kind` and parameters",
+    normal: AnyNormal = optional(
+        Strips(kind="strips"), "law of the normal force: its name, or a table with `kind` and parameters"
     )
-    normal_damping: Damping = Field(default=1e5, description="damping of the normal force while the surfaces approach")
-    damping_onset: Annotated[float, Quantity("m/s", 1e-9, 1.0)] = Field(
-        default=1e-4, description="speed of approach from which on the damping acts in full; rounds its corner at rest"
+    normal_damping: Damping = optional(1e5, "damping of the normal force while the surfaces approach")
+    damping_onset: Annotated[float, Quantity("m/s", 1e-9, 1.0)] = optional(
+        1e-4, "speed of approach from which on the damping acts in full; rounds its corner at rest"
     )
-    creepage_regularisation_speed: Annotated[float, Quantity("m/s", 1e-6, 10.0)] = Field(
-        default=0.1, description="V_s in the rolling speed sqrt(V^2 + V_s^2) that creepages are divided by"
+    creepage_regularisation_speed: Annotated[float, Quantity("m/s", 1e-6, 10.0)] = optional(
+        0.1, "V_s in the rolling speed sqrt(V^2 + V_s^2) that creepages are divided by"
     )
-    pure_rolling: StrictBool = Field(
-        default=False,
-        description="pure rolling, with actuators on rollers: no axle slides along the track on its rollers, r w = R W, as "
+    pure_rolling: StrictBool = optional(
+        False,
+        "pure rolling, with actuators on rollers: no axle slides along the track on its rollers, r w = R W, as "
         "the rig's control law assumes; one force per axle, without a limit, takes the place of the longitudinal creep forces' "
         "mean; normal forces, lateral and yaw creep stay. For studies of what real sliding does to the control",
     )
-    roller_effects: RollerEffects = Field(
-        default=RollerEffects(),
-        description="which of a roller's differences from a rail count; all, unless for a study",
+    roller_effects: RollerEffects = optional(
+        RollerEffects(), "which of a roller's differences from a rail count; all, unless for a study"
     )
 
     @property
@@ -165,20 +154,18 @@ class Motion(Table):
         description="running speed at the start; on rollers the simulated one; taken from speed_table if absent",
         json_schema_extra=instead_of("speed_table"),
     )
-    drive: Literal["speed_controlled", "free", "torque"] = Field(
-        default="speed_controlled",
-        description="rollers (or track): speed controlled to speed_table or constant, free to turn, or given a torque",
+    drive: Literal["speed_controlled", "free", "torque"] = optional(
+        "speed_controlled",
+        "rollers (or track): speed controlled to speed_table or constant, free to turn, or given a torque",
     )
-    speed_table: SpeedTable | None = Field(
-        default=None, description="rows [time, speed] for drive = 'speed_controlled'; linear between, constant beyond"
+    speed_table: SpeedTable | None = optional(
+        None, "rows [time, speed] for drive = 'speed_controlled'; linear between, constant beyond"
     )
-    torque_table: TorqueTable | None = Field(
-        default=None,
-        description="rows [time, torque per roller axle] for drive = 'torque'; positive drives forward running",
+    torque_table: TorqueTable | None = optional(
+        None, "rows [time, torque per roller axle] for drive = 'torque'; positive drives forward running"
     )
-    stop_speed: Annotated[float, Quantity("m/s", 1e-4, 50.0)] = Field(
-        default=1.0,
-        description="lowest speed with [brake]: a train slower than this counts as stationary, and the run ends",
+    stop_speed: Annotated[float, Quantity("m/s", 1e-4, 50.0)] = optional(
+        1.0, "lowest speed with [brake]: a train slower than this counts as stationary, and the run ends"
     )
 
     @model_validator(mode="before")
@@ -215,12 +202,12 @@ class AxleTorque(Table):
     """A torque on a wheelset."""
 
     wheelset: str = Field(description="the wheelset")
-    constant: Torque | None = Field(default=None, description="torque; positive drives the vehicle forward")
-    table: TorqueTable | None = Field(
-        default=None, description="rows [time, torque] in place of a constant; linear between, constant beyond"
+    constant: Torque | None = optional(None, "torque; positive drives the vehicle forward")
+    table: TorqueTable | None = optional(
+        None, "rows [time, torque] in place of a constant; linear between, constant beyond"
     )
-    reacts_on: str = Field(
-        default="none", description="the body that feels the opposite moment (the frame carrying the motor), or 'none'"
+    reacts_on: str = optional(
+        "none", "the body that feels the opposite moment (the frame carrying the motor), or 'none'"
     )
 
     @model_validator(mode="after")
@@ -239,12 +226,12 @@ class Disturbance(Table):
     """Offset of a body from its equilibrium, from which the run starts."""
 
     body: str = Field(description="the body")
-    longitudinal: Offset = Field(default=0.0, description="offset along x")
-    lateral: SidewaysOffset = Field(default=0.0, description="offset along y, positive to the left")
-    vertical: Offset = Field(default=0.0, description="offset along z")
-    roll: Rotation = Field(default=0.0, description="offset about x")
-    pitch: Rotation = Field(default=0.0, description="offset about y")
-    yaw: Rotation = Field(default=0.0, description="offset about z")
+    longitudinal: Offset = optional(0.0, "offset along x")
+    lateral: SidewaysOffset = optional(0.0, "offset along y, positive to the left")
+    vertical: Offset = optional(0.0, "offset along z")
+    roll: Rotation = optional(0.0, "offset about x")
+    pitch: Rotation = optional(0.0, "offset about y")
+    yaw: Rotation = optional(0.0, "offset about z")
 
 
 FIXED_STEP = ("rk4", "exponential_rk4", "exponential_adams")
@@ -272,34 +259,31 @@ class TimeSettings(Table):
     """How time is integrated, when sensors and controllers are sampled, and what is kept."""
 
     duration: Annotated[float, Quantity("s", 1e-6, 1e5)] = Field(description="length of the run")
-    method: Literal["rodas4", "rk4", "exponential_rk4", "exponential_adams", "dormand_prince"] | None = Field(
-        default=None,
-        description="rodas4: stiff, adaptive, exact Jacobian; dormand_prince: explicit, adaptive; rk4: fixed step; "
+    method: Literal["rodas4", "rk4", "exponential_rk4", "exponential_adams", "dormand_prince"] | None = optional(
+        None,
+        "rodas4: stiff, adaptive, exact Jacobian; dormand_prince: explicit, adaptive; rk4: fixed step; "
         "exponential_rk4: fixed step that dampers with series stiffness do not limit; exponential_adams: two evaluations a step "
         "that contact stiffness does not limit either, halved by its error, the fastest with smooth contacts (strips); "
         "absent: rodas4, and with actuators or controllers exponential_adams with the sampling step",
     )
-    step: Step | None = Field(
-        default=None,
-        description="step of rk4 and exponential_rk4, longest step of exponential_adams, which need it; for the others the "
+    step: Step | None = optional(
+        None,
+        "step of rk4 and exponential_rk4, longest step of exponential_adams, which need it; for the others the "
         "first step tried",
     )
-    relative_tolerance: Annotated[float, Quantity("1", 1e-13, 0.1)] = Field(
-        default=1e-6, description="local error per step, relative to each state"
+    relative_tolerance: Annotated[float, Quantity("1", 1e-13, 0.1)] = optional(
+        1e-6, "local error per step, relative to each state"
     )
-    absolute_tolerance: Annotated[float, Quantity("1", 1e-16, 1.0)] = Field(
-        default=1e-9,
-        description="local error per step of a displacement or angle [m, rad]; of its rate 100 1/s times that",
+    absolute_tolerance: Annotated[float, Quantity("1", 1e-16, 1.0)] = optional(
+        1e-9, "local error per step of a displacement or angle [m, rad]; of its rate 100 1/s times that"
     )
-    maximum_step: Interval | None = Field(
-        default=None, description="longest step of an adaptive method; absent: no limit"
-    )
-    sampling_step: Annotated[float, Quantity("s", 1e-6, 1.0)] = Field(
-        default=1e-3,
-        description="period of actuators and controllers: samples, delays and changes of commands are at its multiples; the "
+    maximum_step: Interval | None = optional(None, "longest step of an adaptive method; absent: no limit")
+    sampling_step: Annotated[float, Quantity("s", 1e-6, 1.0)] = optional(
+        1e-3,
+        "period of actuators and controllers: samples, delays and changes of commands are at its multiples; the "
         "method integrates from one to the next",
     )
-    output_step: Interval = Field(default=0.01, description="interval between kept samples")
+    output_step: Interval = optional(0.01, "interval between kept samples")
 
     @model_validator(mode="after")
     def _consistent(self) -> "TimeSettings":
@@ -316,55 +300,46 @@ class CaseTables(Table):
 
     model_config = ConfigDict(title="Case")
 
-    base: str | None = Field(
-        default=None,
-        description="a case of the catalogue, or a file relative to this one, from which this one says only what is different; "
+    base: str | None = optional(
+        None,
+        "a case of the catalogue, or a file relative to this one, from which this one says only what is different; "
         "loading writes that into it",
     )
-    without: tuple[str, ...] | None = Field(
-        default=None, description="dotted keys that `base` has and this one has not"
-    )
+    without: tuple[str, ...] | None = optional(None, "dotted keys that `base` has and this one has not")
     name: Name = Field(description="name of the case")
-    description: str = Field(default="", description="one line about the case")
-    gravity: Annotated[float, Quantity("m/s^2", 0.05, 1e4)] = Field(
-        default=GRAVITY, description="acceleration of gravity; another one only in ideal similitude"
+    description: str = optional("", "one line about the case")
+    gravity: Annotated[float, Quantity("m/s^2", 0.05, 1e4)] = optional(
+        GRAVITY, "acceleration of gravity; another one only in ideal similitude"
     )
     vehicle: VehicleChoice = Field(description="the vehicle")
     support: SupportChoice = Field(description="the rig or the track")
     contact: Contact = Field(description="the contact")
     motion: Motion = Field(description="the drive")
-    axle_torque: tuple[AxleTorque, ...] = Field(default=(), description="torques on wheelsets")
-    disturbance: tuple[Disturbance, ...] = Field(default=(), description="offsets at the start")
+    axle_torque: tuple[AxleTorque, ...] = optional((), "torques on wheelsets")
+    disturbance: tuple[Disturbance, ...] = optional((), "offsets at the start")
     time: TimeSettings = Field(description="the integration")
-    train: Train = Field(default=Train(), description="train of which the axles under test brake or pull their part")
-    adhesion: Adhesion | None = Field(
-        default=None, description="adhesion of the rail, real or virtual; absent: friction"
+    train: Train = optional(Train(), "train of which the axles under test brake or pull their part")
+    adhesion: Adhesion | None = optional(None, "adhesion of the rail, real or virtual; absent: friction")
+    brake: Brake | None = optional(None, "friction brake of each axle")
+    track_brake: AnyTrackBrake | None = optional(
+        None,
+        "magnets of each bogie that brake on the rail: their kind, or a table; on a rig they brake the virtual train",
     )
-    brake: Brake | None = Field(default=None, description="friction brake of each axle")
-    track_brake: AnyTrackBrake | None = Field(
-        default=None,
-        description="magnets of each bogie that brake on the rail: their kind, or a table; on a rig they brake the virtual train",
+    sanding: Sanding | None = optional(None, "sand on the rail of [adhesion]")
+    traction: Traction | None = optional(None, "traction drive of each axle")
+    slide_protection: AnySlideProtection | None = optional(None, "wheel slide protection: its kind, or a table")
+    wheel_slip_control: WheelSlipControl | None = optional(None, "protection of the traction drives against wheel slip")
+    brake_unit: BrakeUnit | None = optional(
+        None, "brake unit of your own: demand and valves -> cylinder pressures; absent: that of [brake]"
     )
-    sanding: Sanding | None = Field(default=None, description="sand on the rail of [adhesion]")
-    traction: Traction | None = Field(default=None, description="traction drive of each axle")
-    slide_protection: AnySlideProtection | None = Field(
-        default=None, description="wheel slide protection: its kind, or a table"
-    )
-    wheel_slip_control: WheelSlipControl | None = Field(
-        default=None, description="protection of the traction drives against wheel slip"
-    )
-    brake_unit: BrakeUnit | None = Field(
-        default=None,
-        description="brake unit of your own: demand and valves -> cylinder pressures; absent: that of [brake]",
-    )
-    sensors: Sensors = Field(default=Sensors(), description="what the controllers see")
-    rig_control: RigControl | None = Field(default=None, description="controller of the roller drives")
+    sensors: Sensors = optional(Sensors(), "what the controllers see")
+    rig_control: RigControl | None = optional(None, "controller of the roller drives")
 
-    ensemble: Ensemble = Field(
-        default=Ensemble(), description="what differs between the tests of an ensemble, as adhesion and wsp make them"
+    ensemble: Ensemble = optional(
+        Ensemble(), "what differs between the tests of an ensemble, as adhesion and wsp make them"
     )
-    similitude: ScaledFrom | None = Field(
-        default=None, description="the full-scale case of which this one is a model; absent: at full scale"
+    similitude: ScaledFrom | None = optional(
+        None, "the full-scale case of which this one is a model; absent: at full scale"
     )
 
     @property

@@ -11,7 +11,7 @@ from typing import Annotated, Any, ClassVar, Literal, get_args
 
 from pydantic import BeforeValidator, Discriminator, Field, RootModel, StrictBool, model_validator
 
-from rollerrig.config.schema.base import OrShort, Table, by_kind, instead_of, refused
+from rollerrig.config.schema.base import OrShort, Table, by_kind, instead_of, optional, refused
 from rollerrig.config.schema.units import Quantity
 from rollerrig.config.schema.vehicle import Name
 
@@ -24,8 +24,8 @@ class Material(Table):
     """An isotropic elastic material; one of the two moduli may be left out and follows from E = 2 G (1 + nu)."""
 
     name: Name = Field(description="name of the material")
-    description: str = Field(default="", description="one line about the material")
-    source: str = Field(default="", description="where the data come from")
+    description: str = optional("", "one line about the material")
+    source: str = optional("", "where the data come from")
     poisson_ratio: Annotated[float, _POISSON] = Field(description="Poisson's ratio nu")
     young_modulus: Annotated[float, _MODULUS] = Field(
         description="Young's modulus E", json_schema_extra=instead_of("shear_modulus")
@@ -80,9 +80,7 @@ class KalkerSaturated(Table):
         "The creep force follows Kalker's linear theory, saturated by friction with a heuristic law."
     )
     kind: Literal["kalker_saturated"] = Field(description="the paper's law, (20), (23), (24)")
-    saturate_spin_moment: StrictBool = Field(
-        default=False, description="scale the spin moment like the force; the paper does not"
-    )
+    saturate_spin_moment: StrictBool = optional(False, "scale the spin moment like the force; the paper does not")
 
 
 class KalkerLinear(Table):
@@ -108,11 +106,10 @@ class ModifiedFastsim(Table):
         "The creep force follows the modified FASTSIM, with an empirical reduction of the initial stiffness."
     )
     kind: Literal["modified_fastsim"] = Field(description="FASTSIM for clean, wet and contaminated surfaces")
-    k_0: Share = Field(default=1.0, description="what is left of Kalker's stiffness at small creepage")
-    k_inf: Share = Field(default=1.0, description="what is left of k_0 at large creepage")
-    beta: Annotated[float, Quantity("1", 0.0, 1e3)] = Field(
-        default=0.0,
-        description="how fast it falls with eps, pi/4 of k_0 times the force of linear theory over mu N, as published",
+    k_0: Share = optional(1.0, "what is left of Kalker's stiffness at small creepage")
+    k_inf: Share = optional(1.0, "what is left of k_0 at large creepage")
+    beta: Annotated[float, Quantity("1", 0.0, 1e3)] = optional(
+        0.0, "how fast it falls with eps, pi/4 of k_0 times the force of linear theory over mu N, as published"
     )
 
 
@@ -168,9 +165,9 @@ class Hertz(Table):
         "changes within a patch."
     )
     kind: Literal["hertz"] = Field(description="one ellipse per indented minimum")
-    merging_criterion: Annotated[float, Quantity("1", 0.0, 1.0)] = Field(
-        default=0.01,
-        description="two patches merge smoothly once the rise between them is below this fraction of the approach; 0: the "
+    merging_criterion: Annotated[float, Quantity("1", 0.0, 1.0)] = optional(
+        0.01,
+        "two patches merge smoothly once the rise between them is below this fraction of the approach; 0: the "
         "paper's bare rule, patches appear and vanish at full force",
     )
 
@@ -203,8 +200,8 @@ class FallingFriction(Table):
     limitation: ClassVar[str] = "Friction depends on the slip velocity alone, not on temperature or contamination."
     kind: Literal["falling"] = Field(description="Polach's friction")
     mu_0: Friction = Field(description="coefficient of friction at no slip")
-    A: Fraction = Field(default=1.0, description="friction at large slip over mu_0; 1: Coulomb's law")
-    B: Annotated[float, Quantity("s/m", 0.0, 1e4)] = Field(default=0.0, description="how fast it falls with slip")
+    A: Fraction = optional(1.0, "friction at large slip over mu_0; 1: Coulomb's law")
+    B: Annotated[float, Quantity("s/m", 0.0, 1e4)] = optional(0.0, "how fast it falls with slip")
 
 
 def _friction(value: Any) -> Any:

@@ -2,9 +2,7 @@
 
 from typing import Annotated, Literal
 
-from pydantic import Field
-
-from rollerrig.config.schema.base import Table
+from rollerrig.config.schema.base import Table, optional
 from rollerrig.config.schema.units import Quantity
 
 Spread = Annotated[float, Quantity("1", 0.0, 1.0)]
@@ -18,15 +16,15 @@ class Ensemble(Table):
     other parameters for each series of measurements).
     """
 
-    distribution: Literal["uniform", "normal"] = Field(
-        default="uniform",
-        description="distribution of each of them within plus and minus its spread; normal: the spread is two standard "
+    distribution: Literal["uniform", "normal"] = optional(
+        "uniform",
+        "distribution of each of them within plus and minus its spread; normal: the spread is two standard "
         "deviations, beyond which nothing is drawn",
     )
-    adhesion: Spread = Field(default=0.02, description="relative spread of the friction of every rail of [adhesion]")
-    pad_friction: Spread = Field(default=0.02, description="relative spread of the friction of the brake pads")
-    load: Spread = Field(default=0.01, description="relative spread of the mass of the heaviest body, that of the load")
-    speed: Spread = Field(default=0.005, description="relative spread of the speed at the start")
-    demand_time: Annotated[float, Quantity("s", 0.0, 100.0)] = Field(
-        default=0.02, description="longest delay of the demand for braking or traction: it comes later by 0 to this"
+    adhesion: Spread = optional(0.02, "relative spread of the friction of every rail of [adhesion]")
+    pad_friction: Spread = optional(0.02, "relative spread of the friction of the brake pads")
+    load: Spread = optional(0.01, "relative spread of the mass of the heaviest body, that of the load")
+    speed: Spread = optional(0.005, "relative spread of the speed at the start")
+    demand_time: Annotated[float, Quantity("s", 0.0, 100.0)] = optional(
+        0.02, "longest delay of the demand for braking or traction: it comes later by 0 to this"
     )

@@ -5,7 +5,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Discriminator, Field, model_validator
 from pydantic_core import PydanticCustomError
 
-from rollerrig.config.schema.base import OrShort, Table, by_kind, refused
+from rollerrig.config.schema.base import OrShort, Table, by_kind, optional, refused
 from rollerrig.config.schema.units import Angle, Position, Quantity, Time
 from rollerrig.config.schema.vehicle import Name
 
@@ -58,18 +58,18 @@ class Variation(Table):
         min_length=1,
         description="dotted key of the case, as in `--set`: `support.roller_radius`; with `*` all that match get the same value",
     )
-    name: Name | None = Field(default=None, description="in results and figures; absent: the end of the key")
+    name: Name | None = optional(None, "in results and figures; absent: the end of the key")
     values: tuple[Any, ...] | None = Field(
         default=None, min_length=1, description="all values, with or without units; or words, where the key takes them"
     )
-    least: Value | None = Field(default=None, description="lower end of a range; it cuts a distribution off")
-    most: Value | None = Field(default=None, description="upper end")
-    count: Count | None = Field(default=None, description="values of a range in a grid, both ends included")
-    scale: Literal["linear", "logarithmic"] = Field(
-        default="linear", description="how a range is divided, or where in it samples are equally likely"
+    least: Value | None = optional(None, "lower end of a range; it cuts a distribution off")
+    most: Value | None = optional(None, "upper end")
+    count: Count | None = optional(None, "values of a range in a grid, both ends included")
+    scale: Literal["linear", "logarithmic"] = optional(
+        "linear", "how a range is divided, or where in it samples are equally likely"
     )
-    distribution: AnyDistribution | None = Field(
-        default=None, description="distribution of the samples; absent: all values of the range are equally likely"
+    distribution: AnyDistribution | None = optional(
+        None, "distribution of the samples; absent: all values of the range are equally likely"
     )
 
     @model_validator(mode="after")
@@ -93,15 +93,15 @@ class Variation(Table):
 class Design(Table):
     """How the cases are chosen among all values."""
 
-    kind: Literal["grid", "list", "random", "latin_hypercube", "sobol", "saltelli"] = Field(
-        default="grid",
-        description="grid: all combinations; list: the n-th value of each together; random, latin_hypercube, sobol: samples; "
+    kind: Literal["grid", "list", "random", "latin_hypercube", "sobol", "saltelli"] = optional(
+        "grid",
+        "grid: all combinations; list: the n-th value of each together; random, latin_hypercube, sobol: samples; "
         "saltelli: the samples that Sobol indices need, samples x (variations + 2) cases",
     )
-    samples: Annotated[int, Field(ge=2, le=10**12)] | None = Field(
-        default=None, description="how many samples; a power of 2 for sobol and saltelli"
+    samples: Annotated[int, Field(ge=2, le=10**12)] | None = optional(
+        None, "how many samples; a power of 2 for sobol and saltelli"
     )
-    seed: Annotated[int, Field(ge=0, lt=2**32)] = Field(default=1, description="seed of the samples")
+    seed: Annotated[int, Field(ge=0, lt=2**32)] = optional(1, "seed of the samples")
 
     @model_validator(mode="after")
     def _samples_where_needed(self) -> "Design":
@@ -136,8 +136,8 @@ class RunMeasure(Measure):
     """Simulate the case; numbers of wheel-rail forces and motion."""
 
     kind: Literal["run"] = Field(description="simulate the case: wheel-rail forces, motion, energy")
-    begin: Annotated[float, Quantity("s", 0.0, 1e5)] = Field(
-        default=0.0, description="time from which the run is assessed: what comes before is not"
+    begin: Annotated[float, Quantity("s", 0.0, 1e5)] = optional(
+        0.0, "time from which the run is assessed: what comes before is not"
     )
 
 
@@ -151,11 +151,11 @@ class CriticalSpeedMeasure(Measure):
     """Linear critical speed."""
 
     kind: Literal["critical_speed"] = Field(description="linear critical speed")
-    slowest: Annotated[float, Quantity("m/s", 0.1, 200.0, bare=10.0)] = Field(
-        default=60 / 3.6, description="lowest speed at which it is looked for"
+    slowest: Annotated[float, Quantity("m/s", 0.1, 200.0, bare=10.0)] = optional(
+        60 / 3.6, "lowest speed at which it is looked for"
     )
-    fastest: Annotated[float, Quantity("m/s", 0.1, 200.0, bare=10.0)] = Field(
-        default=400 / 3.6, description="highest speed at which it is looked for"
+    fastest: Annotated[float, Quantity("m/s", 0.1, 200.0, bare=10.0)] = optional(
+        400 / 3.6, "highest speed at which it is looked for"
     )
 
     @model_validator(mode="after")
@@ -169,24 +169,24 @@ class ContactMeasure(Measure):
     """Contact of the leading wheelset under its static load."""
 
     kind: Literal["contact"] = Field(description="contact patches of the leading wheelset under its static axle load")
-    lateral: Position = Field(default=0.0, description="lateral position of the wheelset")
-    yaw: Angle = Field(default=0.0, description="yaw angle of the wheelset")
+    lateral: Position = optional(0.0, "lateral position of the wheelset")
+    yaw: Angle = optional(0.0, "yaw angle of the wheelset")
 
 
 class AdhesionMeasure(Measure):
     """The test on degraded track and on the rig that reproduces it."""
 
     kind: Literal["adhesion"] = Field(description="the test on degraded track and on the rig that reproduces it")
-    longest: Time | None = Field(default=None, description="end of both runs; absent: that of the case")
+    longest: Time | None = optional(None, "end of both runs; absent: that of the case")
 
 
 class CreepMeasure(Measure):
     """Creep forces of the case's law on the contact patch of its leading left wheel."""
 
     kind: Literal["creep"] = Field(description="creep forces on the largest patch of the leading wheelset, centred")
-    longitudinal: Annotated[float, Quantity("1", -10.0, 10.0)] = Field(default=-1e-3, description="creepage")
-    lateral: Annotated[float, Quantity("1", -10.0, 10.0)] = Field(default=0.0, description="creepage")
-    spin: Annotated[float, Quantity("1/m", -100.0, 100.0)] = Field(default=0.0, description="spin creepage")
+    longitudinal: Annotated[float, Quantity("1", -10.0, 10.0)] = optional(-1e-3, "creepage")
+    lateral: Annotated[float, Quantity("1", -10.0, 10.0)] = optional(0.0, "creepage")
+    spin: Annotated[float, Quantity("1/m", -100.0, 100.0)] = optional(0.0, "spin creepage")
 
 
 AnyMeasure = Annotated[
@@ -200,11 +200,9 @@ class Plan(Table):
     """A case, what is varied in it, and what is computed and kept."""
 
     name: Name = Field(description="name of the plan")
-    description: str = Field(default="", description="one line about it")
+    description: str = optional("", "one line about it")
     case: str = Field(min_length=1, description="the case: a name of the catalogue, or a file")
-    changes: dict[str, Any] = Field(
-        default={}, description="dotted key of the case -> value that all cases of the sweep have"
-    )
-    design: AnyDesign = Field(default=Design(), description="how the cases are chosen")
+    changes: dict[str, Any] = optional({}, "dotted key of the case -> value that all cases of the sweep have")
+    design: AnyDesign = optional(Design(), "how the cases are chosen")
     vary: tuple[Variation, ...] = Field(min_length=1, max_length=100, description="what is varied")
     measure: tuple[AnyMeasure, ...] = Field(max_length=20, description="what is computed of each case")

@@ -5,7 +5,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Discriminator, Field, RootModel, StrictBool
 from pydantic_core import PydanticCustomError
 
-from rollerrig.config.schema.base import Table
+from rollerrig.config.schema.base import Table, optional
 from rollerrig.config.schema.units import Quantity
 
 KnotSpacing = Annotated[float, Quantity("m", 2e-6, 1e-3)]
@@ -34,11 +34,11 @@ Smoothing = Annotated[Literal["auto"] | Annotated[float, _CUT_OFF], BeforeValida
 class ProfileSpec(Table):
     """What every profile may say about itself."""
 
-    name: str = Field(default="", description="name of the profile in tables and plots")
-    description: str = Field(default="", description="one line about the profile")
-    source: str = Field(default="", description="where the definition comes from")
-    length_scale: Annotated[float, Quantity("1", 1e-3, 10.0)] = Field(
-        default=1.0, description="factor on all lengths of the finished curve: 0.2 is the profile of a 1:5 model"
+    name: str = optional("", "name of the profile in tables and plots")
+    description: str = optional("", "one line about the profile")
+    source: str = optional("", "where the definition comes from")
+    length_scale: Annotated[float, Quantity("1", 1e-3, 10.0)] = optional(
+        1.0, "factor on all lengths of the finished curve: 0.2 is the profile of a 1:5 model"
     )
 
     def arguments(self) -> dict[str, Any]:
@@ -50,7 +50,7 @@ class S1002(ProfileSpec):
     """The wheel profile S1002 of ORE / EN 13715."""
 
     kind: Literal["s1002"] = Field(description="the wheel profile S1002, generated from its published polynomials")
-    step: KnotSpacing = Field(default=0.05e-3, description=_STEP)
+    step: KnotSpacing = optional(0.05e-3, _STEP)
 
 
 class Cone(ProfileSpec):
@@ -60,27 +60,25 @@ class Cone(ProfileSpec):
     conicity: Annotated[float, Quantity("1", -1.0, 1.0)] = Field(
         description="radius lost per lateral distance outward, a number or a ratio like '1:20'"
     )
-    half_width: HalfWidth = Field(default=60e-3, description="half of the width of the tread")
+    half_width: HalfWidth = optional(60e-3, "half of the width of the tread")
 
 
 class Uic60(ProfileSpec):
     """The rail head UIC60 / 60E1: arcs R300, R80 and R13 and a side 1:20."""
 
     kind: Literal["uic60"] = Field(description="the rail head UIC60 / 60E1, generated from its arcs")
-    variant: Literal["en_13674", "benchmark"] = Field(
-        default="en_13674", description="junctions of the arcs: EN 13674-1, or as in the Manchester contact benchmark"
+    variant: Literal["en_13674", "benchmark"] = optional(
+        "en_13674", "junctions of the arcs: EN 13674-1, or as in the Manchester contact benchmark"
     )
-    inclination: Inclination = Field(
-        default=0.025, description="lean towards the track centre, a number or a ratio like '1:40'"
-    )
-    step: KnotSpacing = Field(default=0.05e-3, description=_STEP)
+    inclination: Inclination = optional(0.025, "lean towards the track centre, a number or a ratio like '1:40'")
+    step: KnotSpacing = optional(0.05e-3, _STEP)
 
 
 class Cylinder(ProfileSpec):
     """A constant profile, for comparison with theory."""
 
     kind: Literal["cylinder"] = Field(description="a flat rail head, a cylindrical roller or a cylindrical wheel")
-    half_width: HalfWidth = Field(default=36e-3, description="half of its width")
+    half_width: HalfWidth = optional(36e-3, "half of its width")
 
 
 class Arc(ProfileSpec):
@@ -88,7 +86,7 @@ class Arc(ProfileSpec):
 
     kind: Literal["arc"] = Field(description="a convex circular rail head or wheel")
     radius: Annotated[float, Quantity("m", 1e-3, 1e6, bare=10.0)] = Field(description="radius of the arc")
-    half_width: HalfWidth = Field(default=36e-3, description="half of its width")
+    half_width: HalfWidth = optional(36e-3, "half of its width")
 
 
 class ProfileFile(ProfileSpec):
@@ -96,30 +94,27 @@ class ProfileFile(ProfileSpec):
 
     kind: Literal["file"] = Field(description="points from a text file")
     path: str = Field(min_length=1, description="the file, relative to the file that names it")
-    format: Literal["auto", "two_column", "simpack"] = Field(
-        default="auto", description="two columns of numbers, or Simpack's .prw / .prr text; auto decides by the content"
+    format: Literal["auto", "two_column", "simpack"] = optional(
+        "auto", "two columns of numbers, or Simpack's .prw / .prr text; auto decides by the content"
     )
-    units: Literal["auto", "mm", "m"] = Field(
-        default="auto", description="unit of a two-column file; auto decides by the size"
+    units: Literal["auto", "mm", "m"] = optional("auto", "unit of a two-column file; auto decides by the size")
+    inner_side: Literal["auto", "negative", "positive"] = optional(
+        "auto", "sign of the file's abscissa on the flange or gauge side; auto looks for the flange"
     )
-    inner_side: Literal["auto", "negative", "positive"] = Field(
-        default="auto", description="sign of the file's abscissa on the flange or gauge side; auto looks for the flange"
+    z_positive: Literal["auto", "up", "down"] = optional(
+        "auto", "whether the file's ordinate grows up or down as mounted; auto looks at the flanks"
     )
-    z_positive: Literal["auto", "up", "down"] = Field(
-        default="auto", description="whether the file's ordinate grows up or down as mounted; auto looks at the flanks"
+    tape_circle: Annotated[float, Quantity("m", -1.0, 1.0)] = optional(
+        0.0, "abscissa of the tape circle in the file's own axes; wheels only"
     )
-    tape_circle: Annotated[float, Quantity("m", -1.0, 1.0)] = Field(
-        default=0.0, description="abscissa of the tape circle in the file's own axes; wheels only"
+    inclination: Annotated[float, Quantity("1", -0.2, 0.2)] = optional(
+        0.0, "further lean of a rail towards the track centre; 0 where the file is already inclined"
     )
-    inclination: Annotated[float, Quantity("1", -0.2, 0.2)] = Field(
-        default=0.0, description="further lean of a rail towards the track centre; 0 where the file is already inclined"
+    smoothing: Smoothing = optional(
+        "auto", "cut-off wavelength of the smoothing; auto: the shortest that leaves a usable curvature"
     )
-    smoothing: Smoothing = Field(
-        default="auto",
-        description="cut-off wavelength of the smoothing; auto: the shortest that leaves a usable curvature",
-    )
-    require_flange: StrictBool = Field(default=True, description="refuse a wheel without a flange")
-    step: KnotSpacing = Field(default=0.05e-3, description=_STEP)
+    require_flange: StrictBool = optional(True, "refuse a wheel without a flange")
+    step: KnotSpacing = optional(0.05e-3, _STEP)
 
 
 AnyProfile = Annotated[S1002 | Cone | Uic60 | Cylinder | Arc | ProfileFile, Discriminator("kind")]

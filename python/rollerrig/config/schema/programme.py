@@ -8,7 +8,7 @@ from pydantic import Discriminator, Field, ValidationInfo, field_validator, mode
 from pydantic_core import PydanticCustomError
 
 from rollerrig.config.schema.adhesion import ALLOWED, Adhesion, AnyCondition, Piece
-from rollerrig.config.schema.base import Table, refused
+from rollerrig.config.schema.base import Table, optional, refused
 from rollerrig.config.schema.brakes import Pressure
 from rollerrig.config.schema.units import Quantity, RunningSpeed
 from rollerrig.config.schema.vehicle import Name
@@ -21,14 +21,13 @@ class BrakedRun(Table):
     """What every stop of a programme has."""
 
     name: Name = Field(description="name of the stop, for limits and files")
-    description: str = Field(default="", description="one line about it")
+    description: str = optional("", "one line about it")
     speed: RunningSpeed = Field(description="at the demand for braking")
-    pressure: Pressure | None = Field(
-        default=None,
-        description="demanded cylinder pressure over the ambient; absent: the largest that the case demands",
+    pressure: Pressure | None = optional(
+        None, "demanded cylinder pressure over the ambient; absent: the largest that the case demands"
     )
-    duration: Annotated[float, Quantity("s", 1.0, 1e4)] = Field(
-        default=120.0, description="longest; where the train has not stopped by then nothing is decided"
+    duration: Annotated[float, Quantity("s", 1.0, 1e4)] = optional(
+        120.0, "longest; where the train has not stopped by then nothing is decided"
     )
     rail: AnyCondition = Field(description=f"condition of the rail at the start: {ALLOWED}")
 
@@ -58,8 +57,8 @@ class SteppedStop(BrakedRun):
 
     kind: Literal["steps"] = Field(description="the rail changes along the way")
     piece: tuple[Piece, ...] = Field(min_length=1, max_length=1000, description="where it changes, as in [adhesion]")
-    blend: Annotated[float, Quantity("m", 0.0, 1e3)] = Field(
-        default=0.0, description="length over which one condition passes into the next"
+    blend: Annotated[float, Quantity("m", 0.0, 1e3)] = optional(
+        0.0, "length over which one condition passes into the next"
     )
 
     def pieces(self) -> tuple[Piece, ...]:
@@ -81,8 +80,8 @@ class PatchStop(BrakedRun):
     patch: AnyCondition = Field(description="condition of the patches")
     length: Length = Field(description="length of a patch; less than the least spacing of the axles")
     spacing: Length = Field(description="distance from the beginning of a patch to that of the next one")
-    first: Length = Field(default=20.0, description="distance of the first one")
-    count: Annotated[int, Field(ge=1, le=400)] = Field(default=10, description="number of patches")
+    first: Length = optional(20.0, "distance of the first one")
+    count: Annotated[int, Field(ge=1, le=400)] = optional(10, "number of patches")
 
     def pieces(self) -> tuple[Piece, ...]:
         """Where the rail changes: in and out of each patch."""
@@ -198,9 +197,7 @@ class Limit(Table):
         description="names of the stops that it holds for; none: all that have such a number",
     )
     origin: str = Field(min_length=1, description="who set it, and why")
-    clause: str = Field(
-        default="", description="clause of the standard or specification that it is taken from, as you have it"
-    )
+    clause: str = optional("", "clause of the standard or specification that it is taken from, as you have it")
 
     _parse = field_validator("at_least", "at_most", mode="before")(_bound)
 
@@ -229,22 +226,20 @@ class Limit(Table):
 class FlatWear(Table):
     """Numbers of the estimate of a wheel flat's length."""
 
-    wear: Annotated[float, Quantity("m^3/J", 1e-16, 1e-6)] = Field(
-        default=7e-13, description="volume worn off per energy dissipated under a locked wheel"
+    wear: Annotated[float, Quantity("m^3/J", 1e-16, 1e-6)] = optional(
+        7e-13, "volume worn off per energy dissipated under a locked wheel"
     )
-    width: Annotated[float, Quantity("m", 1e-4, 0.2)] = Field(
-        default=0.012, description="width of the flat, across the tread"
-    )
+    width: Annotated[float, Quantity("m", 1e-4, 0.2)] = optional(0.012, "width of the flat, across the tread")
 
 
 class Programme(Table):
     """Stops and limits."""
 
     name: Name = Field(description="name of the programme")
-    description: str = Field(default="", description="one line about it")
-    source: str = Field(default="", description="where stops and limits come from")
-    starts: Count = Field(default=8, description="tests of each stop on each support, without which nothing is decided")
-    flat: FlatWear = Field(default=FlatWear(), description="estimate of wheel flats")
+    description: str = optional("", "one line about it")
+    source: str = optional("", "where stops and limits come from")
+    starts: Count = optional(8, "tests of each stop on each support, without which nothing is decided")
+    flat: FlatWear = optional(FlatWear(), "estimate of wheel flats")
     stop: tuple[AnyStop, ...] = Field(min_length=1, max_length=100, description="the stops, in their order")
     limit: tuple[Limit, ...] = Field(
         default=(), max_length=1000, description="what they are judged by; none: nothing is"

@@ -6,7 +6,7 @@ from pydantic import BeforeValidator, Discriminator, Field
 from pydantic_core import PydanticCustomError
 
 from rollerrig.config.schema.actuators import Controller, Delay, Frequency, Motor, Phase, SampleTime
-from rollerrig.config.schema.base import Table, by_kind
+from rollerrig.config.schema.base import Table, by_kind, optional
 from rollerrig.config.schema.contact import kinds
 from rollerrig.config.schema.units import Inertia, Quantity, RollerRadius, WheelRadius
 
@@ -14,22 +14,20 @@ from rollerrig.config.schema.units import Inertia, Quantity, RollerRadius, Wheel
 class Encoder(Table):
     """Incremental encoder: speed from counts."""
 
-    kind: Literal["encoder"] = Field(default="encoder", description="incremental encoder: speed from counts")
-    counts: Annotated[float, Quantity("1", 0.0, 1e7)] = Field(default=0.0, description="per turn; 0: exact speeds")
-    jitter: Annotated[float, Quantity("1", 0.0, 100.0)] = Field(
-        default=0.0, description="deviation of edges, in counts"
-    )
-    window: Annotated[int, Field(strict=True, ge=1, le=16)] = Field(
-        default=1, description="samples over which counts are differenced, 1 to 16"
+    kind: Literal["encoder"] = optional("encoder", "incremental encoder: speed from counts")
+    counts: Annotated[float, Quantity("1", 0.0, 1e7)] = optional(0.0, "per turn; 0: exact speeds")
+    jitter: Annotated[float, Quantity("1", 0.0, 100.0)] = optional(0.0, "deviation of edges, in counts")
+    window: Annotated[int, Field(strict=True, ge=1, le=16)] = optional(
+        1, "samples over which counts are differenced, 1 to 16"
     )
 
 
 class PhonicWheel(Table):
     """Toothed wheel with one pick-up; a magnitude, it does not tell the direction."""
 
-    teeth: Annotated[float, Quantity("1", 1.0, 1e5)] = Field(default=100.0, description="around the phonic wheel")
-    pitch_error: Annotated[float, Quantity("1", 0.0, 0.1)] = Field(
-        default=0.0, description="standard deviation of a tooth's place, in pitches; the same in each turn"
+    teeth: Annotated[float, Quantity("1", 1.0, 1e5)] = optional(100.0, "around the phonic wheel")
+    pitch_error: Annotated[float, Quantity("1", 0.0, 0.1)] = optional(
+        0.0, "standard deviation of a tooth's place, in pitches; the same in each turn"
     )
 
 
@@ -37,24 +35,21 @@ class PulsePeriod(PhonicWheel):
     """Speed from the time between edges of a phonic wheel."""
 
     kind: Literal["pulse_period"] = Field(description="phonic wheel: speed from the time between edges")
-    averaging_time: Annotated[float, Quantity("s", 0.0, 1.0)] = Field(
-        default=5e-3, description="edges are timed over at least so long; 0: from sample to sample"
+    averaging_time: Annotated[float, Quantity("s", 0.0, 1.0)] = optional(
+        5e-3, "edges are timed over at least so long; 0: from sample to sample"
     )
-    timeout: Annotated[float, Quantity("s", 1e-3, 100.0)] = Field(
-        default=0.3, description="without an edge for so long the axle counts as standing"
+    timeout: Annotated[float, Quantity("s", 1e-3, 100.0)] = optional(
+        0.3, "without an edge for so long the axle counts as standing"
     )
-    clock: Annotated[float, Quantity("Hz", 0.0, 1e12)] = Field(
-        default=1e6, description="that times the edges; 0: exactly"
-    )
+    clock: Annotated[float, Quantity("Hz", 0.0, 1e12)] = optional(1e6, "that times the edges; 0: exactly")
 
 
 class PulseFrequency(PhonicWheel):
     """Speed from the number of edges of a phonic wheel in a gate time."""
 
     kind: Literal["pulse_frequency"] = Field(description="phonic wheel: speed from the number of edges in a gate time")
-    gate_time: Annotated[float, Quantity("s", 1e-4, 10.0)] = Field(
-        default=0.1,
-        description="edges are counted over at least so long; speed comes in steps of one edge per gate time",
+    gate_time: Annotated[float, Quantity("s", 1e-4, 10.0)] = optional(
+        0.1, "edges are counted over at least so long; speed comes in steps of one edge per gate time"
     )
 
 
@@ -64,37 +59,31 @@ AnySpeedSensor = Annotated[Encoder | PulsePeriod | PulseFrequency, Discriminator
 class ForceSensor(Table):
     """Transducer of a force [N] or a torque [N m]: lag, then noise, resolution and range of each reading."""
 
-    bandwidth: Frequency | None = Field(default=None, description="bandwidth of first order; absent: no lag")
-    noise: Annotated[float, Quantity("1", 0.0, 1e9)] = Field(
-        default=0.0, description="standard deviation of a reading, in N or N m"
+    bandwidth: Frequency | None = optional(None, "bandwidth of first order; absent: no lag")
+    noise: Annotated[float, Quantity("1", 0.0, 1e9)] = optional(0.0, "standard deviation of a reading, in N or N m")
+    resolution: Annotated[float, Quantity("1", 0.0, 1e9)] = optional(
+        0.0, "resolution of a reading, in N or N m; 0: none"
     )
-    resolution: Annotated[float, Quantity("1", 0.0, 1e9)] = Field(
-        default=0.0, description="resolution of a reading, in N or N m; 0: none"
-    )
-    range: Annotated[float, Quantity("1", 1e-6, 1e9)] | None = Field(
-        default=None, description="largest reading, in N or N m; absent: no limit"
+    range: Annotated[float, Quantity("1", 1e-6, 1e9)] | None = optional(
+        None, "largest reading, in N or N m; absent: no limit"
     )
 
 
 class Sensors(Table):
     """What controllers see of speeds, torques and loads."""
 
-    axles: AnySpeedSensor = Field(
-        default=Encoder(), description="the rig's own on each axle of the vehicle: its kind, or a table"
-    )
-    rollers: AnySpeedSensor = Field(default=Encoder(), description="on each roller axle: its kind, or a table")
-    vehicle: AnySpeedSensor | None = Field(
-        default=None,
-        description="the vehicle's own on each axle, for its slide protection and wheel-slip control: its kind, or a table; "
+    axles: AnySpeedSensor = optional(Encoder(), "the rig's own on each axle of the vehicle: its kind, or a table")
+    rollers: AnySpeedSensor = optional(Encoder(), "on each roller axle: its kind, or a table")
+    vehicle: AnySpeedSensor | None = optional(
+        None,
+        "the vehicle's own on each axle, for its slide protection and wheel-slip control: its kind, or a table; "
         "absent: they see what `axles` does",
     )
-    roller_torque: ForceSensor | None = Field(
-        default=None, description="torque flange in the drive shaft of each roller axle; absent: its torque is known"
+    roller_torque: ForceSensor | None = optional(
+        None, "torque flange in the drive shaft of each roller axle; absent: its torque is known"
     )
-    axle_load: ForceSensor = Field(
-        default=ForceSensor(), description="vertical force on the rollers (or rails) under each axle"
-    )
-    seed: Annotated[int, Field(strict=True, ge=0, le=2**31)] = Field(default=1, description="seed of all noise")
+    axle_load: ForceSensor = optional(ForceSensor(), "vertical force on the rollers (or rails) under each axle")
+    seed: Annotated[int, Field(strict=True, ge=0, le=2**31)] = optional(1, "seed of all noise")
 
 
 _TRANSFER = Quantity("kg", -1e8, 1e8)
@@ -121,18 +110,17 @@ LoadTransfer = Annotated[
 class Estimator(Table):
     """Contact force and axle torque from the rollers' side."""
 
-    torque: Literal["measured", "commanded"] = Field(
-        default="measured",
-        description="torque of a roller's drive: as [sensors.roller_torque] says, exact if absent; or the commanded one",
+    torque: Literal["measured", "commanded"] = optional(
+        "measured", "torque of a roller's drive: as [sensors.roller_torque] says, exact if absent; or the commanded one"
     )
 
 
 class BandwidthEstimator(Estimator):
     """An estimator of limited bandwidth."""
 
-    bandwidth: Frequency = Field(
-        default=20.0,
-        description="pole of the filter, natural frequency of the observer; `rollerrig check` prints bandwidth and delay that "
+    bandwidth: Frequency = optional(
+        20.0,
+        "pole of the filter, natural frequency of the observer; `rollerrig check` prints bandwidth and delay that "
         "are measured on the estimate",
     )
 
@@ -140,10 +128,8 @@ class BandwidthEstimator(Estimator):
 class Observer(BandwidthEstimator):
     """Observer of disturbance (Luenberger)."""
 
-    kind: Literal["observer"] = Field(default="observer", description="observer of disturbance (Luenberger)")
-    damping_ratio: Annotated[float, Quantity("1", 0.01, 2.0)] = Field(
-        default=0.8, description="damping ratio of the observer's poles"
-    )
+    kind: Literal["observer"] = optional("observer", "observer of disturbance (Luenberger)")
+    damping_ratio: Annotated[float, Quantity("1", 0.01, 2.0)] = optional(0.8, "damping ratio of the observer's poles")
 
 
 class FilteredDerivative(BandwidthEstimator):
@@ -156,15 +142,14 @@ class KalmanFilter(BandwidthEstimator):
     """A Kalman filter of both speeds, force and torque."""
 
     kind: Literal["kalman"] = Field(description="a Kalman filter of both speeds, force and torque")
-    speed_noise: Annotated[float, Quantity("rad/s", 1e-12, 1e3)] = Field(
-        default=1e-3, description="standard deviation of a measured speed"
+    speed_noise: Annotated[float, Quantity("rad/s", 1e-12, 1e3)] = optional(
+        1e-3, "standard deviation of a measured speed"
     )
-    force_change: Annotated[float, Quantity("N", 1e-6, 1e12)] | None = Field(
-        default=None,
-        description="standard deviation of the contact force's change over 1 s; absent: from `bandwidth`",
+    force_change: Annotated[float, Quantity("N", 1e-6, 1e12)] | None = optional(
+        None, "standard deviation of the contact force's change over 1 s; absent: from `bandwidth`"
     )
-    torque_change: Annotated[float, Quantity("N m", 1e-6, 1e12)] | None = Field(
-        default=None, description="the same of the axle's torque"
+    torque_change: Annotated[float, Quantity("N m", 1e-6, 1e12)] | None = optional(
+        None, "the same of the axle's torque"
     )
 
 
@@ -189,13 +174,12 @@ class EstimatedTorque(Table):
 class KnownTorque(Table):
     """The axle's torque from cylinder pressure and motor torque, both measured; the estimate corrects it slowly."""
 
-    kind: Literal["known"] = Field(
-        default="known",
-        description="torque from cylinder pressure, pad friction and motor torque; the estimate corrects it",
+    kind: Literal["known"] = optional(
+        "known", "torque from cylinder pressure, pad friction and motor torque; the estimate corrects it"
     )
-    correction: Frequency = Field(default=1.0, description="bandwidth of the correction by the estimate")
-    brake_friction: Annotated[float, Quantity("1", 0.0, 10.0)] = Field(
-        default=1.0, description="friction of the pads as the controller assumes it, over the real one"
+    correction: Frequency = optional(1.0, "bandwidth of the correction by the estimate")
+    brake_friction: Annotated[float, Quantity("1", 0.0, 10.0)] = optional(
+        1.0, "friction of the pads as the controller assumes it, over the real one"
     )
 
 
@@ -203,8 +187,8 @@ class ExtrapolatedTorque(Table):
     """The estimate, run ahead along its slope."""
 
     kind: Literal["extrapolated"] = Field(description="as the estimator finds it, run ahead along its slope")
-    ahead: Delay = Field(default=8e-3, description="time by which it runs ahead")
-    bandwidth: Frequency = Field(default=40.0, description="bandwidth of the low-pass on its slope")
+    ahead: Delay = optional(8e-3, "time by which it runs ahead")
+    bandwidth: Frequency = optional(40.0, "bandwidth of the low-pass on its slope")
 
 
 AnyAxleTorque = Annotated[EstimatedTorque | KnownTorque | ExtrapolatedTorque, Discriminator("kind"), by_kind("known")]
@@ -219,10 +203,9 @@ class DirectCommand(Table):
 class LeadCommand(Table):
     """The feed-forward runs ahead along its slope by the drive's lag."""
 
-    kind: Literal["lead"] = Field(default="lead", description="the feed-forward runs ahead along its slope")
-    ahead: Delay | None = Field(
-        default=None,
-        description="time of the lead; absent: the lag of drive, delay and half a sample, and half a sample more",
+    kind: Literal["lead"] = optional("lead", "the feed-forward runs ahead along its slope")
+    ahead: Delay | None = optional(
+        None, "time of the lead; absent: the lag of drive, delay and half a sample, and half a sample more"
     )
 
 
@@ -230,9 +213,8 @@ class TorqueLoop(Table):
     """A loop around the drive, closed over its measured torque."""
 
     kind: Literal["torque_loop"] = Field(description="a loop around the drive, closed over its measured torque")
-    gain: Annotated[float, Quantity("1", 0.0, 1e3)] = Field(
-        default=2.0,
-        description="on wanted less measured torque; a drive of first order gets 1 + gain times its bandwidth",
+    gain: Annotated[float, Quantity("1", 0.0, 1e3)] = optional(
+        2.0, "on wanted less measured torque; a drive of first order gets 1 + gain times its bandwidth"
     )
 
 
@@ -242,36 +224,26 @@ AnyDriveCommand = Annotated[DirectCommand | LeadCommand | TorqueLoop, Discrimina
 class Feedback(Table):
     """What corrects the wheels' speeds, by virtual minus measured axle speed."""
 
-    largest: Annotated[float, Quantity("N m", 1e-3, 1e9)] = Field(
-        default=2e4, description="torque asked of a roller's drive"
-    )
+    largest: Annotated[float, Quantity("N m", 1e-3, 1e9)] = optional(2e4, "torque asked of a roller's drive")
 
 
 class ProportionalIntegral(Feedback):
     """Proportional-integral feedback; gains that are absent follow from bandwidth, damping and inertias."""
 
-    kind: Literal["proportional_integral"] = Field(
-        default="proportional_integral", description="proportional-integral feedback"
-    )
-    bandwidth: Frequency = Field(
-        default=0.7, description="bandwidth of the loop: far below the estimator, whose errors it is to remove"
-    )
-    damping_ratio: Annotated[float, Quantity("1", 0.01, 5.0)] = Field(
-        default=0.7, description="damping ratio of the loop"
-    )
-    proportional: Annotated[float, Quantity("N m s/rad", 0.0, 1e10)] | None = Field(default=None, description="gain")
-    integral: Annotated[float, Quantity("N m/rad", 0.0, 1e10)] | None = Field(default=None, description="gain")
+    kind: Literal["proportional_integral"] = optional("proportional_integral", "proportional-integral feedback")
+    bandwidth: Frequency = optional(0.7, "bandwidth of the loop: far below the estimator, whose errors it is to remove")
+    damping_ratio: Annotated[float, Quantity("1", 0.01, 5.0)] = optional(0.7, "damping ratio of the loop")
+    proportional: Annotated[float, Quantity("N m s/rad", 0.0, 1e10)] | None = optional(None, "gain")
+    integral: Annotated[float, Quantity("N m/rad", 0.0, 1e10)] | None = optional(None, "gain")
 
 
 class SlidingMode(Feedback):
     """Sliding-mode feedback with a boundary layer."""
 
     kind: Literal["sliding_mode"] = Field(description="a switched torque, proportional within a boundary layer")
-    switching: Annotated[float, Quantity("N m", 0.0, 1e9)] = Field(
-        default=1000.0, description="torque of the sliding mode"
-    )
-    boundary_layer: Annotated[float, Quantity("rad/s", 1e-9, 1e3)] = Field(
-        default=0.5, description="width of the boundary layer of the sliding mode: it acts in proportion within"
+    switching: Annotated[float, Quantity("N m", 0.0, 1e9)] = optional(1000.0, "torque of the sliding mode")
+    boundary_layer: Annotated[float, Quantity("rad/s", 1e-9, 1e3)] = optional(
+        0.5, "width of the boundary layer of the sliding mode: it acts in proportion within"
     )
 
 
@@ -290,10 +262,8 @@ FEEDBACKS = kinds(AnyFeedback)
 class Protection(Table):
     """Ends a test before rollers and wheels are damaged."""
 
-    slip: Annotated[float, Quantity("m/s", 1e-6, 200.0)] = Field(
-        default=1.0, description="real sliding of wheel on roller ..."
-    )
-    time: Phase = Field(default=0.2, description="... for longer than this")
+    slip: Annotated[float, Quantity("m/s", 1e-6, 200.0)] = optional(1.0, "real sliding of wheel on roller ...")
+    time: Phase = optional(0.2, "... for longer than this")
 
 
 class RollerDrive(Motor):
@@ -304,58 +274,53 @@ class RollerDrive(Motor):
     figures of torque and power were found that could be stood behind.
     """
 
-    largest_torque: Annotated[float, Quantity("N m", 1e-3, 1e9)] | None = Field(
-        default=2e4, description="on the roller axle, either way; ours"
+    largest_torque: Annotated[float, Quantity("N m", 1e-3, 1e9)] | None = optional(
+        2e4, "on the roller axle, either way; ours"
     )
-    largest_power: Annotated[float, Quantity("W", 1e-3, 1e10)] | None = Field(
-        default=1e6, description="torque times speed of the roller axle, either way; ours"
+    largest_power: Annotated[float, Quantity("W", 1e-3, 1e10)] | None = optional(
+        1e6, "torque times speed of the roller axle, either way; ours"
     )
-    largest_speed: Annotated[float, Quantity("rad/s", 1e-3, 1e5)] | None = Field(
-        default=134.0,
-        description="largest speed of the roller axle, 350 km/h at a radius of 725 mm: beyond it there is no torque",
+    largest_speed: Annotated[float, Quantity("rad/s", 1e-3, 1e5)] | None = optional(
+        134.0, "largest speed of the roller axle, 350 km/h at a radius of 725 mm: beyond it there is no torque"
     )
 
 
 class Assumed(Table):
     """Numbers in the controller that may differ from the rig's; absent: right."""
 
-    roller_inertia: Inertia | None = Field(default=None, description="inertia of a roller axle about its axis")
-    wheelset_inertia: Inertia | None = Field(default=None, description="about its axis")
-    roller_radius: RollerRadius | None = Field(default=None, description="radius of the rollers")
-    wheel_radius: WheelRadius | None = Field(default=None, description="radius of the wheels")
+    roller_inertia: Inertia | None = optional(None, "inertia of a roller axle about its axis")
+    wheelset_inertia: Inertia | None = optional(None, "about its axis")
+    roller_radius: RollerRadius | None = optional(None, "radius of the rollers")
+    wheel_radius: WheelRadius | None = optional(None, "radius of the wheels")
 
 
 class RigControl(Controller):
     """Controller of the roller drives: the wheels turn as those of a train on the rail of [adhesion]."""
 
-    sample_time: SampleTime = Field(default=1e-3, description="a multiple of time.sampling_step")
-    delay: Delay = Field(default=0.0, description="delay of the command, a multiple of time.sampling_step")
-    load_transfer: LoadTransfer = Field(
-        default="quasi_static",
-        description="how the virtual train's axle loads change with its acceleration: as geometry and masses of the vehicle "
+    sample_time: SampleTime = optional(1e-3, "a multiple of time.sampling_step")
+    delay: Delay = optional(0.0, "delay of the command, a multiple of time.sampling_step")
+    load_transfer: LoadTransfer = optional(
+        "quasi_static",
+        "how the virtual train's axle loads change with its acceleration: as geometry and masses of the vehicle "
         "say, not at all, or by [kg] for each axle, N per m/s^2 forward",
     )
-    loads: Literal["computed", "measured"] = Field(
-        default="computed",
-        description="loads of the virtual train's axles: static loads and their transfer, or what [sensors.axle_load] says",
+    loads: Literal["computed", "measured"] = optional(
+        "computed",
+        "loads of the virtual train's axles: static loads and their transfer, or what [sensors.axle_load] says",
     )
-    locked_speed: Annotated[float, Quantity("m/s", 1e-9, 50.0)] = Field(
-        default=0.1,
-        description="a wheel that turns slower than this while its train runs faster is locked: its virtual wheel is held with "
+    locked_speed: Annotated[float, Quantity("m/s", 1e-9, 50.0)] = optional(
+        0.1,
+        "a wheel that turns slower than this while its train runs faster is locked: its virtual wheel is held with "
         "it, and its brake's torque, then the reaction to the roller's, is not used",
     )
-    estimator: AnyEstimator = Field(
-        default=Observer(), description="estimator of the contact force: its kind, or a table"
+    estimator: AnyEstimator = optional(Observer(), "estimator of the contact force: its kind, or a table")
+    axle_torque: AnyAxleTorque = optional(
+        KnownTorque(), "torque on an axle that the virtual train takes: its kind, or a table"
     )
-    axle_torque: AnyAxleTorque = Field(
-        default=KnownTorque(), description="torque on an axle that the virtual train takes: its kind, or a table"
+    feedback: AnyFeedback = optional(ProportionalIntegral(), "on the axles' speeds: its kind, or a table")
+    drive_command: AnyDriveCommand = optional(
+        LeadCommand(), "how the drives are asked for their torque: its kind, or a table"
     )
-    feedback: AnyFeedback = Field(
-        default=ProportionalIntegral(), description="on the axles' speeds: its kind, or a table"
-    )
-    drive_command: AnyDriveCommand = Field(
-        default=LeadCommand(), description="how the drives are asked for their torque: its kind, or a table"
-    )
-    motor: RollerDrive = Field(default=RollerDrive(), description="drive of each roller axle, with its limits")
-    protection: Protection = Field(default=Protection(), description="limits that protect the rollers")
-    assumed: Assumed = Field(default=Assumed(), description="what the controller believes in")
+    motor: RollerDrive = optional(RollerDrive(), "drive of each roller axle, with its limits")
+    protection: Protection = optional(Protection(), "limits that protect the rollers")
+    assumed: Assumed = optional(Assumed(), "what the controller believes in")

@@ -16,7 +16,7 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Discriminator, Field, RootModel, StrictBool, model_validator
 
-from rollerrig.config.schema.base import Table, refused
+from rollerrig.config.schema.base import Table, optional, refused
 from rollerrig.config.schema.profile import AnyProfile
 from rollerrig.config.schema.track import (
     AnyIrregularity,
@@ -39,16 +39,14 @@ from rollerrig.track import PiecewiseCubic, ramps
 class Spot(Table):
     """A worn or out-of-round spot of the rollers, at the same place of all of them; ramps join it to the rest of the crown."""
 
-    start: Annotated[float, Quantity("m", 0.0, 100.0)] = Field(
-        default=0.5, description="way that the crown runs until the spot first comes under the wheel"
+    start: Annotated[float, Quantity("m", 0.0, 100.0)] = optional(
+        0.5, "way that the crown runs until the spot first comes under the wheel"
     )
     length: Annotated[float, Quantity("m", 0.0, 100.0)] = Field(description="along the crown, between the ramps")
     ramp: Annotated[float, Quantity("m", 1e-3, 100.0)] = Field(description="length of each ramp")
-    depth: Annotated[float, Quantity("m", -0.01, 0.01)] = Field(
-        default=0.0, description="depth by which its radius is less"
-    )
-    profile: AnyProfile | None = Field(default=None, description="its generatrix; absent: that of the roller")
-    sides: Literal["both", "left", "right"] = Field(default="both", description="which rollers have it")
+    depth: Annotated[float, Quantity("m", -0.01, 0.01)] = optional(0.0, "depth by which its radius is less")
+    profile: AnyProfile | None = optional(None, "its generatrix; absent: that of the roller")
+    sides: Literal["both", "left", "right"] = optional("both", "which rollers have it")
 
 
 class Rig(Table):
@@ -56,40 +54,36 @@ class Rig(Table):
 
     kind: Literal["rig"] = Field(description="rollers")
     name: Name = Field(description="name of the rig")
-    description: str = Field(default="", description="one line about the rig")
-    source: str = Field(default="", description="where the data come from")
+    description: str = optional("", "one line about the rig")
+    source: str = optional("", "where the data come from")
     profile: AnyProfile = Field(description="generatrix of the left roller: a rail head")
-    right_profile: AnyProfile | None = Field(
-        default=None, description="generatrix of the right roller, as a left one would have it; absent: the same"
+    right_profile: AnyProfile | None = optional(
+        None, "generatrix of the right roller, as a left one would have it; absent: the same"
     )
-    gauge: Gauge = Field(default=1.435, description="distance between the gauge sides of the two rollers")
-    gauge_depth: GaugeDepth = Field(default=0.014, description="depth below the crown at which the gauge is taken")
+    gauge: Gauge = optional(1.435, "distance between the gauge sides of the two rollers")
+    gauge_depth: GaugeDepth = optional(0.014, "depth below the crown at which the gauge is taken")
     roller_radius: RollerRadius = Field(description="radius at the crown")
     roller_mass: Mass = Field(description="mass of a pair of rollers with their axle")
     roller_inertia: tuple[Inertia, Inertia, Inertia] = Field(
         description="moments of inertia of a pair about x, y (spin) and z through its centre"
     )
-    coupling: Literal["axle", "independent"] = Field(
-        default="axle", description="axle: left and right turn as one; independent: each with half of the spin inertia"
+    coupling: Literal["axle", "independent"] = optional(
+        "axle", "axle: left and right turn as one; independent: each with half of the spin inertia"
     )
-    mounting: Mounting | None = Field(
-        default=None, description="elastic support of the roller axles; absent: they only spin"
+    mounting: Mounting | None = optional(None, "elastic support of the roller axles; absent: they only spin")
+    restraint: Restraint | None = optional(
+        None, "a coupler rod that holds a vehicle along the track which nothing else holds; absent: there is none"
     )
-    restraint: Restraint | None = Field(
-        default=None,
-        description="a coupler rod that holds a vehicle along the track which nothing else holds; absent: there is none",
+    irregularity: AnyIrregularity | None = optional(
+        None, "irregularities of a track that actuators feed to the wheels by moving the rollers; absent: none"
     )
-    irregularity: AnyIrregularity | None = Field(
-        default=None,
-        description="irregularities of a track that actuators feed to the wheels by moving the rollers; absent: none",
-    )
-    steered: StrictBool = Field(
-        default=True,
-        description="steering of the rollers: with an irregularity they also turn about z into the direction of "
+    steered: StrictBool = optional(
+        True,
+        "steering of the rollers: with an irregularity they also turn about z into the direction of "
         "the rail they represent, as real rails do; false: they are only moved sideways and up",
     )
 
-    spot: Spot | None = Field(default=None, description="worn or out-of-round spot; absent: rollers are round")
+    spot: Spot | None = optional(None, "worn or out-of-round spot; absent: rollers are round")
 
     @model_validator(mode="after")
     def _spot_on_the_roller(self) -> "Rig":

@@ -6,7 +6,7 @@ from typing import Annotated, Literal, TypeVar
 
 from pydantic import Discriminator, Field, StrictInt, model_validator
 
-from rollerrig.config.schema.base import Table, refused
+from rollerrig.config.schema.base import Table, optional, refused
 from rollerrig.config.schema.profile import AnyProfile, Inclination
 from rollerrig.config.schema.units import (
     Angle,
@@ -26,18 +26,17 @@ from rollerrig.track import Line, Segment, build_line
 class Deviation(Table):
     """What every irregularity may say about itself."""
 
-    length_scale: Annotated[float, Quantity("1", 1e-3, 10.0)] = Field(
-        default=1.0,
-        description="factor on all lengths, along the track and of the displacements: 0.2 are the rails of a 1:5 model; every "
+    length_scale: Annotated[float, Quantity("1", 1e-3, 10.0)] = optional(
+        1.0,
+        "factor on all lengths, along the track and of the displacements: 0.2 are the rails of a 1:5 model; every "
         "other key is that of the full-scale track",
     )
 
-    fade_in: Annotated[float, Quantity("m", 0.0, 1e4)] = Field(
-        default=20.0,
-        description="length from where the foremost wheelset starts, over which it grows from nothing to its full size",
+    fade_in: Annotated[float, Quantity("m", 0.0, 1e4)] = optional(
+        20.0, "length from where the foremost wheelset starts, over which it grows from nothing to its full size"
     )
-    scale: Annotated[float, Quantity("1", 0.0, 10.0)] = Field(
-        default=1.0, description="factor on all displacements; 1.414 reads a published spectrum as a two-sided one"
+    scale: Annotated[float, Quantity("1", 0.0, 10.0)] = optional(
+        1.0, "factor on all displacements; 1.414 reads a published spectrum as a two-sided one"
     )
 
 
@@ -46,14 +45,13 @@ class SpectrumIrregularity(Deviation):
 
     kind: Literal["ore_b176"] = Field(description="the spectra of ORE B 176, generated; repeats after `period`")
     level: Literal["low", "high"] = Field(description="level of the spectra")
-    seed: Annotated[StrictInt, Field(ge=0, le=2**32 - 1)] = Field(
-        default=1, description="another number, other rails of the same spectrum"
+    seed: Annotated[StrictInt, Field(ge=0, le=2**32 - 1)] = optional(
+        1, "another number, other rails of the same spectrum"
     )
-    shortest_wavelength: Annotated[float, Quantity("m", 0.5, 1e3)] = Field(default=3.0, description="shortest wave")
-    longest_wavelength: Annotated[float, Quantity("m", 0.5, 1e4)] = Field(default=100.0, description="longest wave")
-    period: Annotated[float, Quantity("m", 1.0, 1e5)] = Field(
-        default=2000.0,
-        description="distance after which the rails repeat; not tied to the run, so that a seed always means the same rails",
+    shortest_wavelength: Annotated[float, Quantity("m", 0.5, 1e3)] = optional(3.0, "shortest wave")
+    longest_wavelength: Annotated[float, Quantity("m", 0.5, 1e4)] = optional(100.0, "longest wave")
+    period: Annotated[float, Quantity("m", 1.0, 1e5)] = optional(
+        2000.0, "distance after which the rails repeat; not tied to the run, so that a seed always means the same rails"
     )
 
     @model_validator(mode="after")
@@ -72,9 +70,9 @@ class MeasuredIrregularity(Deviation):
 
     kind: Literal["file"] = Field(description="a CSV file of measured rails, columns with units")
     path: str = Field(min_length=1, description="the file, relative to the file that names it")
-    start: Annotated[float, Quantity("m", -1e6, 1e6)] | None = Field(
-        default=None,
-        description="distance in the file at which the middle of the vehicle (or of its cut) starts; absent: the "
+    start: Annotated[float, Quantity("m", -1e6, 1e6)] | None = optional(
+        None,
+        "distance in the file at which the middle of the vehicle (or of its cut) starts; absent: the "
         "foremost wheelset starts at the first row",
     )
 
@@ -128,22 +126,22 @@ class LinearSupport(Table):
     """Elastic support along one axis."""
 
     stiffness: PositiveStiffness = Field(description="stiffness")
-    damping: Damping = Field(default=0.0, description="damping")
+    damping: Damping = optional(0.0, "damping")
 
 
 class AngularSupport(Table):
     """Elastic support about one axis."""
 
     stiffness: PositiveAngularStiffness = Field(description="stiffness")
-    damping: AngularDamping = Field(default=0.0, description="damping")
+    damping: AngularDamping = optional(0.0, "damping")
 
 
 class Mounting(Table):
     """How a roller axle is mounted; what is absent is rigid."""
 
-    lateral: LinearSupport | None = Field(default=None, description="elastic support along y")
-    vertical: LinearSupport | None = Field(default=None, description="elastic support along z")
-    yaw: AngularSupport | None = Field(default=None, description="elastic support about z")
+    lateral: LinearSupport | None = optional(None, "elastic support along y")
+    vertical: LinearSupport | None = optional(None, "elastic support along z")
+    yaw: AngularSupport | None = optional(None, "elastic support about z")
     misalignment: tuple[Angle, ...] = Field(
         default=(),
         max_length=64,
@@ -169,16 +167,16 @@ class Restraint(Table):
 
     height: Position = Field(description="height of the rod above the crowns")
     stiffness: PositiveStiffness = Field(description="stiffness of the rod with its anchorage, along the track")
-    damping: Damping = Field(default=0.0, description="damping of the same")
-    body: Name | None = Field(default=None, description="that it holds; absent: the heaviest that is no wheelset")
+    damping: Damping = optional(0.0, "damping of the same")
+    body: Name | None = optional(None, "that it holds; absent: the heaviest that is no wheelset")
 
 
 class Sleeper(Table):
     """Half a sleeper under each piece of rail, on ballast; the supports of the foundation are then those of the rail pad."""
 
-    mass: Mass = Field(default=150.0, description="mass of the moving share of the sleepers under one wheel")
-    lateral: LinearSupport | None = Field(default=None, description="ballast along y; absent: rigid")
-    vertical: LinearSupport | None = Field(default=None, description="ballast along z; absent: rigid")
+    mass: Mass = optional(150.0, "mass of the moving share of the sleepers under one wheel")
+    lateral: LinearSupport | None = optional(None, "ballast along y; absent: rigid")
+    vertical: LinearSupport | None = optional(None, "ballast along z; absent: rigid")
 
     @model_validator(mode="after")
     def _moves(self) -> "Sleeper":
@@ -199,18 +197,14 @@ class Foundation(Table):
     docs/how_to/flexible_rails.md says when to use it, and where the values of the catalogue's `flexible_track` come from.
     """
 
-    rail_mass: Mass = Field(
-        default=150.0, description="mass of the piece of rail under one wheel, with what moves with it"
+    rail_mass: Mass = optional(150.0, "mass of the piece of rail under one wheel, with what moves with it")
+    lateral: LinearSupport | None = optional(None, "elastic support of one rail's foot along y")
+    vertical: LinearSupport | None = optional(None, "elastic support of one rail's foot along z")
+    roll: AngularSupport | None = optional(None, "elastic support of one rail about its foot")
+    rail_height: Annotated[float, Quantity("m", 0.01, 1.0)] = optional(
+        0.172, "top of rail over foot: lever arm of the lateral force"
     )
-    lateral: LinearSupport | None = Field(default=None, description="elastic support of one rail's foot along y")
-    vertical: LinearSupport | None = Field(default=None, description="elastic support of one rail's foot along z")
-    roll: AngularSupport | None = Field(default=None, description="elastic support of one rail about its foot")
-    rail_height: Annotated[float, Quantity("m", 0.01, 1.0)] = Field(
-        default=0.172, description="top of rail over foot: lever arm of the lateral force"
-    )
-    sleeper: Sleeper | None = Field(
-        default=None, description="a second layer between the supports and the ground; absent: none"
-    )
+    sleeper: Sleeper | None = optional(None, "a second layer between the supports and the ground; absent: none")
 
     @model_validator(mode="after")
     def _moves(self) -> "Foundation":
@@ -260,10 +254,10 @@ class Straight(Table):
 
     kind: Literal["straight"] = Field(description="no curvature, no cant")
     length: SegmentLength = Field(description="length")
-    gauge: Gauge | None = Field(default=None, description=_GAUGE)
-    inclination: Inclination | None = Field(default=None, description=_INCLINATION)
-    profile: AnyProfile | None = Field(default=None, description=_PROFILE)
-    right_profile: AnyProfile | None = Field(default=None, description=_RIGHT_PROFILE)
+    gauge: Gauge | None = optional(None, _GAUGE)
+    inclination: Inclination | None = optional(None, _INCLINATION)
+    profile: AnyProfile | None = optional(None, _PROFILE)
+    right_profile: AnyProfile | None = optional(None, _RIGHT_PROFILE)
 
 
 class Transition(Table):
@@ -271,8 +265,8 @@ class Transition(Table):
 
     kind: Literal["transition"] = Field(description="joins what stands before and after it")
     length: SegmentLength = Field(description="length")
-    shape: Literal["clothoid", "bloss"] = Field(
-        default="clothoid", description="curvature and cant in proportion to the distance, or along the cubic of Bloss"
+    shape: Literal["clothoid", "bloss"] = optional(
+        "clothoid", "curvature and cant in proportion to the distance, or along the cubic of Bloss"
     )
 
 
@@ -282,12 +276,12 @@ class Curve(Table):
     kind: Literal["curve"] = Field(description="constant curvature and cant")
     length: SegmentLength = Field(description="length")
     radius: Annotated[float, Quantity("m", 20.0, 1e7)] = Field(description="radius of the track's middle")
-    direction: Literal["left", "right"] = Field(default="left", description="where it leads")
-    cant: Cant = Field(default=0.0, description="height of the outer rail over the inner one")
-    gauge: Gauge | None = Field(default=None, description=_GAUGE)
-    inclination: Inclination | None = Field(default=None, description=_INCLINATION)
-    profile: AnyProfile | None = Field(default=None, description=_PROFILE)
-    right_profile: AnyProfile | None = Field(default=None, description=_RIGHT_PROFILE)
+    direction: Literal["left", "right"] = optional("left", "where it leads")
+    cant: Cant = optional(0.0, "height of the outer rail over the inner one")
+    gauge: Gauge | None = optional(None, _GAUGE)
+    inclination: Inclination | None = optional(None, _INCLINATION)
+    profile: AnyProfile | None = optional(None, _PROFILE)
+    right_profile: AnyProfile | None = optional(None, _RIGHT_PROFILE)
 
 
 AnySegment = Annotated[Straight | Transition | Curve, Discriminator("kind")]
@@ -298,32 +292,28 @@ class Track(Table):
 
     kind: Literal["track"] = Field(description="rails")
     name: Name = Field(description="name of the track")
-    description: str = Field(default="", description="one line about the track")
-    source: str = Field(default="", description="where the data come from")
+    description: str = optional("", "one line about the track")
+    source: str = optional("", "where the data come from")
     profile: AnyProfile = Field(description="head of the left rail")
-    right_profile: AnyProfile | None = Field(
-        default=None, description="head of the right rail, as a left one would have it; absent: the same"
+    right_profile: AnyProfile | None = optional(
+        None, "head of the right rail, as a left one would have it; absent: the same"
     )
-    gauge: Gauge = Field(default=1.435, description="distance between the gauge sides of the two rails")
-    gauge_depth: GaugeDepth = Field(
-        default=0.014, description="depth below the top of rail at which the gauge is taken"
-    )
+    gauge: Gauge = optional(1.435, "distance between the gauge sides of the two rails")
+    gauge_depth: GaugeDepth = optional(0.014, "depth below the top of rail at which the gauge is taken")
     segment: tuple[AnySegment, ...] = Field(
         default=(),
         max_length=1000,
         description="straights, transitions and curves in the order of the run, which starts where the first begins; the "
         "first continues behind the start, the last beyond its end; absent: straight",
     )
-    smoothing: Annotated[float, Quantity("m", 1e-3, 50.0)] = Field(
-        default=4.0, description="length over which a corner of curvature and cant is rounded by a parabola"
+    smoothing: Annotated[float, Quantity("m", 1e-3, 50.0)] = optional(
+        4.0, "length over which a corner of curvature and cant is rounded by a parabola"
     )
-    cant_base: Annotated[float, Quantity("m", 0.01, 5.0)] = Field(
-        default=1.5, description="distance over which cant is measured"
+    cant_base: Annotated[float, Quantity("m", 0.01, 5.0)] = optional(1.5, "distance over which cant is measured")
+    irregularity: AnyIrregularity | None = optional(
+        None, "what the rails deviate from their design position; absent: nothing"
     )
-    irregularity: AnyIrregularity | None = Field(
-        default=None, description="what the rails deviate from their design position; absent: nothing"
-    )
-    foundation: Foundation | None = Field(default=None, description="what the rails lie on; absent: rigid")
+    foundation: Foundation | None = optional(None, "what the rails lie on; absent: rigid")
 
     @model_validator(mode="after")
     def _cant_within_its_base(self) -> "Track":

@@ -16,6 +16,7 @@ from rollerrig.config.schema.base import (
     Table,
     Vector,
     instead_of,
+    optional,
     refused,
 )
 from rollerrig.config.schema.profile import AnyProfile
@@ -48,8 +49,8 @@ class Wheel(Table):
     profile: AnyProfile = Field(description="profile of the left wheel: a catalogue name, a file or a table")
     radius: WheelRadius = Field(description="radius at the tape circle")
     back_to_back: Annotated[float, Quantity("m", 0.01, 5.0)] = Field(description="distance between the flange backs")
-    tape_circle: Annotated[float, Quantity("m", 1e-4, 0.5)] = Field(
-        default=0.070, description="distance of the tape circle from the flange back, EN 13715"
+    tape_circle: Annotated[float, Quantity("m", 1e-4, 0.5)] = optional(
+        0.070, "distance of the tape circle from the flange back, EN 13715"
     )
 
 
@@ -57,18 +58,18 @@ class Body(Table):
     """A rigid body."""
 
     name: Name = Field(description="name, unique in the vehicle")
-    at: dict[Name, dict[str, Any]] | None = Field(
-        default=None,
-        description="places at which it stands, by the end of the name: at.1 = { position = [...] } of `wheelset` is "
+    at: dict[Name, dict[str, Any]] | None = optional(
+        None,
+        "places at which it stands, by the end of the name: at.1 = { position = [...] } of `wheelset` is "
         "`wheelset_1`; loading makes a body of each",
     )
-    kind: Literal["rigid", "wheelset"] = Field(default="rigid", description="a wheelset carries two wheels and spins")
+    kind: Literal["rigid", "wheelset"] = optional("rigid", "a wheelset carries two wheels and spins")
     mass: Mass = Field(description="mass")
     inertia: tuple[Inertia, Inertia, Inertia] = Field(
         description="principal moments of inertia about x, y, z through the centre of mass"
     )
     position: Vector = Field(description="design position of the centre of mass", json_schema_extra=instead_of("at"))
-    locked: tuple[Direction, ...] = Field(default=(), description="directions in which the body cannot move")
+    locked: tuple[Direction, ...] = optional((), "directions in which the body cannot move")
 
     @model_validator(mode="after")
     def _possible_inertia(self) -> "Body":
@@ -121,18 +122,16 @@ class LinearLaw(Table):
     with the slope of the last two.
     """
 
-    stiffness: Stiffness | None = Field(default=None, description="force per deflection")
-    table: ForceOverDeflection | None = Field(
-        default=None, description="rows [deflection, force] in place of a stiffness: a nonlinear spring or a bumpstop"
+    stiffness: Stiffness | None = optional(None, "force per deflection")
+    table: ForceOverDeflection | None = optional(
+        None, "rows [deflection, force] in place of a stiffness: a nonlinear spring or a bumpstop"
     )
-    damping: Damping | None = Field(default=None, description="force per speed, in parallel with the spring")
-    damping_table: ForceOverSpeed | None = Field(
-        default=None, description="rows [speed, force] in place of a damping: a nonlinear damper"
+    damping: Damping | None = optional(None, "force per speed, in parallel with the spring")
+    damping_table: ForceOverSpeed | None = optional(
+        None, "rows [speed, force] in place of a damping: a nonlinear damper"
     )
-    damper: SeriesDamper | None = Field(default=None, description="a damper in series with its own spring, in parallel")
-    preload: Force = Field(
-        default=0.0, description="force at the design position, positive as a positive deflection makes it"
-    )
+    damper: SeriesDamper | None = optional(None, "a damper in series with its own spring, in parallel")
+    preload: Force = optional(0.0, "force at the design position, positive as a positive deflection makes it")
 
     @model_validator(mode="after")
     def _consistent(self) -> "LinearLaw":
@@ -144,18 +143,12 @@ class LinearLaw(Table):
 class AngularLaw(Table):
     """Moment of an element about one axis; all parts given act in parallel."""
 
-    stiffness: AngularStiffness | None = Field(default=None, description="moment per angle")
-    table: MomentOverAngle | None = Field(default=None, description="rows [angle, moment] in place of a stiffness")
-    damping: AngularDamping | None = Field(
-        default=None, description="moment per angular speed, in parallel with the spring"
-    )
-    damping_table: MomentOverRate | None = Field(
-        default=None, description="rows [angular speed, moment] in place of a damping"
-    )
-    damper: AngularSeriesDamper | None = Field(
-        default=None, description="a damper in series with its own spring, in parallel"
-    )
-    preload: Torque = Field(default=0.0, description="moment at the design position")
+    stiffness: AngularStiffness | None = optional(None, "moment per angle")
+    table: MomentOverAngle | None = optional(None, "rows [angle, moment] in place of a stiffness")
+    damping: AngularDamping | None = optional(None, "moment per angular speed, in parallel with the spring")
+    damping_table: MomentOverRate | None = optional(None, "rows [angular speed, moment] in place of a damping")
+    damper: AngularSeriesDamper | None = optional(None, "a damper in series with its own spring, in parallel")
+    preload: Torque = optional(0.0, "moment at the design position")
 
     @model_validator(mode="after")
     def _consistent(self) -> "AngularLaw":
@@ -168,35 +161,31 @@ class Element(Table):
     """A massless force element between two bodies; its axes are those of body a, if it is `clamped` those of both."""
 
     name: Name = Field(description="name, unique in the vehicle")
-    at: dict[Name, dict[str, Any]] | None = Field(
-        default=None,
-        description="places at which it stands, by the end of the name: at.1 = { between = [...], point = [...] } of `primary` "
+    at: dict[Name, dict[str, Any]] | None = optional(
+        None,
+        "places at which it stands, by the end of the name: at.1 = { between = [...], point = [...] } of `primary` "
         "is `primary_1`; loading makes an element of each",
     )
-    both_sides: StrictBool | None = Field(
-        default=None,
-        description="true: on the left as written, `NAME_left`, and mirrored on the right, `NAME_right`; loading makes both",
+    both_sides: StrictBool | None = optional(
+        None, "true: on the left as written, `NAME_left`, and mirrored on the right, `NAME_right`; loading makes both"
     )
     between: tuple[str, str] = Field(description="the bodies a and b", json_schema_extra=instead_of("at"))
-    point: Vector | None = Field(default=None, description="design position of both ends")
-    points: tuple[Vector, Vector] | None = Field(
-        default=None,
-        description="design positions of the end on a and the end on b, where they differ; the force acts at b's",
+    point: Vector | None = optional(None, "design position of both ends")
+    points: tuple[Vector, Vector] | None = optional(
+        None, "design positions of the end on a and the end on b, where they differ; the force acts at b's"
     )
-    carries_load: StrictBool = Field(
-        default=False, description="its vertical preload is solved from the static equilibrium"
-    )
-    clamped: StrictBool = Field(
-        default=False,
-        description="a loaded spring clamped at both ends, its `point` at mid-height: half of the force acts in the axes of "
+    carries_load: StrictBool = optional(False, "its vertical preload is solved from the static equilibrium")
+    clamped: StrictBool = optional(
+        False,
+        "a loaded spring clamped at both ends, its `point` at mid-height: half of the force acts in the axes of "
         "either body, and both ends take the same moment",
     )
-    x: LinearLaw | None = Field(default=None, description="law along x")
-    y: LinearLaw | None = Field(default=None, description="law along y")
-    z: LinearLaw | None = Field(default=None, description="law along z")
-    roll: AngularLaw | None = Field(default=None, description="law about x")
-    pitch: AngularLaw | None = Field(default=None, description="law about y")
-    yaw: AngularLaw | None = Field(default=None, description="law about z")
+    x: LinearLaw | None = optional(None, "law along x")
+    y: LinearLaw | None = optional(None, "law along y")
+    z: LinearLaw | None = optional(None, "law along z")
+    roll: AngularLaw | None = optional(None, "law about x")
+    pitch: AngularLaw | None = optional(None, "law about y")
+    yaw: AngularLaw | None = optional(None, "law about z")
 
     @model_validator(mode="after")
     def _complete(self) -> "Element":
@@ -243,20 +232,20 @@ class Cut(Table):
     """A part of the vehicle that is run alone."""
 
     bodies: tuple[str, ...] = Field(min_length=1, description="bodies kept and free to move")
-    fixed: tuple[str, ...] = Field(default=(), description="bodies kept at their design position")
-    origin_x: Position = Field(default=0.0, description="x of the cut's own origin in the vehicle's frame")
+    fixed: tuple[str, ...] = optional((), "bodies kept at their design position")
+    origin_x: Position = optional(0.0, "x of the cut's own origin in the vehicle's frame")
 
 
 class Vehicle(Table):
     """A whole vehicle; `cut` names the parts of it that are run alone."""
 
     name: Name = Field(description="name of the vehicle")
-    description: str = Field(default="", description="one line about the vehicle")
-    source: str = Field(default="", description="where the data come from")
+    description: str = optional("", "one line about the vehicle")
+    source: str = optional("", "where the data come from")
     wheel: Wheel = Field(description="the wheels")
     body: tuple[Body, ...] = Field(min_length=1, max_length=200, description="the bodies")
     element: tuple[Element, ...] = Field(default=(), max_length=2000, description="the force elements")
-    cut: dict[Name, Cut] = Field(default={}, description="parts of the vehicle that are run alone, by name")
+    cut: dict[Name, Cut] = optional({}, "parts of the vehicle that are run alone, by name")
 
     def __repr__(self) -> str:
         parts = ", ".join(self.cut_names())

@@ -146,11 +146,7 @@ def _first(found: list[KeyPlace], key: str) -> str:
 
 
 def _unknown(key: str) -> str:
-    """Keys that speak of the words of what is no key.
-
-    Raises:
-        KeyError: none does.
-    """
+    """Keys that speak of the words of what is no key; a KeyError where none does."""
     last = key.rpartition(".")[2]
     if where := divided(key) or divided(last):
         raise KeyError(f"{key}: {where}")

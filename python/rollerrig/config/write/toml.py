@@ -45,9 +45,7 @@ def _kept_lines(kept: _Kept, path: str) -> tuple[str, ...]:
 def to_toml(table: Table, shared: Sequence[tuple[str, str]] = ()) -> str:
     """The table as TOML text; unset keys are left out, everything else is written, defaults too.
 
-    Args:
-        table: what to write.
-        shared: keys of tables in tables of it that other tables share; the text of the last ones is kept.
+    Of keys (in a table of the table) that other tables share, the text of the last ones is kept.
     """
     tables = table.model_dump(exclude_none=True, context=AS_WRITTEN, exclude={part: {key} for part, key in shared})
     for part, key in shared:

@@ -198,11 +198,7 @@ def _page(unit: Unit, carried: list[Shell]) -> bytes:
 
 
 def check_format(case: str, fmi: str, kind: str) -> None:
-    """Refuse what is not offered.
-
-    Raises:
-        ConfigError: which, and what is.
-    """
+    """Refuse with a ConfigError what is not offered."""
     for key, value, allowed in (("fmi", fmi, tuple(DESCRIPTIONS)), ("kind", kind, KINDS)):
         if value not in allowed:
             raise ConfigError([ConfigProblem(case, key, repr(value), f"allowed: {', '.join(allowed)}")])

@@ -15,10 +15,10 @@ from fnmatch import fnmatchcase
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from rollerrig import _core
 from rollerrig.cases import as_case
+from rollerrig.common.arrays import Array
 from rollerrig.config import Case, ConfigError, ConfigProblem
 from rollerrig.config.errors import nearest, one_of
 from rollerrig.config.schema.units import Quantity
@@ -34,17 +34,7 @@ LARGEST_FRAME = 512
 
 @dataclass(frozen=True)
 class Served:
-    """A rig ready to be served.
-
-    Attributes:
-        name: of the case.
-        case: as it is run; None where a model file is served.
-        assembled: its model.
-        period: [s].
-        inputs: variables that are commanded.
-        outputs: variables that are sent.
-        safe: values of the inputs in the safe state.
-    """
+    """A rig ready to be served: case (None: of a model file), period [s], variables that are commanded and sent, safe values."""
 
     name: str
     case: Case | None
@@ -320,11 +310,7 @@ def open_server(
 
 
 def check_system(served: Served) -> None:
-    """See that this system has a server.
-
-    Raises:
-        ConfigError: it has not.
-    """
+    """See that this system has a server, with a ConfigError where it has not."""
     try:
         _core.require_real_time()
     except RuntimeError as error:
@@ -357,14 +343,9 @@ def check_rate(served: Served, periods: int = MEASURED_PERIODS) -> float:
     return rate
 
 
-def replay(served: Served, commands: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Sensors of a run whose commands are known, shape (period + 1, output): those of the start come first.
-
-    Args:
-        served: the rig.
-        commands: what acts in each period, shape (period, input).
-    """
-    found: NDArray[np.float64] = _core.replay_rig(
+def replay(served: Served, commands: Array) -> Array:
+    """Sensors of a run whose commands, shape (period, input), are known; shape (period + 1, output), those of the start first."""
+    found: Array = _core.replay_rig(
         served.assembled,
         served.input_indices,
         served.output_indices,

@@ -108,11 +108,7 @@ LARGEST_ERROR = 5e-4
 def cause_shares(records: Mapping[str, Sequence[TestRecord]]) -> dict[str, Estimate] | None:
     """Parts of (mean distance of the rig over that of the track, less 1) by cause, and `together` their sum.
 
-    Args:
-        records: of `track`, `rig` and each of STEPS, from several starts.
-
-    Returns:
-        None where an ensemble is missing.
+    None where an ensemble is missing, of `track`, `rig` and each of STEPS.
     """
     names = ("rig", *STEPS, "track")
     if any(not records.get(name) for name in names):
@@ -271,12 +267,9 @@ Tests = tuple[Sequence[TestRecord], Sequence[TestRecord]]
 
 
 def verdict_rows(case: Case, tests: Tests, fine: Tests = ((), ())) -> list[Row]:
-    """All rows that say something about this test.
+    """All rows that say something about the tests of a rig's case.
 
-    Args:
-        case: of the rig.
-        tests: of track and rig.
-        fine: the first of them again with finer steps and samples; none: that part of the intervals is missing.
+    `fine` are the first of them again with finer steps and samples; without, that part of the intervals is missing.
     """
     rows = _rows(case, tests)
     count = min(len(one) for one in (*tests, *fine))
@@ -292,7 +285,7 @@ def verdict_rows(case: Case, tests: Tests, fine: Tests = ((), ())) -> list[Row]:
 
 
 def _rows(case: Case, tests: Tests) -> list[Row]:
-    return [*_ended(*tests), *_slid(*tests), *_tracking(case, tests[1]), *_fidelity(case, *tests)]
+    return [*_gates(*tests), *_tracking(case, tests[1]), *_fidelity(case, *tests)]
 
 
 def _is_bad(rows: Sequence[Row], group: Group) -> bool:
@@ -309,73 +302,52 @@ def verdict_of(rows: Sequence[Row], group: Group) -> Outcome:
 # --------------------------------------------------------------------------------------------------------- rows
 
 
-def _ended(track: Sequence[TestRecord], rig: Sequence[TestRecord]) -> Iterator[Row]:
-    """Whether the runs came to their end: a run that rolled off the rollers' crowns did not."""
+def _all_of(group: Group, key: str, text: str, met: Sequence[bool], origin: str, **more: Any) -> Row:
+    """A gate that is met where all of these are."""
+    share, shown = Estimate(sum(met) / len(met), 0.0, math.inf), f"{sum(met)} of {len(met)}"
+    return Row(group, key, text, share, 1.0, 1.0, origin, shown=shown, gate=True, **more)
+
+
+def _gates(track: Sequence[TestRecord], rig: Sequence[TestRecord]) -> Iterator[Row]:
+    """Whether runs came to their end, one that rolled off the crowns did not, and axles passed the peak of the creep curve."""
     tests: tuple[tuple[Group, str, Sequence[TestRecord]], ...] = (
         ("tracking", "rig", rig),
         ("fidelity", "track", track),
     )
     for group, label, records in tests:
-        count = sum(record.completed for record in records)
-        share = Estimate(count / len(records), 0.0, math.inf)
-        yield Row(
-            group, f"{label}_ended", f"runs on the {label} that came to their end", share, 1.0, 1.0,
-            "a test that ended early is none", shown=f"{count} of {len(records)}", gate=True,
-        )  # fmt: skip
+        completed = [record.completed for record in records]
+        text = f"runs on the {label} that came to their end"
+        yield _all_of(group, f"{label}_ended", text, completed, "a test that ended early is none")
     ends = [a.stopped == b.stopped for a, b in zip(track, rig, strict=False) if a.completed and b.completed]
     if not all(ends):
-        yield Row(
-            "fidelity", "stops", "starts with a stop on both, or on neither", Estimate(0.0, 0.0, math.inf), 1.0, 1.0,
-            "a stopping distance needs a stop", shown=f"{sum(ends)} of {len(ends)}", gate=True,
-        )  # fmt: skip
-
-
-def _slid(track: Sequence[TestRecord], rig: Sequence[TestRecord]) -> Iterator[Row]:
-    """Whether axles passed the peak of the creep curve: what never slides tests neither rig nor slide protection."""
-    tests: tuple[tuple[Group, str, Sequence[TestRecord]], ...] = (
-        ("tracking", "rig", rig),
-        ("fidelity", "track", track),
-    )
+        text, why = "starts with a stop on both, or on neither", "a stopping distance needs a stop"
+        yield replace(_all_of("fidelity", "stops", text, ends, why), value=Estimate(0.0, 0.0, math.inf))
     for group, label, records in tests:
-        count = sum(record.measures.get("beyond_peak_s", math.nan) > 0.0 for record in records)
-        yield Row(
-            group, f"{label}_slid", f"tests on the {label} in which an axle passed the peak of the creep curve",
-            Estimate(count / len(records), 0.0, math.inf), 1.0, 1.0, "where nothing slides nothing is tested",
-            shown=f"{count} of {len(records)}", gate=True, undecided=True,
-        )  # fmt: skip
+        slid = [record.measures.get("beyond_peak_s", math.nan) > 0.0 for record in records]
+        text = f"tests on the {label} in which an axle passed the peak of the creep curve"
+        yield _all_of(group, f"{label}_slid", text, slid, "where nothing slides nothing is tested", undecided=True)
 
 
 def _tracking(case: Case, rig: Sequence[TestRecord]) -> Iterator[Row]:
-    def at_most(key: str, text: str, high: float, origin: str, **more: Any) -> Row:
-        return Row("tracking", key, text, measure(rig, key), 0.0, high, origin, **more)
-
-    slip, action = _fill_slip(case)
-    yield at_most(
-        "tracking_rms", "wheel less virtual wheel, RMS over train speed", 0.01,
-        "ours: a sixth or less of the slip at which slide protection acts",
+    gate: dict[str, Any] = {"gate": True}
+    rows: tuple[tuple[str, str, float, str, dict[str, Any]], ...] = (
+        ("tracking_rms", "wheel less virtual wheel, RMS over train speed", 0.01,
+         "ours: a sixth or less of the slip at which slide protection acts", {}),
+        ("tracking_largest", "the same, largest", *_fill_slip(case), {}),
+        ("force_error_rms", "contact force less virtual force, RMS over RMS", 0.05,
+         "ours: the force that stops the train is the virtual one", gate),
+        ("drive_oscillation_nm", "fast torque that the virtual rail does not demand, RMS, not passed for 95 % of the time",
+         OSCILLATES, "ours: 1 % of the torque that brakes an axle; an oscillating loop gives thousands",
+         {**gate, "unit": "N m", "factor": 1.0}),
+        ("drive_oscillation_spell_s", "its longest spell above that", 1.0,
+         "ours: the response to a switched valve lasts for a window or two of 0.25 s", {**gate, "unit": "s", "factor": 1.0}),
+        ("drive_limited_share", "time with a drive's command at its limit", 0.01,
+         "ours: a drive at its limit does not reproduce the rail", gate),
+        ("crown_gravity_largest", "gravity on the rollers' crown over axle load, largest", 0.02,
+         "ours: a quarter of the friction of low adhesion", {}),
     )  # fmt: skip
-    yield at_most("tracking_largest", "the same, largest", slip, action)
-    yield at_most(
-        "force_error_rms", "contact force less virtual force, RMS over RMS", 0.05,
-        "ours: the force that stops the train is the virtual one", gate=True,
-    )  # fmt: skip
-    yield at_most(
-        "drive_oscillation_nm", "fast torque that the virtual rail does not demand, RMS, not passed for 95 % of the time",
-        OSCILLATES, "ours: 1 % of the torque that brakes an axle; an oscillating loop gives thousands", unit="N m", factor=1.0,
-        gate=True,
-    )  # fmt: skip
-    yield at_most(
-        "drive_oscillation_spell_s", "its longest spell above that", 1.0,
-        "ours: the response to a switched valve lasts for a window or two of 0.25 s", unit="s", factor=1.0, gate=True,
-    )  # fmt: skip
-    yield at_most(
-        "drive_limited_share", "time with a drive's command at its limit", 0.01,
-        "ours: a drive at its limit does not reproduce the rail", gate=True,
-    )  # fmt: skip
-    yield at_most(
-        "crown_gravity_largest", "gravity on the rollers' crown over axle load, largest", 0.02,
-        "ours: a quarter of the friction of low adhesion",
-    )  # fmt: skip
+    for key, text, high, origin, more in rows:
+        yield Row("tracking", key, text, measure(rig, key), 0.0, high, origin, **more)
 
 
 def _fill_slip(case: Case) -> tuple[float, str]:
@@ -402,14 +374,10 @@ def _fidelity(case: Case, track: Sequence[TestRecord], rig: Sequence[TestRecord]
         "distance", what, distances((rig, track)), 0.02, "ours: what an overestimated adhesion of 2 % does"
     )
     way = "deceleration" if case.brake is not None else "acceleration"
+    wear = "ours: wear of the valves, and the first thing a supplier counts"
     pairs = (
         ("mean_deceleration_mps2", f"mean {way} since the demand", 0.02, "ours: as the distance"),
-        (
-            "dump_cycles",
-            "dump cycles, all axles under test",
-            0.05,
-            "ours: wear of the valves, and the first thing a supplier counts",
-        ),
+        ("dump_cycles", "dump cycles, all axles under test", 0.05, wear),
         ("air_litres", "air taken by the cylinders", 0.05, "ours: size of the reservoir"),
         (
             "regrip_adhesion",

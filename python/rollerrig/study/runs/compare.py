@@ -33,11 +33,11 @@ MATERIAL, FRICTION = "steel", 0.3
 def compared_cases(
     vehicle: str, on: Sequence[str], cut: str | None = None, *, allow_code: bool = False
 ) -> dict[str, Case]:
-    """One case per support.
+    """One case per support: 'rig', 'track', names of the catalogue or files, each once; of a case its contact is kept.
 
     Args:
-        vehicle: a vehicle of the catalogue or a file; or a case, whose contact is then kept.
-        on: supports: 'rig', 'track', names of the catalogue or files, each once.
+        vehicle: a vehicle of the catalogue or a file; or a case.
+        on: supports.
         cut: part of the vehicle; of a case by default its own, of a vehicle all of it.
         allow_code: whether controllers that a case names may lie outside its own folder.
 

@@ -309,13 +309,7 @@ TRACKING_CRITERION = f"tracking error above {100 * TRACKING_LIMIT:g} % RMS"
 
 @dataclass(frozen=True)
 class Result:
-    """What came out of a run.
-
-    Attributes:
-        family, curve: where it belongs.
-        value: on the family's axis; NaN for a reference.
-        numbers: of the run.
-    """
+    """What came out of a run of a curve of a family; its value on the axis is NaN for a reference."""
 
     family: str
     curve: str

@@ -192,11 +192,7 @@ def _plain(table: Any) -> dict[str, Any]:
 
 def check(case: Case, torques: Sequence[float], adhesions: Sequence[float], loads: Sequence[float], duration: float,
           refine: int) -> None:  # fmt: skip
-    """Refuse what cannot be run; arguments as of `EnvelopeStudy`.
-
-    Raises:
-        ConfigError: all mistakes found.
-    """
+    """Refuse what cannot be run, with a ConfigError of all mistakes found; arguments as of `EnvelopeStudy`."""
     problems = []
 
     def refuse(key: str, value: object, allowed: str) -> None:

@@ -75,16 +75,12 @@ FRONT, REAR = "wheelset_1_right", "wheelset_2_right"
 
 @dataclass(frozen=True)
 class PaperPlan:
-    """Speeds and lengths.
+    """Speeds and lengths of what is computed.
 
     Attributes:
         linear_kmh: speeds at which modes are computed [km/h].
         runs_kmh: material -> speeds of runs at constant speed [km/h], of the bogie on the rig and of the vehicle on track.
         bracket_kmh: width to which the critical speed by disturbance is narrowed down [km/h].
-        ramps: material -> ramp.
-        hunting: disturbance, length and tolerances of the runs.
-        traction_case: name of the case in the catalogue.
-        traction_changes: changes to it.
         criteria: values of contact.normal.merging_criterion for the sensitivity.
         sensitivity_kmh: first speeds of runs of the bogie, steel, with each model of normal contact [km/h].
         radii: of the rollers in the table of critical speeds [m].
@@ -341,13 +337,7 @@ def _hunting_checks(found: Results) -> Iterator[Check]:
 
 
 def traction_checks(run: xr.Dataset, study: xr.Dataset, case: Case) -> Iterator[Check]:
-    """Figure 8 against theory; none if the run was cut off.
-
-    Args:
-        run: all signals.
-        study: the same wheels beside the closed forms, of `with_theory`.
-        case: what was run.
-    """
+    """Figure 8 against theory, all signals of a run beside its closed forms of `with_theory`; none if the run was cut off."""
     if run.attrs["status"] != "ok":
         return
     places = {"front": study.sel(wheel=FRONT), "rear": study.sel(wheel=REAR)}

@@ -16,10 +16,10 @@ from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from rollerrig import __version__
 from rollerrig.analysis.distributions import quantile_function
+from rollerrig.common.arrays import Array
 from rollerrig.config import ConfigError, ConfigProblem, Plan, WholePlan
 from rollerrig.config.errors import show_value
 from rollerrig.config.load.plan import numbers_below
@@ -28,7 +28,6 @@ from rollerrig.config.schema.units import Quantity
 from rollerrig.config.validate.messages import validate
 from rollerrig.results import variable
 
-Array = NDArray[np.float64]
 _EDGE = 1e-12
 """Samples keep away from the ends of a distribution by this much probability."""
 
@@ -161,11 +160,7 @@ class Points:
 
 
 def _axis(variation: Variation, quantity: Quantity | None, whole: WholePlan, at: str) -> Axis:
-    """One axis from its table.
-
-    Raises:
-        ConfigError: a value does not fit its key, or the range or distribution has none.
-    """
+    """One axis from its table; a ConfigError where a value does not fit its key, or range or distribution have none."""
     file, design = whole.file, whole.plan.design
     reader = _Reader(file, at, quantity)
     if variation.values is not None:
@@ -245,11 +240,7 @@ class _Reader:
 
 
 def _try_out(whole: WholePlan, variation: Variation, values: Sequence[Any], at: str) -> None:
-    """Refuse values that the case itself refuses at this key; what only some combinations make wrong fails as a case.
-
-    Raises:
-        ConfigError: it does.
-    """
+    """Refuse values that the case itself refuses at this key; what only some combinations make wrong fails as a case."""
     tried = [values[0], values[-1]] if all(isinstance(v, int | float) for v in values) else values
     quantity = whole.quantities[whole.plan.vary.index(variation)]
     for value in tried:
@@ -287,17 +278,10 @@ Record = dict[str, Any]
 def sweep_dataset(
     whole: WholePlan, points: Points, records: Sequence[Record | None], units: Mapping[str, tuple[str, str]]
 ) -> xr.Dataset:
-    """All cases; numbers of those that failed or were not reached are NaN.
+    """The varied keys as coordinates in SI, each number with its unit and meaning, `failed` with the reason of each failed case.
 
-    Args:
-        whole: the plan.
-        points: its cases.
-        records: one per case; None: not reached.
-        units: name of each number -> unit and meaning.
-
-    Returns:
-        The varied keys as coordinates in SI, each number with its unit, `failed` with the reason of each failed case; attributes
-        cases, finished, failed, plan, case, design.
+    Numbers of cases that failed, or were not reached (record None), are NaN. Attributes: cases, finished, failed, plan, case,
+    design.
     """
     grid = points.design.kind == "grid"
     dims = tuple(axis.name for axis in points.axes) if grid else (SAMPLE,)

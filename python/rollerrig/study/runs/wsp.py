@@ -19,7 +19,6 @@ from typing import Any, Literal
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from rollerrig import _core
 from rollerrig.analysis.slide_statistics import (
@@ -34,6 +33,7 @@ from rollerrig.analysis.slide_statistics import (
 )
 from rollerrig.assembly.laws import adhesion_map
 from rollerrig.cases import wheelsets
+from rollerrig.common.arrays import Array
 from rollerrig.common.formatting import percent
 from rollerrig.config import CRITERIA, Case, ConfigError, ConfigProblem, Limit, Piece, Programme
 from rollerrig.config.schema.programme import BrakedRun, FlatWear, PatchStop
@@ -51,11 +51,7 @@ RISE = 0.1
 
 
 def check_case(case: Case, programme: Programme) -> None:
-    """Refuse a case that has nothing to test, and stops that this vehicle cannot do.
-
-    Raises:
-        ConfigError: it has.
-    """
+    """Refuse with a ConfigError a case that has nothing to test, and stops that this vehicle cannot do."""
     track_case(case)
     for name in ("brake", "slide_protection"):
         if getattr(case, name) is None:
@@ -89,11 +85,7 @@ def stop_case(case: Case, programme: Programme, stop: BrakedRun) -> Case:
 
 
 def dry_case(case: Case, programme: Programme, stop: BrakedRun) -> Case:
-    """The same stop on a dry rail.
-
-    Raises:
-        ConfigError: the case cannot be run so.
-    """
+    """The same stop on a dry rail."""
     return _changed(case, programme, stop, f"{case.name}_{stop.name}_dry", "dry", [])
 
 
@@ -139,8 +131,6 @@ def _plain(table: Any) -> Any:
     return found
 
 
-Array = NDArray[np.float64]
-
 LARGE_SLIP = 0.30
 """Beyond it slip is large [-]."""
 
@@ -150,13 +140,7 @@ SIGNAL_STEP = 0.05
 
 @dataclass(frozen=True)
 class StopRecord:
-    """What is kept of a test.
-
-    Attributes:
-        test: its record.
-        signals: name with unit -> values over time; empty but for first tests.
-        seconds: processor time [s].
-    """
+    """What is kept of a test: record, signals over time by name with unit (of first tests alone), processor time [s]."""
 
     test: TestRecord
     signals: Mapping[str, Array]
@@ -164,17 +148,7 @@ class StopRecord:
 
 
 def stop_record(case: Case, flat: FlatWear, keep: bool, progress: Progress | None = None) -> StopRecord:
-    """Run a test and keep its record: a job.
-
-    Args:
-        case: of a stop.
-        flat: numbers of the estimate of wheel flats.
-        keep: also its signals.
-        progress: called with the fraction done and a short text.
-
-    Raises:
-        KeyboardInterrupt: Ctrl-C cut it short.
-    """
+    """Run a test of a stop and keep its record, and its signals where `keep` says so: a job."""
     begun = time.process_time()
     run = whole_run(case, progress=progress)
     record = test_record(run, case)
@@ -247,16 +221,12 @@ OVER_DRY = ("increase_over_dry", "k_wet")
 
 @dataclass(frozen=True)
 class StopTests:
-    """The tests of one stop on one support.
+    """The tests of one stop of the programme on one support, of the rig's case.
 
     Attributes:
-        stop: of the programme.
-        support: track or rig.
-        case: of the rig.
         asked: number of tests without which nothing is decided.
-        fine: the first of them again with finer steps and samples.
-        tests: those that were made.
         dry: the same stop on a dry rail; None: not made.
+        fine: the first of the tests again with finer steps and samples.
     """
 
     stop: BrakedRun
@@ -288,16 +258,7 @@ class StopTests:
 
 @dataclass(frozen=True)
 class Judgement:
-    """A criterion of a stop on one support.
-
-    Attributes:
-        stop: name of the stop.
-        support: track or rig.
-        limit: that is held against it.
-        mean: of all tests, in the SI unit of the criterion.
-        worst: of all tests.
-        reasons: why nothing is decided, whatever the numbers are.
-    """
+    """A criterion of a stop on one support: its limit, mean and worst of all tests in its SI unit, why nothing is decided."""
 
     stop: str
     support: Support
@@ -326,13 +287,7 @@ class Judgement:
 
 
 def judgements(programme: Programme, found: StopTests, other: StopTests) -> list[Judgement]:
-    """All criteria of a stop on one support.
-
-    Args:
-        programme: with the limits.
-        found: the tests to be judged.
-        other: those on the other support.
-    """
+    """All criteria of a stop on one support; `other` are the tests on the other one."""
     common = (*faults(found), *(rig_faults(found, other) if found.support == "rig" else ()))
     judged = []
     for limit in (limit for limit in programme.limit if limit.holds_for(found.stop)):
