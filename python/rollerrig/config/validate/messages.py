@@ -62,6 +62,8 @@ def divided(word: object) -> str:
 M = TypeVar("M", bound=BaseModel)
 
 NAMING_KEYS = ("name", "wheelset", "body")
+_MOST = 1000
+"""Mistakes of one file that are listed, and items of a list that are called by their names."""
 _KINDS = {
     "string_type": "allowed: a text",
     "bool_type": "allowed: true or false",
@@ -88,9 +90,12 @@ def validate(model: type[M], raw: object, file: str, prefix: str = "") -> tuple[
     try:
         return model.model_validate(raw), []
     except ValidationError as error:
-        errors = error.errors(include_url=False)
+        errors = error.errors(include_url=False)[:_MOST]
         found = [_problem(model, raw, item, file) for item in errors if not _follows(item, errors)]
-        return None, list(dict.fromkeys(problem.within(prefix) for problem in found if problem))
+        problems = list(dict.fromkeys(problem.within(prefix) for problem in found if problem))
+        if more := error.error_count() - len(errors):
+            problems.append(ConfigProblem(file, prefix, f"{more} more mistakes", "mend those above first"))
+        return None, problems
 
 
 def item_label(items: Sequence[object], index: int) -> str:
@@ -101,7 +106,7 @@ def item_label(items: Sequence[object], index: int) -> str:
             return next((item[key] for key in NAMING_KEYS if isinstance(item.get(key), str)), None)
         return None
 
-    own = name(items[index]) if index < len(items) else None
+    own = name(items[index]) if index < len(items) <= _MOST else None
     usable = isinstance(own, str) and own.replace("_", "").replace("-", "").isalnum()
     return f"{own}" if usable and [name(item) for item in items].count(own) == 1 else f"[{index}]"
 
