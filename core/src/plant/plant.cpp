@@ -205,13 +205,15 @@ bool Plant::restore(std::span<std::byte const> bytes) {
   std::vector<double> const values = value_;
   try {
     read(bytes.subspan(head));
-    return true;
+    if (identity() == model) return true;
   } catch (FormatError const&) {  // the checksum is right: whoever made it knew how
-    value_ = values;
-    take_parameters();
-    if (!before.empty()) read(std::span(before).subspan(head));
   }
-  if (!before.empty()) return false;
+  value_ = values;
+  take_parameters();
+  if (!before.empty()) {
+    read(std::span(before).subspan(head));
+    return false;
+  }
   renew();
   time_ = 0.0;
   return false;
