@@ -10,7 +10,7 @@ from hostile.bytes_of import crc64
 from hostile.runner import Counted, attack, table
 from rollerrig.interfaces.fmu.export import shells
 
-SHORT = {"border": 150, "config": 60, "fmu": 60, "model": 40, "packets": 60, "play": 80, "profile": 150, "run": 20,
+SHORT = {"border": 150, "config": 60, "fmu": 60, "model": 20, "packets": 60, "play": 80, "profile": 150, "run": 10,
          "state": 100, "absurd": 8}  # fmt: skip
 LONG = 40
 """Times as many with --long."""
