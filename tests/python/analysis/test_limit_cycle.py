@@ -26,7 +26,6 @@ from rollerrig.analysis.limit_cycle import (
 )
 from rollerrig.config import Case, load_case
 from rollerrig.study.critical_speeds import brackets, disturbance_rounds
-from rollerrig.study.jobs import call
 from rollerrig.study.limit_cycles import continuation_sentences, limit_cycles
 
 ONSET, WIDTH = 50.0, 20.0
@@ -246,7 +245,7 @@ def test_critical_speeds_by_the_three_definitions_are_in_order(bogie, found) -> 
     width = QUICK.tolerance_kmh / 3.6
     runs, done = HuntingSettings(duration=4.0), {}
     for jobs in disturbance_rounds({"": bogie}, {"": [150.0, 190.0]}, 10.0, runs, done):
-        done.update({name: call(one, lambda _fraction, _text: None) for name, one in jobs.items()})
+        done.update({name: one.call(lambda _fraction, _text: None) for name, one in jobs.items()})
     by = brackets([""], runs, done)[""]
     linear = linear_critical_speed(bogie, [200 / 3.6, 300 / 3.6])
     assert linear is not None

@@ -173,7 +173,7 @@ def test_a_cell_is_what_the_command_of_that_name_finds() -> None:
     assert float(found["linear_critical_speed"][0]) == pytest.approx(alone, rel=1e-4)  # both search to a tolerance
 
 
-@pytest.mark.parametrize("kind", measures.KINDS)
+@pytest.mark.parametrize("kind", list(measures.MEASURES))
 def test_every_measure_gives_all_its_numbers(kind: str) -> None:
     name, changes = "bogie_rollers_constant", {"time.duration": "0.5 s"}
     if kind == "adhesion":
