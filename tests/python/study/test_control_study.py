@@ -101,8 +101,9 @@ def test_a_users_feed_forward_is_the_built_in_one_without_feedback(outcome: Outc
     assert len(mine) == len(built_in) == 3
     for a, b in zip(built_in[1:], mine[1:], strict=True):
         assert a.numbers["roller_torque_largest_nm"] < 2e4
-        # Round-off decides whether a step keeps its prediction, a seventieth of the tolerance 3e-7.
-        assert b.numbers["tracking_rms"] == pytest.approx(a.numbers["tracking_rms"], rel=3e-8)
+        # Round-off decides whether a step keeps its prediction or is corrected: below 3e-8 with one compiled search of the gap,
+        # 1.8e-6 with another that gives the same gap to round-off.
+        assert b.numbers["tracking_rms"] == pytest.approx(a.numbers["tracking_rms"], rel=1e-5)
     assert any(r.curve == USER for r in outcome.results.references)
 
 
