@@ -15,7 +15,7 @@ import time
 from pathlib import Path
 
 from rollerrig.config import load_case
-from rollerrig.study.jobs import call, job
+from rollerrig.study.jobs import job
 from rollerrig.study.measures import MEASURES
 from rollerrig.study.sweep import SweepStudy, sweep_study
 
@@ -31,7 +31,7 @@ def in_a_loop(work: SweepStudy) -> float:
     cases = [work.whole.case.with_changes(changes) for changes in work.points.changes()]
     begun = time.process_time()
     for case in cases:
-        call(job(MEASURES["critical_speed"].measure, case, measure), lambda _fraction, _text: None)
+        job(MEASURES["critical_speed"].measure, case, measure).call(lambda _fraction, _text: None)
     return time.process_time() - begun
 
 

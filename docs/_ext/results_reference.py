@@ -70,7 +70,7 @@ def write_reference(app: Sphinx) -> None:
 def reference() -> list[str]:
     """The whole reference as lines of MyST Markdown."""
     from rollerrig import load_case, simulate
-    from rollerrig.contact_analysis.static_contact import _COLUMNS, _VARIABLES
+    from rollerrig.contact_analysis.static_contact import _VARIABLES
     from rollerrig.study import STUDIES
 
     run = simulate(load_case("wheelset_rollers").with_changes({"time.duration": "0.01 s"}))
@@ -78,7 +78,7 @@ def reference() -> list[str]:
         *variables(run),
         *described("Attributes of a run", "attribute", run.attrs, ATTRIBUTES),
         *described("Counters of the contacts", "counter", json.loads(run.attrs["contact_counters"]), COUNTERS),
-        *columns({column: _VARIABLES[variable][1] for column, (variable, _) in _COLUMNS.items()}),
+        *columns({column: meaning for _, column, _, meaning in _VARIABLES.values()}),
         *(line for study in STUDIES for line in keys(f"rollerrig {study.command}", study.quantities.described())),
     ]
 
