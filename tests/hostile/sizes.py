@@ -58,12 +58,12 @@ def text(choose: random.Random) -> str:
     count = choose.choice([1000, 100_000, 400_000])
     match choose.choice(["numbers", "numbers", "numbers", "points", "segments", "vehicle", "deep", "strings", "keys"]):
         case "numbers":
-            lines = [f'base = "{choose.choice(BASES)}"', "[changes]"]
-            lines += [f'"{key}" = "{choose.choice(LARGE)}"' for key in choose.sample(KEYS, choose.choice([1, 2]))]
+            lines = [f'base = "{choose.choice(BASES)}"']
+            lines += [f'{key} = "{choose.choice(LARGE)}"' for key in choose.sample(KEYS, choose.choice([1, 2]))]
             return "\n".join(lines)
         case "points":
             rows = ", ".join(f"[{k}, 30]" for k in range(count))
-            return f'base = "adhesion_brake"\n[changes]\n"brake.demand" = [{rows}]\n"motion.speed" = [{rows}]\n'
+            return f'base = "adhesion_brake"\nbrake.demand = [{rows}]\nmotion.speed = [{rows}]\n'
         case "segments":
             one = '[[support.segment]]\nkind = "curve"\nlength = "1 m"\nradius = "300 m"\n'
             return 'base = "vehicle_curve"\n' + one * (count // 20)

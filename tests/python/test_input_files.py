@@ -209,3 +209,23 @@ def test_a_file_that_has_nothing_to_give_is_refused(tmp_path: Path, monkeypatch:
     monkeypatch.setattr("rollerrig.common.input_files.open_input", lambda _path, _largest: Silent())
     with pytest.raises(InputError, match="nothing can be read from it"):
         read_input(tmp_path / "silent", 100)
+
+
+@pytest.mark.parametrize("one", ["[", "{a=", "[{a="])
+def test_a_file_nested_beyond_reason_is_refused_in_a_line(one: str, tmp_path: Path) -> None:
+    path = tmp_path / "case.toml"
+    path.write_text("a = " + one * 20_000)
+    command = [sys.executable, "-c", "from rollerrig.cli import main; main()", "check", str(path)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 2
+    assert f"{path}: not TOML that can be read" in done.stderr
+    assert "Traceback" not in done.stderr
+
+
+def test_of_thousands_of_mistakes_the_first_are_listed_and_the_rest_counted(tmp_path: Path) -> None:
+    path = tmp_path / "case.toml"
+    path.write_text('base = "bogie_track"\n' + "".join(f'[[vehicle.body]]\nname = "b{k}"\n' for k in range(2000)))
+    with pytest.raises(ConfigError) as error:
+        rr.load_case(path)
+    assert len(error.value.problems) < 1200  # those of the elements beside them
+    assert "more mistakes" in str(error.value.problems[-1])

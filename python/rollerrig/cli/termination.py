@@ -53,7 +53,7 @@ def _with_file(message: str, options: Mapping[str, object]) -> str:
     source = str(options.get("case") or options.get("file") or "")
     try:
         name = tomllib.loads(read_input(source, LARGEST_TEXT).decode("utf-8")).get("name")
-    except (OSError, ValueError):
+    except (OSError, ValueError, RecursionError):
         return message
     return "\n".join(
         f"{source}: {line.removeprefix(f'{name}: ')}" if line.startswith(f"{name}: ") else line
