@@ -107,7 +107,14 @@ def mode_names(shapes: Shapes, who: Roles) -> list[str]:
 
 
 def shape_name(keys: Sequence[tuple[str, str]], share: Array, parts: Complex, who: Roles) -> str:
-    """Name of one mode at one speed, from the energy share and displacement of each coordinate (body, direction)."""
+    """Name of one mode at one speed.
+
+    Args:
+        keys: (body, direction) of each coordinate.
+        share: of the kinetic energy, shape (coordinates,).
+        parts: displacements, shape (coordinates,).
+        who: roles of the bodies.
+    """
     nowhere = np.zeros((1, 1), dtype=np.bool_)
     one = Shapes(keys, np.zeros((1, 1)), share[None, :, None], parts[None, :, None], nowhere)
     return mode_names(one, who)[0]

@@ -171,7 +171,13 @@ def _summed(texts: Iterable[str]) -> dict[str, float]:
 
 
 def end_of_hunting(ramp: xr.Dataset, body: str, least_amplitude: float = 1e-4) -> float:
-    """Speed at which the hunting of a body ends while the rollers slow down [m/s]; NaN if they do not, or if it never ends."""
+    """Speed at which the hunting ends while the rollers slow down [m/s]; NaN if they do not, or if it never ends.
+
+    Args:
+        ramp: Dataset of `ramp_run`.
+        body: whose lateral motion.
+        least_amplitude: smaller displacements are no hunting [m].
+    """
     speed, lateral = ramp["speed"].to_numpy(), np.abs(ramp["lateral"].sel(body=body).to_numpy())
     top = int(np.argmax(speed))
     moving = np.flatnonzero(lateral[top:] > least_amplitude)

@@ -301,7 +301,14 @@ def _recovery_margin(run: xr.Dataset, torque: float, sliding: Mask, rig: RigLimi
 
 
 def region(status: str, limits: Mapping[str, float], tracking_rms: float, kind: str) -> str:
-    """The region of a run, a key of REGIONS: that of the first limit reached, else the given kind of REPRODUCED."""
+    """The region of a run: a key of REGIONS.
+
+    Args:
+        status: of the run.
+        limits: those reached, and when [s].
+        tracking_rms: error over train speed; NaN: not defined.
+        kind: of the run where no limit is reached: one of REPRODUCED.
+    """
     if status not in (*COMPLETED, "rollers_protected"):
         return "failed"
     if limits:
@@ -312,7 +319,12 @@ def region(status: str, limits: Mapping[str, float], tracking_rms: float, kind: 
 
 
 def persists_since(times: Array, reached: Mask) -> float | None:
-    """When a condition of shape (time, axle) began that persisted for LEAST_DURATION on any axle [s]; None: never."""
+    """When a condition began that persisted for LEAST_DURATION or longer on any axle [s]; None: never.
+
+    Args:
+        times: shape (time,) [s].
+        reached: shape (time, axle).
+    """
     begins = []
     for column in reached.T:
         edges = np.flatnonzero(np.diff(np.concatenate(([False], column, [False])).astype(int)))

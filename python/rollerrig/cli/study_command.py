@@ -191,7 +191,11 @@ def _length(text: str, option: str, table: str, key: str) -> float:
 
 
 def check_conicity(given: Given) -> None:
-    """Refuse amplitudes beyond the shift."""
+    """Refuse amplitudes beyond the shift.
+
+    Raises:
+        typer.BadParameter: there are some.
+    """
     amplitudes, shift = read_range(given["amplitudes_mm"], "--amplitudes-mm"), given["shift_mm"]
     if min(amplitudes) <= 0 or max(amplitudes) > shift:
         allowed = f"amplitudes must lie above 0 and up to --shift-mm, {shift:g}"
@@ -199,7 +203,11 @@ def check_conicity(given: Given) -> None:
 
 
 def check_compare(given: Given) -> None:
-    """Refuse supports named twice, or without a name."""
+    """Refuse supports named twice.
+
+    Raises:
+        typer.BadParameter: one is, or has no name.
+    """
     names = [name.strip() for name in given["on"].split(",")]
     if not all(names) or len({Path(name).name.removesuffix(".toml") for name in names}) < len(names):
         raise typer.BadParameter(f"'{given['on']}': name each support once, like rig,track", param_hint="--on")

@@ -52,7 +52,12 @@ COMPONENTS = ("force_x", "force_y", "spin_moment")
 
 
 def creepage_units(a_over_b: float, poisson_ratio: float) -> Array:
-    """Reduced creepages (xi, eta, chi) that each demand about mu N of the linear theory."""
+    """Reduced creepages (xi, eta, chi) that each demand about mu N of the linear theory.
+
+    Args:
+        a_over_b: ratio of the semi-axes, a along the rolling direction.
+        poisson_ratio: [-].
+    """
     return np.array(_core.creepage_units(a_over_b, poisson_ratio))
 
 

@@ -31,7 +31,15 @@ from rollerrig.plot.style import (
 
 @dataclass(frozen=True)
 class Curve:
-    """Errors along one axis: tracking RMS [% of train speed], ripple of the torque [N m] or NaN, whether a test ended early."""
+    """Errors along one axis.
+
+    Attributes:
+        label: in the legend.
+        value: along the axis.
+        tracking: RMS [%] of train speed.
+        ripple: of the roller torque [N m]; NaN: not known.
+        ended: whether the test ended before its time.
+    """
 
     label: str
     value: Sequence[float]
@@ -146,7 +154,12 @@ def loop_growth(points: Mapping[str, Sequence[float]]) -> Figure:
 
 
 def courses(runs: Mapping[str, xr.Dataset], radius: float) -> Figure:
-    """Leading axle of some runs over time: wheel and virtual wheel, tracking error, roller torque; a column each."""
+    """Leading axle of some runs over time: wheel and virtual wheel, tracking error, roller torque; a column with own scales each.
+
+    Args:
+        runs: label -> Dataset with `axle_speed`, `virtual_speed`, `train_speed`, `roller_torque`.
+        radius: of the wheels [m].
+    """
     with house_style():
         figure, grid = new_grid(3, len(runs), height=5.6, sharex=True)
         for (speed, error, torque), (label, run) in zip(grid.T, runs.items(), strict=True):

@@ -47,7 +47,16 @@ Spells = tuple[int, float, float, float]
 
 @dataclass(frozen=True)
 class ContactLoss:
-    """What one wheel ran without contact: number and sum of the spells; of the longest duration, begin and distance there."""
+    """What one wheel ran without contact.
+
+    Attributes:
+        wheel: its name.
+        spells: number of times.
+        total_s: sum of their durations [s].
+        longest_s: duration of the longest [s].
+        longest_from_s: time at which that one began [s].
+        longest_from_m: distance there [m].
+    """
 
     wheel: str
     spells: int
@@ -82,7 +91,14 @@ def contact_losses(run: xr.Dataset) -> list[ContactLoss]:
 
 
 def contact_loss_warning(losses: Sequence[ContactLoss], duration: float, *, on_rollers: bool, advice: str = "") -> str:
-    """One line that names the wheels whose contact was lost for longer than vibrations explain; empty if there are none."""
+    """One line that names the wheels whose contact was lost for longer than vibrations explain; empty if there are none.
+
+    Args:
+        losses: of a run.
+        duration: of the run [s].
+        on_rollers: whether it was on a rig.
+        advice: what to try, a sentence.
+    """
     gross = [
         loss
         for loss in losses

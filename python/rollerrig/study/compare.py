@@ -90,9 +90,15 @@ class Results:
 
 @dataclass(frozen=True)
 class CompareStudy(Study[Results]):
-    """One vehicle on several supports, of `compared_cases`; attributes as the arguments of `rollerrig.compare`.
+    """One vehicle on several supports.
 
-    Runs are made at speeds at least LEAST_RUN_STEP apart; critical speeds by disturbance are narrowed down to `bracket_kmh`.
+    Attributes:
+        supports: label -> case at a constant speed, of `compared_cases`.
+        speeds_kmh: of the modes [km/h], rising; runs are made at those at least LEAST_RUN_STEP apart.
+        parts: cuts of the vehicle in the table of critical speeds.
+        radii: of its rollers [m].
+        bracket_kmh: width to which the critical speeds by disturbance are narrowed down [km/h].
+        hunting: disturbance, length and tolerances of the runs.
     """
 
     supports: Mapping[str, Case]

@@ -98,7 +98,11 @@ class CreepStudy(Study[xr.Dataset]):
 
 
 def compare(study: CreepStudy) -> xr.Dataset:
-    """The laws of a study beside the exact theory; see `compare_laws`, also for its errors."""
+    """The laws of a study beside the exact theory; see `compare_laws`.
+
+    Raises:
+        ValueError: an unknown law, one that lacks a parameter, a number outside its range.
+    """
     laws = {name: creep_law(name, **study.parameters.get(name, {})) for name in study.laws}
     return compare_laws(study.a_over_b, laws, poisson_ratio=study.poisson_ratio, demands=study.demands)
 

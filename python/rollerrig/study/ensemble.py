@@ -96,7 +96,11 @@ def finer(case: Case) -> Case:
 
 
 def recorded(case: Case, progress: Progress | None = None) -> TestRecord:
-    """Run a test and keep its record: a job."""
+    """Run a test and keep its record: a job.
+
+    Raises:
+        KeyboardInterrupt: Ctrl-C cut it short.
+    """
     return test_record(whole_run(case, progress=progress), case)
 
 

@@ -64,7 +64,11 @@ def whole_run(case: Case, progress: Progress | None = None) -> xr.Dataset:
 
 
 def whole_modes(case: Case, speeds_kmh: Sequence[float], progress: Progress | None = None) -> xr.Dataset:
-    """Modes over speed [km/h], likewise."""
+    """Modes over speed [km/h] that Ctrl-C did not cut short.
+
+    Raises:
+        KeyboardInterrupt: it did.
+    """
     modes = stability(case, speeds_kmh, progress=progress)
     if modes.attrs["interrupted"]:
         raise KeyboardInterrupt

@@ -45,7 +45,19 @@ def limit_cycles(
     folder: str | Path | None = None,
     progress: Progress | None = None,
 ) -> Diagram:
-    """The limit-cycle diagram of a case, after Ctrl-C what was done until then; arguments as of `rollerrig.limit_cycle`.
+    """The limit-cycle diagram of a case.
+
+    Args:
+        case: the case; rollers or rails are speed-controlled.
+        speeds_kmh: at least one speed, each positive [km/h].
+        linear_critical_kmh: linear critical speed, from `stability` or `linear_critical_speed` [km/h]; NaN if there is none.
+        settings: disturbances, tolerances, longest time.
+        processes: 2 runs the two sweeps at a time.
+        folder: where each finished run is kept: after Ctrl-C or a killed program the same call goes on; None: nowhere.
+        progress: called with the fraction done and a short text.
+
+    Returns:
+        The diagram; after Ctrl-C what was done until then.
 
     Raises:
         ConfigError: the folder has the runs of another case, or with other settings.

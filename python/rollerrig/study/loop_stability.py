@@ -171,9 +171,14 @@ def held_growth(case: Case) -> tuple[float, float]:
 def held_ripple(
     time: np.ndarray, rolling: np.ndarray, train: np.ndarray, torque: np.ndarray, case: Case
 ) -> tuple[float, float]:
-    """Time for which all wheels were locked, as the case says, the last time [s], and the ripple of the drives in it [N m].
+    """Time for which all wheels of a run were held [s], the last time, and the ripple of the drives in it [N m].
 
-    Time [s] and train's speed [m/s], evenly spaced; rolling speed of the wheels [m/s] and torque [N m], shape (time, axle).
+    Args:
+        time: evenly spaced [s], shape (time,).
+        rolling: speed of the wheels' circumference [m/s], shape (time, axle).
+        train: speed of the train [m/s].
+        torque: of the roller drives [N m], shape (time, axle).
+        case: for the speed below which a wheel is locked.
     """
     assert case.rig_control is not None
     locked = case.rig_control.locked_speed

@@ -297,7 +297,11 @@ def _unpacked(packed: bytes) -> tuple[Case, tuple[Any, ...], Compute | None]:
 
 
 def run_case(packed: bytes, changes: Mapping[str, Any], progress: Progress | None = None) -> Record:
-    """The numbers of one case; whatever goes wrong with it, but for Ctrl-C, is its reason, not the end of the sweep."""
+    """The numbers of one case; whatever goes wrong with it is its reason, not the end of the sweep.
+
+    Raises:
+        KeyboardInterrupt: Ctrl-C.
+    """
     case, measures, compute = _unpacked(packed)
     numbers: dict[str, float] = {}
     try:

@@ -85,7 +85,11 @@ def stop_case(case: Case, programme: Programme, stop: BrakedRun) -> Case:
 
 
 def dry_case(case: Case, programme: Programme, stop: BrakedRun) -> Case:
-    """The same stop on a dry rail."""
+    """The same stop on a dry rail.
+
+    Raises:
+        ConfigError: the case cannot be run so.
+    """
     return _changed(case, programme, stop, f"{case.name}_{stop.name}_dry", "dry", [])
 
 
@@ -148,7 +152,17 @@ class StopRecord:
 
 
 def stop_record(case: Case, flat: FlatWear, keep: bool, progress: Progress | None = None) -> StopRecord:
-    """Run a test of a stop and keep its record, and its signals where `keep` says so: a job."""
+    """Run a test and keep its record: a job.
+
+    Args:
+        case: of a stop.
+        flat: numbers of the estimate of wheel flats.
+        keep: also its signals.
+        progress: called with the fraction done and a short text.
+
+    Raises:
+        KeyboardInterrupt: Ctrl-C cut it short.
+    """
     begun = time.process_time()
     run = whole_run(case, progress=progress)
     record = test_record(run, case)
