@@ -365,6 +365,7 @@ def wsp(
     case: Case | str,
     programme: Programme | str = "slide_protection_stops",
     *,
+    against: Case | str | None = None,
     starts: Annotated[int, Option(least=0, most=100)] = 0,
     quick: Switch = False,
     processes: Processes = 1,
@@ -375,20 +376,25 @@ def wsp(
     Args:
         case: case on rollers with [rig_control]: a name of the catalogue or a TOML file.
         programme: stops and limits: a name of the catalogue or a TOML file.
+        against: another case, whose system is compared with this one: the same stops with the same draws, what differs with
+            intervals, effect sizes and the number of tests that would decide it; limits then judge nothing.
         starts: tests of each stop on each support; 0: as many as the programme needs for a decision.
         quick: two starts of the first two stops: to see that everything works.
         processes: runs at a time; more than 1 asks a script for `if __name__ == "__main__":`.
         progress: called with the fraction done and a short text.
 
     Raises:
-        ConfigError: the case has nothing to test, or cannot do a stop.
+        ConfigError: a case has nothing to test, or cannot do a stop; two cases are the same, or have different samples.
         StartError: a case finds no equilibrium to start from.
     """
     from rollerrig.config import Programme, load_programme
+    from rollerrig.study.protection_comparison import ProtectionComparison
     from rollerrig.study.wsp import WspStudy
 
     found = programme if isinstance(programme, Programme) else load_programme(programme)
-    return _outcome(WspStudy(_case(case), found, starts, quick), processes, progress)
+    if against is None:
+        return _outcome(WspStudy(_case(case), found, starts, quick), processes, progress)
+    return _outcome(ProtectionComparison(_case(case), _case(against), found, starts, quick), processes, progress)
 
 
 def control(

@@ -213,6 +213,12 @@ def check_compare(given: Given) -> None:
         raise typer.BadParameter(f"'{given['on']}': name each support once, like rig,track", param_hint="--on")
 
 
+def prepare_wsp(given: Given) -> None:
+    """Read the second case behind the same gate of code as the first."""
+    if given["against"] is not None:
+        given["against"] = read_case(given["against"], allow_code=given["allow_code"])
+
+
 def prepare_scale(given: Given) -> None:
     """Leave the error budget out where nothing is run."""
     given["error_budget"] = given["run"] and given["error_budget"]
@@ -244,6 +250,7 @@ SPECIAL: dict[str, dict[str, Any]] = {
     "conicity": {"prepare": check_conicity, "refused": (ValueError,)},
     "creep": {"refused": (ValueError, RuntimeError)},
     "compare": {"prepare": check_compare},
+    "wsp": {"prepare": prepare_wsp},
     "scale": {
         "prepare": prepare_scale,
         "switches": {"run": (RUN, False, "error_budget")},

@@ -26,8 +26,12 @@ def means_with_intervals(
     *,
     dry: Sequence[float | None] = (),
     limits: Sequence[float | None] = (),
+    zero: bool = False,
 ) -> Figure:
-    """A line per stop, track and rig beside each other: means with their ends, values of the dry stop, limits; None: none."""
+    """A line per stop, track and rig beside each other: means with their ends, values of the dry stop, limits; None: none.
+
+    With a line at `zero` for differences.
+    """
     with house_style():
         figure, (axes,) = new_figure(1, height=1.1 + 0.32 * len(stops))
         for number, (label, ends) in enumerate(found.items()):
@@ -65,6 +69,8 @@ def means_with_intervals(
                     zorder=4,
                     **filled,
                 )
+        if zero:
+            axes.axvline(0.0, color=GREY, linewidth=0.8)
         axes.set_yticks(range(len(stops)), [name.replace("_", " ") for name in stops])
         axes.set_ylim(len(stops) - 0.5, -0.5)
         axes.set_xlabel(xlabel)

@@ -30,15 +30,15 @@ class Differences(dict[str, tuple[Any, Any]]):
     """Dotted key -> (value here, value there), in SI; None where a case does not have the key. Prints a line per key."""
 
     def __repr__(self) -> str:
-        return "\n".join(f"{key}: {a} -> {b}" for key, a, b in self._texts()) or "no difference"
+        return "\n".join(f"{key}: {a} -> {b}" for key, a, b in self.texts()) or "no difference"
 
     def _repr_html_(self) -> str:
         rows = "".join(
-            f"<tr><th>{escape(key)}</th><td>{escape(a)}</td><td>{escape(b)}</td></tr>" for key, a, b in self._texts()
+            f"<tr><th>{escape(key)}</th><td>{escape(a)}</td><td>{escape(b)}</td></tr>" for key, a, b in self.texts()
         )
         return f"<table><tr><th>key</th><th>here</th><th>there</th></tr>{rows}</table>" if rows else "no difference"
 
-    def _texts(self) -> Iterator[tuple[str, str, str]]:
+    def texts(self) -> Iterator[tuple[str, str, str]]:
         """Key and both values, with the unit."""
         for key, (a, b) in self.items():
             unit = unit_of(key)

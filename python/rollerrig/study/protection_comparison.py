@@ -1,0 +1,341 @@
+"""Two systems of wheel slide protection compared: the same programme, the same draws, and what differs test by test.
+
+Two cases, Programme -> [WspStudy of each] -> StopTests in pairs -> [Difference] -> interval, effect size, which is better,
+    number of tests that would decide it
+
+Test k of both systems draws the same adhesion, pads, load, speed and demand: what both depend on alike cancels in the
+difference. Neither system is better where a test of either is a bad one, as in the programme itself.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from scipy.stats import nct, t
+
+from rollerrig.common.formatting import number
+from rollerrig.config import CRITERIA, Case, ConfigError, ConfigProblem, Programme
+from rollerrig.plot.wsp import Ends, means_with_intervals
+from rollerrig.study.ensemble import CONFIDENCE, Estimate, difference, stepped
+from rollerrig.study.frame import Content, Study
+from rollerrig.study.jobs import Done, Round
+from rollerrig.study.quantities import Numbers, Quantities
+from rollerrig.study.report import Block, Mark, Picture, Section, Table, Text
+from rollerrig.study.runs.wsp import MEASURES, OVER_DRY, SUPPORTS, StopTests, Support, dry_faults, faults, rig_faults
+from rollerrig.study.wsp import ON, QUANTITIES, Results, WspStudy, label
+
+Better = Literal["first", "second", "neither", "not decided"]
+System = Literal["first", "second"]
+SYSTEMS: tuple[System, ...] = ("first", "second")
+POWER = 0.8
+"""Probability with which the number of tests that would decide a difference decides it."""
+MOST_TESTS = 10_000
+DRAWN = {"distance": "distance [%]", "air": "air [%]"}
+"""Criteria that have a figure -> what its axis shows."""
+
+
+@dataclass(frozen=True)
+class Difference:
+    """A criterion of a stop on one support: means of both systems, the second less the first, in its SI unit.
+
+    Attributes:
+        deviation: standard deviation of the differences of single tests.
+        reasons: why nothing is decided.
+    """
+
+    criterion: str
+    first: Estimate
+    second: Estimate
+    found: Estimate
+    deviation: float
+    reasons: tuple[str, ...]
+
+    @property
+    def effect(self) -> float:
+        """Mean difference over the standard deviation of the differences (Cohen's d of paired tests) [-]."""
+        return self.found.mean / self.deviation if self.deviation > 0.0 else math.nan
+
+    @property
+    def better(self) -> Better:
+        """The system on whose side of zero the whole interval of the difference lies; neither: all tests gave the same."""
+        interval = self.found.interval
+        if self.reasons or not (math.isfinite(interval.low) and math.isfinite(interval.high)):
+            return "not decided"
+        if interval.low <= 0.0 <= interval.high:
+            return "neither" if interval.low == interval.high else "not decided"
+        more_is_better = CRITERIA[self.criterion].least  # type: ignore[index]
+        return "second" if (interval.low > 0.0) == more_is_better else "first"
+
+    @property
+    def tests_needed(self) -> float:
+        """Tests of each system that decide a difference as large as this with POWER; NaN: no number of tests does."""
+        beyond_steps = abs(self.found.mean) - self.found.systematic
+        return pairs_needed(beyond_steps / self.deviation) if self.deviation > 0.0 < beyond_steps else math.nan
+
+
+def pairs_needed(effect: float) -> float:
+    """Least number of pairs with which a t-test of paired differences finds an effect of this size with POWER; NaN: too many.
+
+    Args:
+        effect: mean difference over standard deviation [-].
+    """
+    count = np.arange(2, MOST_TESTS + 1)
+    critical = t.ppf(0.5 + 0.5 * CONFIDENCE, count - 1)
+    enough = np.flatnonzero(nct.sf(critical, count - 1, abs(effect) * np.sqrt(count)) >= POWER)
+    return float(count[enough[0]]) if enough.size else math.nan
+
+
+@dataclass(frozen=True)
+class ProtectionComparison(Study[Mapping[System, Results]]):
+    """Two cases through one programme; attributes as the arguments of `rollerrig.wsp`, `against` the second system."""
+
+    case: Case
+    against: Case
+    programme: Programme
+    starts: int = 0
+    quick: bool = False
+
+    command = "wsp"
+    heading = "{case.name} and {against.name}: two systems of wheel slide protection"
+    quantities = Quantities("wsp_against")
+    writes = ("tests_*.csv", "signals_*.csv")
+    irrelevant = ("description", "source")
+
+    def __post_init__(self) -> None:
+        """Refuse cases with nothing to test, of different samples, and a case against itself."""
+        one, two = self.case.time.sampling_step, self.against.time.sampling_step
+        if one != two:
+            allowed = f"allowed: {one:g} s, as in {self.case.name}: systems of different rates are not compared"
+            raise ConfigError([ConfigProblem(self.against.name, "time.sampling_step", f"{two:g} s", allowed)])
+        if not self.changes:
+            needed = (
+                f"needed: a system that differs from {self.case.name}, such as another threshold in [slide_protection]"
+            )
+            raise ConfigError([ConfigProblem(self.against.name, "", "the same case", needed)])
+        for study in self.studies.values():
+            study.__post_init__()
+
+    @property
+    def studies(self) -> Mapping[System, WspStudy]:
+        """The programme with each system."""
+        cases = zip(SYSTEMS, (self.case, self.against), strict=True)
+        return {system: WspStudy(case, self.programme, self.starts, self.quick) for system, case in cases}
+
+    @property
+    def changes(self) -> list[tuple[str, str, str]]:
+        """Key, value of the first and of the second system, of all that differs but the names."""
+        found = self.case.diff(self.against).texts()
+        return [row for row in found if row[0].rpartition(".")[2] not in ("name", "description", "source")]
+
+    @property
+    def mark(self) -> Mark | None:
+        return self.studies["first"].mark
+
+    def cases(self) -> Mapping[str, Case]:
+        return {self.case.name: self.case, f"{self.against.name} (second)": self.against}
+
+    def rounds(self, done: Done) -> Iterator[Round]:
+        yield {
+            f"{system}: {name}": job
+            for system, study in self.studies.items()
+            for work in study.rounds({})
+            for name, job in work.items()
+        }
+
+    def collect(self, done: Done) -> Mapping[System, Results] | None:
+        """Tests that both systems have: an interrupted study is compared in pairs, too."""
+        own = {
+            system: {name.removeprefix(f"{system}: "): one for name, one in done.items() if name.startswith(system)}
+            for system in SYSTEMS
+        }
+        both = own["first"].keys() & own["second"].keys()
+        found: dict[System, Results] = {}
+        for system, study in self.studies.items():
+            results = study.collect({name: one for name, one in own[system].items() if name in both})
+            if results is None:
+                return None
+            found[system] = results
+        return found
+
+    def statuses(self, results: Mapping[System, Results]) -> list[str]:
+        return [status for system, study in self.studies.items() for status in study.statuses(results[system])]
+
+    # ---------------------------------------------------------------------------------------------------- numbers
+
+    def numbers(self, results: Mapping[System, Results]) -> dict[str, Any]:
+        stops: dict[str, Any] = {}
+        for stop in results["first"]:
+            for on in SUPPORTS:
+                own = {one.criterion: _as_dict(one) for one in differences(results, stop, on)}
+                stops.setdefault(stop, {})[on] = own
+        words = [one["better"] for stop in stops.values() for own in stop.values() for one in own.values()]
+        return {
+            "case": self.case.name,
+            "against": self.against.name,
+            "programme": self.programme.name,
+            "starts": self.studies["first"].count,
+            "changes": {key: {"first": a, "second": b} for key, a, b in self.changes},
+            "stops": stops,
+            "sums": {word.replace(" ", "_"): words.count(word) for word in ("first", "second", "neither", "not decided")},
+        }  # fmt: skip
+
+    def summary(self, results: Mapping[System, Results], numbers: Numbers) -> list[str]:
+        return list(_findings(numbers))
+
+    def files(self, results: Mapping[System, Results], numbers: Numbers) -> Mapping[str, Content]:
+        found: dict[str, Content] = {}
+        for system, study in self.studies.items():
+            for name, content in study.files(results[system], {}).items():
+                kind, _, stop = name.partition("_")
+                found[f"{kind}_{system}_{stop}"] = content
+        return found
+
+    def sections(self, results: Mapping[System, Results], numbers: Numbers) -> list[Section]:
+        changed = Table(("key", self.case.name, self.against.name), self.changes, "What differs between the systems.")
+        tables = [_table(numbers, on) for on in SUPPORTS]
+        return [
+            Section("Differences", [*tables, *_pictures(numbers)]),
+            Section("The two systems", [changed]),
+            Section("What is not claimed", [Text(text) for text in CLAIMS]),
+        ]
+
+
+def differences(results: Mapping[System, Results], stop: str, on: Support) -> Iterator[Difference]:
+    """All criteria of a stop on one support, the second system less the first."""
+    tests = {system: results[system][stop].tests for system in SYSTEMS}
+    one, two = (tests[system][on] for system in SYSTEMS)
+    common = [f"{system}: {why}" for system in SYSTEMS for why in _faults(tests[system], on)]
+    for criterion in (name for name in MEASURES if one.stop.stops or not CRITERIA[name].of_a_stop):  # type: ignore[index]
+        name, factor = MEASURES[criterion]
+        dry = [f"{s}: {why}" for s in SYSTEMS if name in OVER_DRY for why in dry_faults(tests[s][on])]
+        found = difference(two.values(name), one.values(name))
+        count = min(len(one.fine), len(two.fine))
+        if count:
+            coarse = difference(two.values(name)[:count], one.values(name)[:count])
+            fine = difference(two.values(name, two.fine), one.values(name, one.fine))
+            found = stepped(found, coarse, fine)
+        deviation = factor * found.standard_error * math.sqrt(len(one.tests))
+        first, second = (both.estimate(name).times(factor) for both in (one, two))
+        yield Difference(criterion, first, second, found.times(factor), deviation, (*common, *dry))
+
+
+def _faults(tests: Mapping[Support, StopTests], on: Support) -> list[str]:
+    own = list(faults(tests[on]))
+    return own + (list(rig_faults(tests["rig"], tests["track"])) if on == "rig" else [])
+
+
+def _as_dict(one: Difference) -> dict[str, Any]:
+    return {
+        "first": one.first.mean,
+        "second": one.second.mean,
+        "difference": one.found.mean,
+        **vars(one.found.interval),
+        "effect": one.effect,
+        "better": one.better,
+        "tests_needed": one.tests_needed,
+        "why": "; ".join(one.reasons),
+    }
+
+
+CLAIMS = (
+    "Intervals are of 95 %, of the mean difference over tests that draw alike by [ensemble] of each case, and contain what a "
+    "quarter of step and samples changes in two of them. Of a hundred criteria in which the systems do not differ, about five "
+    "come out as decided.",
+    f"The number of tests is that with which a t-test of paired differences finds a difference of the size found here with a "
+    f"probability of {100 * POWER:g} %; none where finer steps change as much as the systems differ.",
+    "Which system is better is said by one criterion at a time: a shorter distance may take more air.",
+)
+
+
+def _findings(numbers: Numbers) -> Iterator[str]:
+    names = {"first": numbers["case"], "second": numbers["against"]}
+    sums = numbers["sums"]
+    yield (
+        f"First: {names['first']}; second: {names['second']}. Of {sum(sums.values())} criteria on track and on the rig the first "
+        f"system is better in {sums['first']}, the second in {sums['second']}; {sums['neither']} are the same, "
+        f"{sums['not_decided']} not decided."
+    )
+    for on in SUPPORTS:
+        for system in SYSTEMS:
+            rows = [
+                f"{stop.replace('_', ' ')}: {label(criterion)} {_shown(criterion, one)}"
+                for stop, own in numbers["stops"].items()
+                for criterion, one in own[on].items()
+                if one["better"] == system
+            ]
+            if rows:
+                yield f"On {ON[on]} the {system} is better in {'; '.join(rows)}."
+    whys: dict[str, dict[str, None]] = {}
+    for stop, own in numbers["stops"].items():
+        for on in SUPPORTS:
+            for one in own[on].values():
+                if one["why"]:
+                    whys.setdefault(one["why"], {})[f"{stop.replace('_', ' ')} on {ON[on]}"] = None
+    for why, places in whys.items():
+        yield f"Not decided in {', '.join(places)}: {why}."
+
+
+def _unit(criterion: str) -> tuple[float, str]:
+    """Factor from the SI unit to that of tables, and that unit."""
+    name, to_si = MEASURES[criterion]
+    quantity = QUANTITIES[f"stops.*.*.{name}.mean"]
+    unit = "" if quantity.shown_unit == "1" else quantity.shown_unit.replace("^2", "²")
+    return quantity.in_shown_unit(1.0 / to_si), unit
+
+
+def _shown(criterion: str, one: Numbers) -> str:
+    """The difference with its interval."""
+    factor, unit = _unit(criterion)
+    if one["difference"] is None:
+        return "–"
+    text = f"{factor * one['difference']:+.3g}"
+    if one["low"] is not None and one["high"] is not None:
+        text += f" ({factor * one['low']:+.3g} … {factor * one['high']:+.3g})"
+    return f"{text} {unit}".rstrip()
+
+
+def _table(numbers: Numbers, on: Support) -> Table:
+    rows = []
+    for stop, own in numbers["stops"].items():
+        for criterion, one in own[on].items():
+            factor, _ = _unit(criterion)
+            means = ("–" if one[system] is None else number(factor * one[system], 3) for system in SYSTEMS)
+            effect, needed = one["effect"], one["tests_needed"]
+            rows.append((
+                stop.replace("_", " "), label(criterion), *means, _shown(criterion, one),
+                "–" if effect is None else f"{effect:+.2g}", one["better"], "–" if needed is None else f"{needed:.0f}",
+            ))  # fmt: skip
+    header = (
+        "stop",
+        "criterion",
+        "first",
+        "second",
+        "second less first",
+        "effect size",
+        "better",
+        "tests that would decide",
+    )
+    return Table(header, rows, f"On {ON[on]}: means of all tests, intervals of 95 %.")
+
+
+def _pictures(numbers: Numbers) -> Iterator[Block]:
+    for criterion, axis in DRAWN.items():
+        stops = [name for name, own in numbers["stops"].items() if criterion in own["track"]]
+        found: dict[str, list[Ends | None]] = {
+            on: [_ends(numbers["stops"][stop][on][criterion]) for stop in stops] for on in SUPPORTS
+        }
+        if stops:
+            drawn = means_with_intervals(stops, found, f"second less first over first: {axis}", zero=True)
+            caption = f"Difference in {label(criterion)}, over the mean of the first system, with intervals of 95 %."
+            yield Picture(f"difference_{criterion}", drawn, caption)
+
+
+def _ends(one: Numbers) -> Ends | None:
+    if not one["first"] or any(one[key] is None for key in ("difference", "low", "high")):
+        return None
+    mean, low, high = (100.0 * one[key] / one["first"] for key in ("difference", "low", "high"))
+    return mean, low, high
