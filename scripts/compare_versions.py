@@ -54,7 +54,6 @@ RENAMED: dict[str, str] = {
     "friction_fall.decay": "B",
     "stick_reduction": "k_A",
     "slip_reduction": "k_S",
-    "merge_barrier": "merging_criterion",
     "share": "weight",
     "initial": "k_0",
     "ultimate": "k_inf",
@@ -89,7 +88,7 @@ EXPECTED: dict[str, str] = {
 SHORT = {"time.duration": 1.0}
 LAWS = {
     "linear": {"contact.creep": "kalker_linear"},
-    "spin moment": {"contact.saturate_spin_moment": True},
+    "spin moment": {"contact.creep": {"kind": "kalker_saturated", "saturate_spin_moment": True}},
     "fastsim": {"contact.creep": "fastsim"},
     "modified fastsim": {
         "contact.creep": "modified_fastsim",
@@ -100,7 +99,7 @@ LAWS = {
     "table": {"contact.creep": "table"},
     "strips": {"contact.normal": "strips"},
     "strips table": {"contact.normal": "strips", "contact.creep": "table"},
-    "bare rule": {"contact.merge_barrier": 0.0},
+    "bare rule": {"contact.normal": {"kind": "hertz", "merging_criterion": 0.0}},
     "no roller effects": {
         "contact.roller_effects": {"curvature": False, "conicity": False, "spin": False, "yaw": False}
     },
