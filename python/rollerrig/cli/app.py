@@ -22,6 +22,7 @@ COMMANDS = (
     "curving",
     "adhesion",
     "wsp",
+    "reconstruct",
     "control",
     "lateral",
     "scale",

@@ -21,6 +21,7 @@ from rollerrig.study.options import SPEEDS_KMH, OneProcess, Option, Processes, S
 if TYPE_CHECKING:
     import xarray as xr
 
+    from rollerrig.analysis.adhesion_reconstruction import StopLog
     from rollerrig.config import Case, Programme
     from rollerrig.simulation.run import Progress
     from rollerrig.study.frame import Outcome, Study
@@ -397,6 +398,35 @@ def wsp(
     return _outcome(ProtectionComparison(_case(case), _case(against), found, starts, quick), processes, progress)
 
 
+def reconstruct(
+    case: Case | str,
+    log: StopLog | str,
+    *,
+    piece_m: Annotated[float, Option(least=0.5, most=1000.0)] = 10.0,
+    progress: Progress | None = None,
+) -> Outcome[Any]:
+    """A measured stop on degraded rails: the rail's friction over distance, and the case on that rail beside the measurement.
+
+    Args:
+        case: with [brake] and [adhesion]: a name of the catalogue or a TOML file.
+        log: speeds and brake pressures of the stop, .csv, .mat, .nc or .parquet: time [s], train_speed [m/s] and of each
+            wheelset NAME.axle_speed [rad/s] and NAME.cylinder_pressure [Pa], or in other units.
+        piece_m: length of a piece of the way with one friction [m].
+        progress: called with the fraction done and a short text.
+
+    Raises:
+        ConfigError: the case lacks a brake or a rail's condition, or has other brakes beside.
+        ResultsError: the log lacks a column or a unit, its times do not rise, or no axle slid.
+        StartError: the case finds no equilibrium to start from.
+    """
+    from rollerrig.analysis.adhesion_reconstruction import read_stop
+    from rollerrig.study.reconstruction import ReconstructionStudy
+
+    whole = _case(case)
+    stop = read_stop(log, whole) if isinstance(log, str) else log
+    return _outcome(ReconstructionStudy(whole, stop, piece_m), progress=progress)
+
+
 def control(
     case: Case | str,
     *,
@@ -705,7 +735,7 @@ def paper(*, quick: Switch = False, processes: Processes = 1, progress: Progress
     return _outcome(PaperStudy(QUICK if quick else FULL), processes, progress)
 
 
-_FUNCTIONS = (paper, run, stability, response, compare, curving, adhesion, wsp, control, lateral, scale, envelope, creep,
-              conicity)  # fmt: skip
+_FUNCTIONS = (paper, run, stability, response, compare, curving, adhesion, wsp, reconstruct, control, lateral, scale, envelope,
+              creep, conicity)  # fmt: skip
 STUDIES = {function.__name__: parameters(function) for function in _FUNCTIONS}
 """Function that is a command -> its arguments."""

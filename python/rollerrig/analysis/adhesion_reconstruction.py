@@ -1,0 +1,264 @@
+"""The rail under a measured stop: from speeds of train and wheels and brake pressures to friction over distance.
+
+Log of a stop, Case -> [StopLog] -> train speed, axle speeds, brake pressures
+    -> [reconstruct] -> adhesion used per axle, friction of the rail per piece of the way
+    -> [with_map] -> Case whose rail has that friction
+
+The brake's torque and the wheelset's inertia give the force that the rail took (A22); the case's creep law, turned round, the
+friction at no slip with which it takes that force at the measured slip (A23). Only axles that slide say so: on the steep branch
+of the creep curve the force hardly depends on friction. docs/theory/adhesion.md
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from rollerrig.analysis.slide_statistics import LEAST_SPEED
+from rollerrig.assembly.actuators import friction_brake
+from rollerrig.assembly.laws import core_law
+from rollerrig.assembly.model import assemble
+from rollerrig.cases import wheelsets
+from rollerrig.common.arrays import Array
+from rollerrig.config import Case, ConfigError, ConfigProblem
+from rollerrig.config.schema.units import unit_factor
+from rollerrig.config.write.toml import plain
+from rollerrig.contact_analysis.traction_curve import LoadedWheel, traction_coefficient
+from rollerrig.results import RunInfo, variable
+from rollerrig.results.files import ResultsError
+from rollerrig.results.logs import Log, read_log, time_problem
+from rollerrig.simulation.starting_state import equilibrium_dataset
+
+LEAST_ELASTICITY = 0.5
+"""Per cent by which the force grows where friction grows by one: below it an axle says nothing of friction [-]."""
+
+LEAST_SLIP = 0.03
+"""Slip from which an axle counts as sliding [-]: at less it may as well adhere to a good rail as slide on a bad one, and the
+swing of its bogie and the errors of measured speeds are no small part of it."""
+
+LEAST_SAMPLES = 3
+"""Samples of a sliding axle that a piece of the way needs."""
+
+FRICTIONS = np.geomspace(0.01, 0.9, 12)
+"""Friction at no slip at which the creep curve is computed [-]; in between its logarithm is interpolated."""
+
+BESIDE = ("brake.electrodynamic", "track_brake", "sanding", "traction")
+
+
+@dataclass(frozen=True)
+class StopLog:
+    """A measured stop, evenly enough sampled to be differentiated over a piece of the way.
+
+    Attributes:
+        file: as messages name it.
+        time: rising [s], shape (time,).
+        train_speed: [m/s], shape (time,).
+        axles: names of the wheelsets of the case.
+        axle_speed: [rad/s], shape (time, axle).
+        pressure: of the brake cylinders over the ambient [Pa], shape (time, axle).
+    """
+
+    file: str
+    time: Array
+    train_speed: Array
+    axles: tuple[str, ...]
+    axle_speed: Array
+    pressure: Array
+
+    @property
+    def distance(self) -> Array:
+        """Way of the train from the first row [m]."""
+        mean = 0.5 * (self.train_speed[1:] + self.train_speed[:-1])
+        return np.concatenate(([0.0], np.cumsum(mean * np.diff(self.time))))
+
+
+def read_stop(path: str | Path, case: Case) -> StopLog:
+    """Read the log of a stop.
+
+    Its columns are `time [s]`, `train_speed [m/s]` and, of each braked axle, `NAME.axle_speed [rad/s]` and
+    `NAME.cylinder_pressure [Pa]`, in these units or others; speeds of wheels also as those of their circumference [m/s].
+
+    Raises:
+        FileNotFoundError: no such file.
+        ResultsError: a column is missing, has no or another unit, or holds no numbers; times do not rise, or have a gap.
+    """
+    log, radius = read_log(path), case.vehicle.data.wheel.radius
+    axles = tuple(body.name for body in wheelsets(case))
+    time = _column(log, "time", {"s": 1.0})
+    if problem := time_problem(time):
+        raise ResultsError(f"{log.file}: time: {problem}")
+    turning = [_column(log, f"{axle}.axle_speed", {"rad/s": 1.0, "m/s": 1.0 / radius}) for axle in axles]
+    pressure = [_column(log, f"{axle}.cylinder_pressure", {"Pa": 1.0}) for axle in axles]
+    train = _column(log, "train_speed", {"m/s": 1.0})
+    return StopLog(log.file, time, train, axles, np.column_stack(turning), np.column_stack(pressure))
+
+
+def _column(log: Log, name: str, units: dict[str, float]) -> Array:
+    """A column in SI; `units` it may be in, and what one of them is in that of the result."""
+    if name not in log.columns:
+        there = ", ".join(log.columns)
+        raise ResultsError(f"{log.file}: no column '{name} [{next(iter(units))}]'; there are {there[:200]}")
+    given = log.units[name]
+    for unit, scale in units.items():
+        factor = unit_factor(given, unit) if given else None
+        if factor is not None:
+            values = float(factor) * scale * log.columns[name]
+            if not np.isfinite(values).all():
+                row = int(np.argmax(~np.isfinite(values))) + 1
+                raise ResultsError(f"{log.file}: {name}: row {row} has no number")
+            return values
+    said = f"[{given}] is no unit of it" if given else "has no unit"
+    raise ResultsError(f"{log.file}: {name} {said}; write '{name} [{next(iter(units))}]'")
+
+
+def check_case(case: Case) -> None:
+    """Refuse with a ConfigError a case whose axles are not braked by pads or blocks alone, or whose rail has no friction."""
+    for name in ("brake", "adhesion"):
+        if getattr(case, name) is None:
+            needed = f"needed: [{name}], of which a stop's pressures and slips are read"
+            raise ConfigError([ConfigProblem(case.name, name, "missing", needed)])
+    assert case.brake is not None
+    beside = (case.brake.electrodynamic, case.track_brake, case.sanding, case.traction)
+    for what, table in zip(BESIDE, beside, strict=True):
+        if table is not None:
+            allowed = "allowed: none; what it does to an axle does not show in its brake pressure"
+            raise ConfigError([ConfigProblem(case.name, what, "there", allowed)])
+
+
+def reconstruct(case: Case, log: StopLog, piece: float) -> xr.Dataset:
+    """Adhesion used by each axle and friction of the rail at no slip, over the way.
+
+    Args:
+        case: on track or on a rig, with the brake, the creep law and the condition of the rail but its friction.
+        log: of the stop.
+        piece: length of a piece of the way [m].
+
+    Returns:
+        Over `distance`, the middles of pieces from the first to the last in which an axle slid [m]: `friction` [-], of all axles
+        that slid there, between such pieces linear; `friction_of_axle` (distance, axle) and `used_adhesion` (distance, axle), NaN
+        where an axle did not slide; `measured`, 1 where one did.
+
+    Raises:
+        ResultsError: no axle slid long enough.
+    """
+    rest = equilibrium_dataset(assemble(case)).isel(time=0)
+    inertia = {body.name: body.inertia[1] for body in wheelsets(case)}
+    ahead = {body.name: body.position[0] for body in RunInfo.of(rest).wheelsets}  # of the origin of distances
+    found, used = [], []
+    edges = np.arange(0.0, log.distance[-1] + max(ahead.values()) + piece, piece)
+    for k, axle in enumerate(log.axles):
+        wheel = _wheel(case, rest, axle)
+        own = _used(case, log, k, inertia[axle], wheel)
+        at = np.digitize(own["way"] + ahead[axle], edges) - 1
+        of_piece = [_friction(case, wheel, own, np.flatnonzero(at == i)) for i in range(len(edges))]
+        found.append([one[0] for one in of_piece])
+        used.append([one[1] for one in of_piece])
+    frictions, middles = np.array(found).T, edges + 0.5 * piece
+    slid = np.isfinite(frictions).any(axis=1)
+    if not slid.any():
+        raise ResultsError(
+            f"{log.file}: no axle slid: the stop says only that the rail gave as much as the brakes asked"
+        )
+    first, last = np.flatnonzero(slid)[[0, -1]]
+    kept = slice(first, last + 1)
+    mean = np.interp(middles, middles[slid], np.nanmean(frictions[slid] / _shares(frictions), axis=1))
+    return xr.Dataset(
+        {
+            "friction": variable(("distance",), mean[kept], "1", "friction of the rail at no slip"),
+            "friction_of_axle": variable(("distance", "axle"), frictions[kept], "1", "the same from one axle alone"),
+            "used_adhesion": variable(("distance", "axle"), np.array(used).T[kept], "1", "creep force over axle load"),
+            "measured": variable(("distance",), slid[kept].astype(float), "1", "1: an axle slid there"),
+        },
+        coords={"distance": middles[kept], "axle": list(log.axles)},
+        attrs={"piece_m": piece},
+    )
+
+
+def _shares(frictions: Array) -> Array:
+    """What each axle finds over the mean of all, where all of them slid: braking moves load from one to another."""
+    whole = frictions[np.isfinite(frictions).all(axis=1)]
+    return np.mean(whole / whole.mean(axis=1, keepdims=True), axis=0) if len(whole) else np.ones(frictions.shape[1])
+
+
+def _wheel(case: Case, rest: xr.Dataset, axle: str) -> LoadedWheel:
+    """A wheel of an axle under half of its static load."""
+    left = rest.sel(wheel=f"{axle}_left")
+    load = 0.5 * float(sum(rest["vertical_force"].sel(wheel=f"{axle}_{side}") for side in ("left", "right")))
+    patch = left.isel(patch=int(np.nanargmax(left["patch_normal"].to_numpy())))
+    return LoadedWheel(
+        radius=float(left["rolling_radius"]),
+        load=load,
+        speed=case.motion.speed,
+        a_over_b=float(patch["patch_a"] / patch["patch_b"]),
+        shear_modulus=case.contact.material.shear_modulus,
+        poisson_ratio=case.contact.material.poisson_ratio,
+    )
+
+
+def _used(case: Case, log: StopLog, k: int, inertia: float, wheel: LoadedWheel) -> dict[str, Array]:
+    """Between two rows of the log: place of the train, its speed, slip of an axle and adhesion that it uses, (A22)."""
+    brake = friction_brake(case.brake)  # type: ignore[arg-type]
+    turning, step = log.axle_speed[:, k], np.diff(log.time)
+    torque = np.array([-brake.torque(p, w) for p, w in zip(log.pressure[:, k], turning, strict=True)])
+    middle = {name: 0.5 * (v[1:] + v[:-1]) for name, v in (("way", log.distance), ("speed", log.train_speed),
+                                                           ("turning", turning), ("torque", torque))}  # fmt: skip
+    force = (middle["torque"] + inertia * np.diff(turning) / step) / wheel.radius
+    speed = middle["speed"]
+    slip = (speed - wheel.radius * middle["turning"]) / np.maximum(speed, LEAST_SPEED)
+    return {"way": middle["way"], "speed": speed, "slip": slip, "used": force / (2.0 * wheel.load)}
+
+
+def _friction(case: Case, wheel: LoadedWheel, own: dict[str, Array], rows: NDArray[np.intp]) -> tuple[float, float]:
+    """Friction at no slip with which the creep law gives the mean of what an axle uses in some rows, (A23), and that mean."""
+    rows = rows[(own["speed"][rows] > LEAST_SPEED) & (own["slip"][rows] > LEAST_SLIP)]
+    if len(rows) < LEAST_SAMPLES:
+        return np.nan, np.nan
+    used = float(own["used"][rows].mean())
+    curve = np.log(np.mean([_curve(case, wheel, own["speed"][i], own["slip"][i]) for i in rows], axis=0))
+    if not np.exp(curve[0]) < used < np.exp(curve[-1]):
+        return np.nan, used
+    friction = float(np.exp(np.interp(np.log(used), curve, np.log(FRICTIONS))))
+    k = int(np.clip(np.searchsorted(FRICTIONS, friction), 1, len(FRICTIONS) - 1))
+    elasticity = (curve[k] - curve[k - 1]) / np.log(FRICTIONS[k] / FRICTIONS[k - 1])
+    return (friction if elasticity > LEAST_ELASTICITY else np.nan), used
+
+
+def _curve(case: Case, wheel: LoadedWheel, speed: float, slip: float) -> Array:
+    """Traction coefficient at a slip with each of FRICTIONS."""
+    rail = case.adhesion.rail  # type: ignore[union-attr]
+    moving = LoadedWheel(**{**vars(wheel), "speed": speed})
+    law = core_law(case.contact.creep)
+    found = [
+        traction_coefficient(
+            moving, slip, core_law(rail.friction.model_copy(update={"mu_0": mu})), law, (rail.k_A, rail.k_S)
+        )
+        for mu in FRICTIONS
+    ]
+    return np.array(found)[:, 0]
+
+
+def with_map(case: Case, found: xr.Dataset) -> Case:
+    """The case on a rail with the reconstructed friction, all else of the rail as it is.
+
+    From the middle of one piece to that of the next friction passes smoothly; before the first and behind the last it stays.
+    """
+    rail: dict[str, Any] = plain(case.adhesion.rail.model_dump(exclude_none=True))  # type: ignore[union-attr]
+    places, values = found["distance"].to_numpy(), found["friction"].to_numpy()
+
+    def condition(mu: float) -> dict[str, Any]:
+        return {**rail, "friction": {**rail["friction"], "mu_0": float(mu)}}
+
+    pieces = [
+        {"distance": float(place), "rail": condition(mu)} for place, mu in zip(places[:-1], values[1:], strict=True)
+    ]
+    changed = case.with_changes({
+        "adhesion.piece": pieces,
+        "adhesion.rail": condition(values[0]),
+        "adhesion.blend": float(found.attrs["piece_m"]),
+    })  # fmt: skip
+    return changed.model_copy(update={"name": f"{case.name}_measured"[:60]})

@@ -1,0 +1,149 @@
+"""A measured stop on degraded rails brought into the program: the rail's friction over distance, and the stop on it again.
+
+Case, log of a stop -> [reconstruct] -> friction over distance -> the case on that rail -> [run on track] -> measured and computed
+stop over each other; case.toml with that rail, for the rig and for every other study
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import xarray as xr
+
+from rollerrig.analysis.adhesion_reconstruction import StopLog, check_case, reconstruct, with_map
+from rollerrig.analysis.slide_statistics import rms, wheel_radius
+from rollerrig.common.formatting import number
+from rollerrig.config import Case, Rig
+from rollerrig.plot.reconstruction import friction_over_distance, stop_over_time
+from rollerrig.study.frame import Content, Study
+from rollerrig.study.jobs import Done, Round, job, whole_run
+from rollerrig.study.quantities import Numbers
+from rollerrig.study.report import Picture, Section, Text
+from rollerrig.study.runs.adhesion import track_case
+
+ASSUMED = (
+    "Mass, brake and creep law are those of the case: an error of the pads' friction is one of the rail's. What a sliding axle "
+    "does not say is not known: between such pieces friction is interpolated, before the first and behind the last it stays."
+)
+
+BEGINS = 0.05
+"""Share of the largest mean pressure from which on the cylinders fill [-]."""
+
+
+@dataclass(frozen=True)
+class ReconstructionStudy(Study[xr.Dataset]):
+    """The rail of a measured stop; attributes as the arguments of `rollerrig.reconstruct`, `log` read."""
+
+    case: Case
+    log: StopLog
+    piece: float = 10.0
+
+    command = "reconstruct"
+    heading = "{case.name}: the rail of the stop {log.file}"
+    assumes = (ASSUMED,)
+    writes = ("case.toml", "adhesion_map.csv", "stop.nc")
+    resumable = False
+
+    def __post_init__(self) -> None:
+        """Refuse a case that does not say what a stop's pressures mean."""
+        check_case(self.case)
+
+    @cached_property
+    def rail(self) -> xr.Dataset:
+        """Friction over distance."""
+        return reconstruct(self.case, self.log, self.piece)
+
+    @cached_property
+    def measured_case(self) -> Case:
+        """The case on that rail, from the speed at which the log begins, and as long at least."""
+        length = 1.2 * float(self.log.time[-1] - self.log.time[0])
+        return with_map(self.case, self.rail).with_changes({
+            "motion.speed": f"{float(self.log.train_speed[0])!r} m/s",
+            "time.duration": max(self.case.time.duration, length),
+        })  # fmt: skip
+
+    def rounds(self, done: Done) -> Iterator[Round]:
+        case = self.measured_case
+        yield {"stop": job(whole_run, track_case(case) if isinstance(case.support.data, Rig) else case)}
+
+    def collect(self, done: Done) -> xr.Dataset | None:
+        return done.get("stop")
+
+    def statuses(self, results: xr.Dataset) -> list[str]:
+        return [results.attrs["status"]]
+
+    def numbers(self, results: xr.Dataset) -> dict[str, Any]:
+        rail, log = self.rail, self.log
+        time = log.time - log.time[0]
+        both = time <= float(results["time"][-1])
+        computed = np.interp(time[both], results["time"], results["train_speed"])
+        measured_m, computed_m = float(log.distance[-1]), float(results["train_distance"][-1])
+        friction = rail["friction"].to_numpy()
+        return {
+            "case": self.case.name,
+            "log": log.file,
+            "piece_m": self.piece,
+            "pieces": rail.sizes["distance"],
+            "pieces_measured": int(rail["measured"].sum()),
+            "friction_mean": float(friction.mean()),
+            "friction_least": float(friction.min()),
+            "friction_largest": float(friction.max()),
+            "distance_measured_m": measured_m,
+            "distance_computed_m": computed_m,
+            "distance_difference": computed_m / measured_m - 1.0,
+            "demand_begins_s": self._demand_begins,
+            "pressure_begins_s": self._pressure_begins,
+            "speed_difference_rms_kmh": 3.6 * rms(computed - log.train_speed[both]),
+            "status": results.attrs["status"],
+        }
+
+    @property
+    def _demand_begins(self) -> float:
+        """Last instant of the case without a demand [s]."""
+        assert self.case.brake is not None
+        return max((t for t, value in self.case.brake.demand if value == 0.0), default=0.0)
+
+    @property
+    def _pressure_begins(self) -> float:
+        """Instant of the log at which the cylinders begin to fill [s]."""
+        mean = self.log.pressure.mean(axis=1)
+        return float(self.log.time[np.argmax(mean > BEGINS * mean.max())] - self.log.time[0])
+
+    def summary(self, results: xr.Dataset, numbers: Numbers) -> list[str]:
+        rail = self.rail["distance"].to_numpy() + np.array([-0.5, 0.5])[:, None] * self.piece
+        return [
+            f"The rail has a friction at no slip of {number(numbers['friction_mean'], 3)} on average, from "
+            f"{number(numbers['friction_least'], 3)} to {number(numbers['friction_largest'], 3)}, between {rail[0, 0]:.0f} and "
+            f"{rail[1, -1]:.0f} m; an axle slid in {numbers['pieces_measured']} of {numbers['pieces']} pieces of "
+            f"{self.piece:g} m.",
+            f"On it the case runs {number(numbers['distance_computed_m'])} m ({numbers['status'].replace('_', ' ')}), the log "
+            f"{number(numbers['distance_measured_m'])} m: {100 * numbers['distance_difference']:+.2g} %. The train's speeds "
+            f"differ by {number(numbers['speed_difference_rms_kmh'], 2)} km/h RMS.",
+            f"The brake's demand is that of the case, after {number(numbers['demand_begins_s'], 2)} s; in the log the cylinders "
+            f"begin to fill at {number(numbers['pressure_begins_s'], 2)} s.",
+        ]
+
+    def files(self, results: xr.Dataset, numbers: Numbers) -> Mapping[str, Content]:
+        rail = self.rail
+        columns = {"distance_m": rail["distance"], "friction": rail["friction"], "measured": rail["measured"]}
+        for axle in rail["axle"].to_numpy():
+            for name in ("friction_of_axle", "used_adhesion"):
+                columns[f"{name.removesuffix('_of_axle')}_{axle}"] = rail[name].sel(axle=axle)
+        return {"case.toml": self.measured_case.to_toml(), "adhesion_map.csv": columns, "stop.nc": results}
+
+    def sections(self, results: xr.Dataset, numbers: Numbers) -> list[Section]:
+        radius = wheel_radius(results)
+        return [
+            Section("The rail", [
+                Picture("rail", friction_over_distance(self.rail), "Friction at no slip, and the adhesion that each axle used."),
+            ]),
+            Section("The stop", [
+                Picture("stop", stop_over_time(self.log, results, radius), "Solid: measured; dashed: computed on that rail."),
+                Text("The case's own slide protection acts in the computed stop: its cycles are of the same kind as the measured "
+                     "ones, not the same."),
+            ]),
+        ]  # fmt: skip

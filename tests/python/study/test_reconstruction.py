@@ -1,0 +1,139 @@
+"""`rollerrig reconstruct`: the rail under a stop that the program ran itself, and logs that are none."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from rollerrig import ConfigError, ResultsError, load_case, simulate
+from rollerrig.analysis.adhesion_reconstruction import StopLog, check_case, read_stop, reconstruct
+from rollerrig.config import Case
+from rollerrig.results import export
+from rollerrig.study.frame import Outcome
+from rollerrig.study.reconstruction import ReconstructionStudy
+from rollerrig.study.runs.adhesion import track_case
+
+CHANGE = 90.0
+"""Where the rail becomes better [m]."""
+
+
+@pytest.fixture(scope="module")
+def case() -> Case:
+    """On the rig, braked at once, on the rail whose friction the reconstruction does not know."""
+    return load_case("adhesion_brake").with_changes({
+        "motion.speed": "60 km/h",
+        "motion.stop_speed": "5 m/s",
+        "brake.demand": [[0.0, 0.0], [0.1, "3.8 bar"]],
+    })  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def run(case: Case) -> xr.Dataset:
+    """Two kinds of rail, on track."""
+    rail = case.adhesion.rail.model_dump()  # type: ignore[union-attr]
+    better = {**rail, "friction": {**rail["friction"], "mu_0": 0.11}}
+    return simulate(track_case(case.with_changes({"adhesion.piece": [{"distance": f"{CHANGE} m", "rail": better}]})))
+
+
+@pytest.fixture(scope="module")
+def log(case: Case, run: xr.Dataset, tmp_path_factory: pytest.TempPathFactory) -> StopLog:
+    """The run as a file, every 50 ms."""
+    file = tmp_path_factory.mktemp("log") / "stop.csv"
+    export(run.isel(time=slice(None, None, 5)), file)
+    return read_stop(file, case)
+
+
+@pytest.fixture(scope="module")
+def outcome(case: Case, log: StopLog) -> Outcome[xr.Dataset]:
+    found = ReconstructionStudy(case, log).run()
+    assert found is not None
+    return found
+
+
+def test_the_log_is_that_of_the_run(run: xr.Dataset, log: StopLog) -> None:
+    assert log.axles == ("wheelset_1", "wheelset_2")
+    assert log.distance[-1] == pytest.approx(float(run["train_distance"][-1]), rel=2e-3)
+    expected = run["cylinder_pressure"].transpose("time", "axle").to_numpy()[::5]
+    np.testing.assert_allclose(log.pressure, expected, rtol=1e-12)
+
+
+def test_friction_is_found_within_two_per_cent(case: Case, log: StopLog) -> None:
+    """In every piece in which an axle slid, but where the rail changes under the bogie."""
+    rail = reconstruct(case, log, 10.0)
+    places, found = rail["distance"].to_numpy(), rail["friction"].to_numpy()
+    true = np.where(places < CHANGE, 0.08, 0.11)
+    away = (abs(places - CHANGE) > 10.0) & (rail["measured"].to_numpy() > 0.0)
+    assert away.sum() > 10
+    assert (true[away] > 0.1).sum() > 3
+    np.testing.assert_allclose(found[away], true[away], rtol=0.02)
+
+
+def test_noise_of_measured_speeds_hardly_counts(case: Case, log: StopLog) -> None:
+    """0.5 km/h at the circumference: by differences of single samples the force would be off by three times itself."""
+    noise = np.random.default_rng(5).normal(0.0, 0.5 / 3.6 / 0.46, log.axle_speed.shape)
+    noisy = StopLog(log.file, log.time, log.train_speed, log.axles, log.axle_speed + noise, log.pressure)
+    clean = reconstruct(case, log, 10.0)
+    other = reconstruct(case, noisy, 10.0).interp(distance=clean["distance"])
+    away = abs(clean["distance"].to_numpy() - CHANGE) > 10.0
+    ratio = (other["friction"] / clean["friction"]).to_numpy()[away]
+    assert abs(np.nanmean(ratio) - 1.0) < 0.01
+    assert np.nanstd(ratio) < 0.05
+
+
+def test_the_stop_on_the_reconstructed_rail_is_the_measured_one(outcome: Outcome[xr.Dataset], tmp_path: Path) -> None:
+    numbers = outcome.numbers
+    assert numbers["status"] == "stopped"
+    assert abs(numbers["distance_difference"]) < 0.005
+    assert numbers["speed_difference_rms_kmh"] < 0.5
+    quantities = ReconstructionStudy.quantities
+    assert quantities.unexplained(numbers) == []
+    assert quantities.unreported(numbers) == []
+    written = {path.relative_to(tmp_path).as_posix() for path in outcome.write(tmp_path)}
+    assert {"case.toml", "adhesion_map.csv", "figures/rail.png", "figures/stop.png"} <= written
+    again = load_case(str(tmp_path / "case.toml"))
+    assert again.rig_control is not None
+    assert again.adhesion is not None
+    assert len(again.adhesion.piece) == numbers["pieces"] - 1
+
+
+def test_where_no_axle_slides_nothing_is_found(case: Case, log: StopLog) -> None:
+    rolling = np.repeat(log.train_speed[:, None] / 0.46, 2, axis=1)
+    with pytest.raises(ResultsError, match="no axle slid"):
+        reconstruct(case, StopLog(log.file, log.time, log.train_speed, log.axles, rolling, log.pressure), 10.0)
+
+
+@pytest.mark.parametrize(
+    ("change", "message"),
+    [
+        (("train_speed [m/s]", "speed [m/s]"), r"no column 'train_speed \[m/s\]'; there are time"),
+        (("train_speed [m/s]", "train_speed"), r"train_speed has no unit; write 'train_speed \[m/s\]'"),
+        (("train_speed [m/s]", "train_speed [bar]"), r"train_speed \[bar\] is no unit of it"),
+        (("\n0.1,", "\n0.05,"), "time: row 3, 0.05 s, repeats the time before it"),
+        (("\n0.1,", "\n0.9,"), "time: a gap|falls behind"),
+    ],
+)
+def test_a_log_that_is_none_is_refused_in_a_line(
+    case: Case, tmp_path: Path, change: tuple[str, str], message: str
+) -> None:
+    heads = ["time [s]", "train_speed [m/s]"]
+    for axle in ("wheelset_1", "wheelset_2"):
+        heads += [f"{axle}.axle_speed [km/h]", f"{axle}.cylinder_pressure [bar]"]
+    lines = [",".join(heads), *(f"{0.05 * k:g},10,30,1,30,1" for k in range(8))]
+    file = tmp_path / "stop.csv"
+    file.write_text("\n".join(lines) + "\n")
+    stop = read_stop(file, case)
+    assert stop.axle_speed[0, 0] == pytest.approx(30.0 / 3.6 / case.vehicle.data.wheel.radius)
+    assert stop.pressure[0, 0] == pytest.approx(1e5)
+    file.write_text(file.read_text().replace(*change, 1))
+    with pytest.raises(ResultsError, match=message):
+        read_stop(file, case)
+
+
+def test_a_case_whose_pressures_do_not_say_the_force_is_refused(case: Case) -> None:
+    with pytest.raises(ConfigError, match=r"brake.electrodynamic: there; allowed: none"):
+        check_case(load_case("adhesion_sanding"))
+    with pytest.raises(ConfigError, match="adhesion: missing"):
+        check_case(track_case(case).with_changes({"adhesion": None}))
