@@ -121,15 +121,27 @@ def carry_out(
     """
     from rollerrig.common.formatting import number
     from rollerrig.results import locked
+    from rollerrig.study.frame import REPORT
     from rollerrig.study.workers import WorkerError
 
-    made = not out.exists()
+    def first_results(found: Any) -> None:
+        page = next(path for path in found.write(out, force=force) if path.name == REPORT)
+        if not shown:
+            say(f"first results: {page}")
+        shown.append(page)
+
+    made, shown = not out.exists(), list[Path]()
     with interrupts_noted() as interrupts:
         try:
             with locked(out):
                 with progress_bar(study.command, interrupts) as progress:
                     outcome = study.run(
-                        folder=out, force=force, processes=processes, progress=progress, executor=executor
+                        folder=out,
+                        force=force,
+                        processes=processes,
+                        progress=progress,
+                        executor=executor,
+                        first_results=first_results,
                     )
                 written = [] if outcome is None else outcome.write(out, force=force)
         except Exception as error:

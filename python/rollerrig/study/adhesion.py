@@ -93,8 +93,9 @@ RUN, RIG = ([q.key.split(".")[1] for q in QUANTITIES.below(on) if q.key.endswith
 """Names of what is reported of both ensembles, and of that of the rig alone."""
 
 VARIANT = ("tracking_rms", "mean_slip", "dump_cycles", "air_litres")
-STARTS, QUICK_STARTS, MOST_STARTS = 8, 2, 16
-"""Tests of an ensemble; of a quick study; and up to which they are added until the errors of the shares are small."""
+STARTS, QUICK_STARTS, FIRST_STARTS, MOST_STARTS = 8, 2, 2, 16
+"""Tests of an ensemble; of a quick study; before the first page; and up to which they are added until the errors of the shares
+are small."""
 
 WHOLE = ("track", "rig", "rolling")
 """Ensembles whose first test is kept as a whole, to be drawn."""
@@ -135,6 +136,7 @@ class AdhesionStudy(Study[Runs]):
     quick: bool = False
 
     command = "adhesion"
+    round_ends = (0.05, 0.8)
     heading = "{case.name}: degraded track and the rig that reproduces it"
     quantities = QUANTITIES
     writes = ("track*.nc", "rig*.nc", "axles*.csv", VIEW)
@@ -168,7 +170,8 @@ class AdhesionStudy(Study[Runs]):
         laws = law_names(self.case) if self.error_budget else ()
         fine = [] if self.quick else [f"{name}{FINE}" for name in ("track", *names) if name in ("track", "rig", *STEPS)]
         tests = self._tests(("track", *names, *later, *laws), 0, count)
-        yield {**whole, **tests, **self._tests(fine, 0, FINER_STARTS)}
+        yield {**whole, **self._tests(("track", "rig"), 0, FIRST_STARTS)}
+        yield {**tests, **self._tests(fine, 0, FINER_STARTS)}
         while not self.quick and count < MOST_STARTS and not are_known(cause_shares(self._records(done, names))):
             yield self._tests(("track", "rig", *STEPS), count, count + STARTS)
             count += STARTS

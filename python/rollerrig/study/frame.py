@@ -17,7 +17,7 @@ import time
 import tomllib
 from abc import ABC, abstractmethod
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import nullcontext
 from dataclasses import dataclass, fields
@@ -44,6 +44,9 @@ from rollerrig.study.report import VIEW, Block, Mark, Page, Picture, Preformatte
 from rollerrig.viewer import view_text
 
 R = TypeVar("R")
+FIRST_RESULTS = "First results: the command goes on, and this page is loaded again. Where it was stopped, repeat it."
+PAGE_EVERY = 15.0
+"""Time after which the page of a study that goes on is written again [s]."""
 SUMMARY, REPORT = "summary.json", "report.html"
 TIMING = "timing.json"
 """The one file whose bytes differ between identical runs: measured times."""
@@ -169,6 +172,7 @@ class Study(ABC, Generic[R]):
         progress: Progress | None = None,
         force: bool = False,
         executor: Executor | None = None,
+        first_results: Callable[[Outcome[R]], object] | None = None,
     ) -> Outcome[R] | None:
         """Do the jobs and collect their results.
 
@@ -178,6 +182,7 @@ class Study(ABC, Generic[R]):
             progress: called with the fraction done and a short text.
             force: whether results of other commands and files of the user may be replaced there.
             executor: that does the jobs in place of processes of this machine.
+            first_results: called between two rounds with what is found so far, every PAGE_EVERY at most.
 
         Returns:
             What was found; None where Ctrl-C left too little to report.
@@ -195,7 +200,16 @@ class Study(ABC, Generic[R]):
                 checkpoint = Checkpoint(checked, self.command, self.plan(), self.irrelevant)
             else:
                 check_jobs(checked, self.command)
-        taken_over = 0 if checkpoint is None else len(checkpoint.done)
+        taken_over, shown = 0 if checkpoint is None else len(checkpoint.done), begun
+
+        def between(done: Done) -> None:
+            nonlocal shown
+            if first_results is None or time.perf_counter() - shown < PAGE_EVERY:
+                return
+            if (found := self.collect(dict(done))) is not None:
+                first_results(Outcome(self, found, True, taken_over, checkpoint, shown - begun, refined=True))
+            shown = time.perf_counter()
+
         with checkpoint or nullcontext():
             done, interrupted = run_rounds(
                 self.rounds,
@@ -205,6 +219,7 @@ class Study(ABC, Generic[R]):
                 progress,
                 progress_text=self.progress_text,
                 executor=executor,
+                between=between,
             )
         if checkpoint is not None and self.keeps_jobs:
             checkpoint.write_in_order(done)
@@ -225,7 +240,10 @@ def _plain(name: str, value: Any) -> Iterator[tuple[str, Any]]:
 
 @dataclass(frozen=True)
 class Outcome(Generic[R]):
-    """What a study found: what its jobs were collected into, and how many of them were finished before (`taken_over`)."""
+    """What a study found: what its jobs were collected into, and how many of them were finished before (`taken_over`).
+
+    `refined`: the study goes on, and these are its first results.
+    """
 
     study: Study[R]
     results: R
@@ -233,6 +251,7 @@ class Outcome(Generic[R]):
     taken_over: int = 0
     checkpoint: Checkpoint | None = None
     seconds: float = math.nan
+    refined: bool = False
 
     def __repr__(self) -> str:
         return "\n".join((self._headline, *self.summary.splitlines()))
@@ -265,7 +284,8 @@ class Outcome(Generic[R]):
     @property
     def _findings(self) -> list[str]:
         """The findings without the mark, which a page has on its top."""
-        head = ["Interrupted: what was computed until then."] if self.interrupted else []
+        head = [FIRST_RESULTS] if self.refined else ["Interrupted: what was computed until then."]
+        head = head if self.interrupted else []
         return [*head, *self.study.summary(self.results, self.numbers)]
 
     @property
@@ -301,7 +321,15 @@ class Outcome(Generic[R]):
             summary = {**self.numbers, "keys": study.quantities.described()}
             written.append(folder.add(SUMMARY, _json(summary)))
             written.append(folder.add(TIMING, _json(self.timing), varies=True))
-            page = Page(study.title, "\n".join(self._findings), sections, f"rollerrig {__version__}", study.mark, view)
+            page = Page(
+                study.title,
+                "\n".join(self._findings),
+                sections,
+                f"rollerrig {__version__}",
+                study.mark,
+                view,
+                self.refined,
+            )
             written.append(folder.add(REPORT, render(page).encode()))
             folder.commit()
         if self.checkpoint is not None and not (self.interrupted or study.keeps_jobs):

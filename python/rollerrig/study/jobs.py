@@ -91,6 +91,7 @@ def run_rounds(
     *,
     progress_text: Callable[[Done, float], str] | None = None,
     executor: Executor | None = None,
+    between: Callable[[Done], None] = lambda _done: None,
 ) -> tuple[Done, bool]:
     """Do all rounds of jobs; jobs that the checkpoint has are not done again.
 
@@ -102,6 +103,7 @@ def run_rounds(
         progress: called with the fraction done and a short text.
         progress_text: results so far, and seconds since the begin -> text of the progress; '': the name of the last job.
         executor: that does the jobs in place of processes of this machine.
+        between: called with the results so far before each round but the first.
 
     Returns:
         Results by name, in the order of the jobs, and whether Ctrl-C ended it early.
@@ -117,6 +119,8 @@ def run_rounds(
 
     try:
         for count, jobs in enumerate(rounds(done)):
+            if count and jobs:
+                between(done)
             end = round_ends[count] if count < len(round_ends) else begin + 0.5 * (1.0 - begin)
             if _run_round(jobs, done, checkpoint, report, processes, executor):
                 return done, True

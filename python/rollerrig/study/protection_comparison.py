@@ -138,13 +138,15 @@ class ProtectionComparison(Study[Mapping[System, Results]]):
     def cases(self) -> Mapping[str, Case]:
         return {self.case.name: self.case, f"{self.against.name} (second)": self.against}
 
+    @property
+    def round_ends(self) -> tuple[float, ...]:  # type: ignore[override]
+        return self.studies["first"].round_ends
+
     def rounds(self, done: Done) -> Iterator[Round]:
-        yield {
-            f"{system}: {name}": job
-            for system, study in self.studies.items()
-            for work in study.rounds({})
-            for name, job in work.items()
-        }
+        """A stop with both systems at a time."""
+        for works in zip(*(study.rounds({}) for study in self.studies.values()), strict=True):
+            named = zip(SYSTEMS, works, strict=True)
+            yield {f"{system}: {name}": job for system, work in named for name, job in work.items()}
 
     def collect(self, done: Done) -> Mapping[System, Results] | None:
         """Tests that both systems have: an interrupted study is compared in pairs, too."""

@@ -131,7 +131,10 @@ VIEW = "view.html"
 
 @dataclass
 class Page:
-    """A whole report: findings, a line each, sections, what VIEW beside it shows in motion ("": there is none)."""
+    """A whole report: findings, a line each, sections, what VIEW beside it shows in motion ("": there is none).
+
+    `refined`: the browser loads it again, as the command writes it again.
+    """
 
     title: str
     summary: str
@@ -139,6 +142,7 @@ class Page:
     footer: str = ""
     mark: Mark | None = None
     view: str = ""
+    refined: bool = False
 
     @property
     def answer(self) -> list[str]:

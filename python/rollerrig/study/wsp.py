@@ -121,9 +121,14 @@ class WspStudy(Study[Results]):
 
     # ------------------------------------------------------------------------------------------------------- jobs
 
+    @property
+    def round_ends(self) -> tuple[float, ...]:  # type: ignore[override]
+        """A round per stop."""
+        return tuple((k + 1) / len(self.stops) for k in range(len(self.stops)))
+
     def rounds(self, done: Done) -> Iterator[Round]:
-        jobs: dict[str, Job] = {}
         for stop in self.stops:
+            jobs: dict[str, Job] = {}
             for on in SUPPORTS if stop.stops else ():
                 dry = _on(dry_case(self.case, self.programme, stop), on)
                 jobs[f"{dry_name(self.case, stop)}, {on}"] = job(stop_record, dry, self.programme.flat, False)
@@ -131,7 +136,7 @@ class WspStudy(Study[Results]):
             jobs |= start_jobs(cases, lambda one, k: job(stop_record, one, self.programme.flat, k == 0), self.count)
             fine = {f"{name}{FINE}": finer(case) for name, case in cases.items() if not self.quick}
             jobs |= start_jobs(fine, lambda one, _: job(stop_record, one, self.programme.flat, False), FINE_STARTS)
-        yield jobs
+            yield jobs
 
     def plan(self) -> dict[str, Any]:
         """Limits and numbers of starts change no test."""

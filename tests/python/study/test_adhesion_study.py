@@ -39,14 +39,28 @@ from rollerrig.study.runs.adhesion import (
     verdict_rows,
 )
 
+FIRST: list[Found[Runs]] = []
+
 
 @pytest.fixture(scope="module")
 def outcome() -> Found[Runs]:
     """A brake test until the wheels have slid once, with two starts; what is asked of it is none of the contact's."""
     case = load_case("adhesion_brake").with_changes({"time.duration": "5 s", "contact.normal": "hertz"})
-    found = AdhesionStudy(case, quick=True).run()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("rollerrig.study.frame.PAGE_EVERY", 0.0)
+        found = AdhesionStudy(case, quick=True).run(first_results=FIRST.append)
     assert found is not None
     return found
+
+
+def test_the_first_page_is_that_of_two_starts_on_track_and_rig(outcome: Found[Runs], tmp_path: Path) -> None:
+    """Nothing is said yet of what was not run."""
+    first = FIRST[0]
+    assert {name: len(records) for name, records in first.results.records.items()} == {"track": 2, "rig": 2, "rolling": 1}
+    assert first.numbers["track"] == outcome.numbers["track"]
+    assert first.numbers["interrupted"]
+    first.write(tmp_path)
+    assert "First results" in (tmp_path / "report.html").read_text(encoding="utf-8")
 
 
 @pytest.fixture(scope="module")
@@ -247,8 +261,8 @@ def test_starts_are_added_until_the_shares_are_known() -> None:
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr("rollerrig.study.adhesion.test_record", lambda *_: record(950.0))
             asked = work(study_rounds, done, scatter)
-        assert len(asked) > 1 if many else len(asked) == 1
-        assert asked[1:] == [8 * 5] * (len(asked) - 1)
+        assert len(asked) > 2 if many else len(asked) == 2
+        assert asked[2:] == [8 * 5] * (len(asked) - 2)
 
 
 # -------------------------------------------------------------------------------------------------------- the verdict

@@ -104,6 +104,31 @@ def test_later_rounds_see_earlier_results_and_the_checkpoint_goes_with_the_repor
     assert "<li>" in outcome._repr_html_()
 
 
+def test_first_results_are_a_page_that_is_loaded_again_and_change_nothing_of_the_last_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Written between the rounds, at most every so often; its summary says that something is missing."""
+    monkeypatch.setattr("rollerrig.study.frame.PAGE_EVERY", 0.0)
+    first: list[tuple[str, dict[str, Any]]] = []
+
+    def write(found: Outcome[Any]) -> None:
+        found.write(tmp_path)
+        first.append(((tmp_path / "report.html").read_text(), json.loads((tmp_path / "summary.json").read_text())))
+        assert (tmp_path / NAME).exists()  # a command that is killed now goes on
+
+    run(Squares(), tmp_path, first_results=write).write(tmp_path)
+    ((page, summary),) = first
+    assert '<meta http-equiv="refresh"' in page
+    assert "First results: the command goes on" in page
+    assert (summary["sum"], summary["interrupted"]) == (None, True)
+    whole = (tmp_path / "report.html").read_bytes()
+    assert b"refresh" not in whole
+    run(Squares(), tmp_path / "alone").write(tmp_path / "alone")
+    assert (tmp_path / "alone" / "report.html").read_bytes() == whole
+    monkeypatch.setattr("rollerrig.study.frame.PAGE_EVERY", 60.0)
+    run(Squares(), first_results=lambda _: pytest.fail("too soon"))
+
+
 def test_the_progress_rises_to_one() -> None:
     shown: list[float] = []
     run(Squares(), progress=lambda fraction, _text: shown.append(fraction))
