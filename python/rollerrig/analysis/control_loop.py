@@ -7,8 +7,6 @@
 Small motion about steady running: no limits, constant friction. Equations: docs/theory/rig_control.md.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 
@@ -199,7 +197,7 @@ class Loop:
     lead: float = 0.0
     torque_gain: float = 0.0
 
-    def scaled(self, factor: float) -> Loop:
+    def scaled(self, factor: float) -> "Loop":
         """This loop with both gains times a factor."""
         return replace(self, proportional=factor * self.proportional, integral=factor * self.integral)
 

@@ -3,8 +3,6 @@
 Case, speed, last state -> [settling_run: windows of time until settled] -> CyclePoint, last state; Diagram -> Dataset
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -12,8 +12,6 @@ V = k E, V = b L^3 / (12 r) for L << r, (H1) and (H2) of docs/theory/wheel_flats
 flat's ends are left out. On the rig no wheel slides so: the estimate is what the virtual train's wheels would get.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Any

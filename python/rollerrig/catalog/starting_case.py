@@ -3,8 +3,6 @@
 name, case of the catalogue or file -> [starting_case] -> TOML text with comments
 """
 
-from __future__ import annotations
-
 import textwrap
 import tomllib
 from pathlib import Path

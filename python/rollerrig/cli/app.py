@@ -1,7 +1,5 @@
 """The commands and where each of them stands."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Callable
 from importlib import import_module

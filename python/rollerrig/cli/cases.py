@@ -1,7 +1,5 @@
 """Commands about cases and other files: new, explain, schema, check, catalog, show, profile, cite."""
 
-from __future__ import annotations
-
 import json
 from difflib import get_close_matches
 from pathlib import Path

@@ -1,7 +1,5 @@
 """`rollerrig contact CASE --lateral-mm=-8:8:0.5 --csv FILE [--compare]`."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated, Literal
 

@@ -1,7 +1,5 @@
 """Commands about runs: export, compare-runs, view, and play, a run that goes on in a browser."""
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Annotated
 

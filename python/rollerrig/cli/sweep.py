@@ -1,7 +1,5 @@
 """`rollerrig sweep PLAN.toml --out DIR`."""
 
-from __future__ import annotations
-
 from typing import Annotated
 
 import typer

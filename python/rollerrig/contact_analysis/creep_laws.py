@@ -10,8 +10,6 @@ Creepages and forces are the core's, as in a run. The wheelset rolls as one body
 that the longitudinal creepages of its two wheels cancel.
 """
 
-from __future__ import annotations
-
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any

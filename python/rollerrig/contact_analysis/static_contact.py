@@ -10,8 +10,6 @@ direction is positive. Height and roll count from the unloaded, centred wheelset
 Left of the running direction is positive. What each model is: `docs/theory/contact_forces.md`, `non_elliptic_contact.md`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 

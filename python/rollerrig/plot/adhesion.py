@@ -5,8 +5,6 @@ Signals of the axles of one or more runs over time: a colour per axle, a line st
 Figures of ensembles on track and rig: bars of causes with their errors, distributions of slip, distance over dead time.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -176,8 +174,7 @@ def slip_histogram(edges: Array, shares: Mapping[str, Array]) -> Figure:
             parts.stairs(100.0 * one[:used], ends, label=label, **look)
             sums.plot(ends[1:], 100.0 * np.cumsum(one)[:used], label=label, **look)
         parts.set_ylabel("part of the time [%]")
-        sums.set_ylabel("at most this slip\n[% of the time]")
-        sums.set_xlabel("|wheel speed - train speed| over train speed [%]")
+        sums.set(ylabel="at most this slip\n[% of the time]", xlabel="|wheel speed - train speed| over train speed [%]")
         parts.legend()
         return figure
 
@@ -198,8 +195,7 @@ def dead_time_curve(
         axes.axhspan(rig[0] - rig[1], rig[0] + rig[1], color=COLOURS[0], alpha=0.2, linewidth=0.0)
         for value, style in zip(predicted, ("--", ":"), strict=True):
             axes.axvline(value, color=GREY, linestyle=style, linewidth=1.0)
-        axes.set_xlabel("additional dead time of the protection on track [ms]")
-        axes.set_ylabel("mean distance [m]")
+        axes.set(xlabel="additional dead time of the protection on track [ms]", ylabel="mean distance [m]")
         axes.legend()
         return figure
 
@@ -262,7 +258,6 @@ def viscous(expected: Array, force: Array, slope: float) -> Figure:
         ends = np.array([expected.min(), expected.max()])
         axes.plot(ends, ends, "--", color=GREY, label="Coulomb: opposite to sliding")
         axes.plot(ends, slope * ends, "-", color=COLOURS[1], linewidth=1.0, label=f"slope {slope:.2f}")
-        axes.set_xlabel("-F v_y / v_s, both wheels [N]")
-        axes.set_ylabel("lateral creep force\nof the axle [N]")
+        axes.set(xlabel="-F v_y / v_s, both wheels [N]", ylabel="lateral creep force\nof the axle [N]")
         axes.legend(fontsize=8.0)
     return figure

@@ -1,7 +1,5 @@
 """Figures of several supports side by side: one colour or style per support, both always in the same axes."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from typing import Any

@@ -1,7 +1,5 @@
 """Figures of the contact alone: where wheels touch and how hard, characteristics of a pair, creep laws, a profile."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 
@@ -54,8 +52,7 @@ def contact_figure(table: xr.Dataset) -> Figure:
         place.set_ylabel("on the wheel S [mm]")
         force.set_ylabel("normal force [kN]")
         size.set_ylabel("semi-axes [mm]")
-        pose.set_ylabel("pose of the wheelset")
-        pose.set_xlabel("lateral position of the wheelset [mm], positive to the left")
+        pose.set(ylabel="pose of the wheelset", xlabel="lateral position of the wheelset [mm], positive to the left")
         title = f"{table.attrs['case']}: {table.attrs['wheelset']} under {1e-3 * table.attrs['load_n']:.4g} kN"
         place.set_title(title, loc="left")
         for axes in (place, size, pose):
@@ -211,8 +208,7 @@ def _ahead(axes: Axes, shifts: Mapping[str, xr.Dataset]) -> None:
 
 
 def _finish(axes: Axes, along: str, up: str, note: str) -> None:
-    axes.set_xlabel(along)
-    axes.set_ylabel(up)
+    axes.set(xlabel=along, ylabel=up)
     axes.set_title(note, loc="left", fontsize=8)
     axes.legend(fontsize=7.5)
 
@@ -305,6 +301,8 @@ def profile_figure(curve: xr.Dataset) -> Figure:
         curvature.plot(along, curve["curvature"], color=colour(0))
         curvature.set_ylabel("curvature [1/m]\nconvex > 0")
         limit = float(abs(curve["curvature"]).quantile(0.97))
-        curvature.set_ylim(-1.2 * limit, 1.2 * limit)
-        curvature.set_xlabel("abscissa, outward from the " + ("tape circle" if wheel else "highest point") + " [mm]")
+        curvature.set(
+            ylim=(-1.2 * limit, 1.2 * limit),
+            xlabel="abscissa, outward from the " + ("tape circle" if wheel else "highest point") + " [mm]",
+        )
         return figure

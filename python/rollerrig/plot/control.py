@@ -1,7 +1,5 @@
 """Figures of the rig's control: comparisons of controllers, and frequency responses."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -209,8 +207,7 @@ def nyquist_figure(lines: Mapping[str, Response], unit: str) -> Figure:
         for number, (label, (_, values)) in enumerate(lines.items()):
             axes.plot(values.real, values.imag, label=label, **look(number))
         axes.plot([-1.0], [0.0], "k+", label="−1")
-        axes.set_xlabel(f"real part [{unit}]")
-        axes.set_ylabel(f"imaginary part [{unit}]")
+        axes.set(xlabel=f"real part [{unit}]", ylabel=f"imaginary part [{unit}]")
         axes.legend(loc="best")
     return figure
 
@@ -226,7 +223,6 @@ def poles_and_zeros_figure(poles: Mapping[str, Complex], zeros: Mapping[str, Com
         axes.axvline(0.0, color="black", lw=0.6)
         axes.set_xscale("symlog", linthresh=1.0)
         axes.set_yscale("symlog", linthresh=1.0)
-        axes.set_xlabel("growth rate [1/s]")
-        axes.set_ylabel("frequency [Hz]")
+        axes.set(xlabel="growth rate [1/s]", ylabel="frequency [Hz]")
         axes.legend(loc="best")
     return figure

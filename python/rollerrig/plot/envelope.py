@@ -1,7 +1,5 @@
 """Figures of an envelope map: regions over torque and adhesion with the closed forms on them, and runs of each over time."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from textwrap import wrap
 from typing import Any
@@ -77,8 +75,9 @@ def region_map(found: xr.Dataset, load: float, names: Mapping[str, str]) -> Figu
         figure.legend(handles=handles, loc="outside lower center", ncols=2)
         axes.set_title(f"axle load {1e-3 * float(here['axle_load']):.4g} kN ({load:g} of the case's own)", loc="left")
         side = ", negative brakes" if float(found["torque"][0]) < 0 else ""
-        axes.set_xlabel(f"torque on each axle [{_map_unit(here)[0]}]{side}")
-        axes.set_ylabel("adhesion of the reproduced rail [-]")
+        axes.set(
+            xlabel=f"torque on each axle [{_map_unit(here)[0]}]{side}", ylabel="adhesion of the reproduced rail [-]"
+        )
         axes.grid(False)
         return figure
 
@@ -121,8 +120,7 @@ def _regions(axes: Axes, here: xr.Dataset) -> set[str]:
             axes.add_patch(Rectangle(*place, facecolor=colour, edgecolor="none", linewidth=0))
             if hatch:
                 axes.add_patch(Rectangle(*place, fill=False, hatch=hatch, edgecolor="#00000055", linewidth=0))
-    axes.set_xlim(x[0], x[-1])
-    axes.set_ylim(max(0.0, y[0]), y[-1])
+    axes.set(xlim=(x[0], x[-1]), ylim=(max(0.0, y[0]), y[-1]))
     if here["torque"][-1] <= 0:
         axes.invert_xaxis()  # more torque to the right
     return {str(name) for name in np.unique(regions)}

@@ -3,8 +3,6 @@
 Mode shapes: outlines of the bodies, displaced as the mode displaces them; dimensions of the outlines are schematic.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import Any

@@ -1,7 +1,5 @@
 """Figures of runs over time or along a line: motion, sliding, energy, several runs over each other, steady curving."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 
 import numpy as np

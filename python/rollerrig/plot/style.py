@@ -7,8 +7,6 @@ A figure of several panels takes as many axes as are given, from the top; the ot
     axes -> [logarithmic] -> scale, places of the numbers, how they are written
 """
 
-from __future__ import annotations
-
 import functools
 import inspect
 import io

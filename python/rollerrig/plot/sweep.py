@@ -1,7 +1,5 @@
 """Figures of a sweep: maps of a grid, scatter pictures of samples, tornado, Sobol indices."""
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Mapping
 from typing import Any
@@ -112,8 +110,7 @@ def _map(axes: Axes, values: xr.DataArray, low: float, high: float) -> Any:
         axes.set_xticks(x, x_words)
     if y_words:
         axes.set_yticks(y, y_words)
-    axes.set_xlabel(_label(values[across]))
-    axes.set_ylabel(_label(values[up]))
+    axes.set(xlabel=_label(values[across]), ylabel=_label(values[up]))
     return picture
 
 

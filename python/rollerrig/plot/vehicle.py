@@ -6,8 +6,6 @@ Wheels, rollers and rails have their own profiles and radii. A body whose shape 
 box of its mass and moments of inertia. Symbols of springs and dampers lie along the directions in which they act.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any
 

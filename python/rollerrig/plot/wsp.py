@@ -1,7 +1,5 @@
 """Figures of a test programme for wheel slide protection: means with intervals, distributions of slip, one test over time."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -66,8 +64,7 @@ def means_with_intervals(
                     **filled,
                 )
         axes.set_yticks(range(len(stops)), [name.replace("_", " ") for name in stops])
-        axes.set_ylim(len(stops) - 0.5, -0.5)
-        axes.set_xlabel(xlabel)
+        axes.set(ylim=(len(stops) - 0.5, -0.5), xlabel=xlabel)
         axes.legend(loc="best")
         return figure
 

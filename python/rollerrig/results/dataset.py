@@ -21,8 +21,6 @@ that between output times only what is to be filtered at 20 Hz is kept.
     readings of the core -> Recording -> [add_readings] -> variables over `reading_time`
 """
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Mapping

@@ -6,8 +6,6 @@ The units are those of the configuration itself (`Quantity`): a new key is scale
 is in SPECIAL; a test walks all tables and fails where a number has no unit.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Mapping
 from types import UnionType
 from typing import Annotated, Any, TypeVar, Union, get_args, get_origin

@@ -5,8 +5,6 @@
 The numbers follow from the factors alone, docs/theory/similitude.md (M2)-(M5); the contact at rest is computed on both rigs.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass

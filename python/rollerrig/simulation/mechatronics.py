@@ -3,8 +3,6 @@
 Case, AssembledModel -> [setup] -> _core.MechatronicSetup
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

@@ -13,8 +13,6 @@ without lag and limit, then known force and torque. The differences between them
 track, add up to the whole: the causes. Tests on track with a later protection give the rig's equivalent dead time.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property

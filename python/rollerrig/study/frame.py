@@ -7,8 +7,6 @@ A study names its cases and its jobs, collects their results and says what the r
 resuming, the report's head and ends, summary.json, the files of the figures.
 """
 
-from __future__ import annotations
-
 import csv
 import io
 import json
@@ -169,7 +167,7 @@ class Study(ABC, Generic[R]):
         progress: Progress | None = None,
         force: bool = False,
         executor: Executor | None = None,
-    ) -> Outcome[R] | None:
+    ) -> "Outcome[R] | None":
         """Do the jobs and collect their results.
 
         Args:

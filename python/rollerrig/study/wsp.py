@@ -3,8 +3,6 @@
 Case of a rig with brake and slide protection, Programme -> [WspStudy] -> outcome per criterion, numbers per stop, CSV files
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property

@@ -7,8 +7,6 @@ Friction, torque, brake and the gains of the controllers act on the run as it go
 stiffness make another model; it starts at once from its own equilibrium, the vehicle displaced sideways and yawed as it was.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

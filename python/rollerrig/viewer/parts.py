@@ -6,8 +6,6 @@ Profiles, radii, places and ends are the case's own. Shapes that a case does not
 drawn around the ends of its elements; the page says that they are schematic.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 

@@ -14,8 +14,6 @@ The page draws u(t) = amplitude cos(2 pi f t + phase) of each coordinate; the si
 left out.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

@@ -4,8 +4,6 @@
 variables of a plant -> [description] -> XML of FMI 2.0 or 3.0
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Iterator, Sequence

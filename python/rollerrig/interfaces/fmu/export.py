@@ -5,8 +5,6 @@ case -> assembled model -> [export_fmu] -> FILE.fmu
 case -> its slide protection, wheel-slip control or rig's controller -> [export_part] -> FILE.fmu
 """
 
-from __future__ import annotations
-
 import ctypes
 import io
 import platform

@@ -4,8 +4,6 @@ case, rate -> [serve_case] -> Served: model, inputs, outputs, description
 Served -> [open_server] -> _core.RigServer -> [run_server] -> Ended
 """
 
-from __future__ import annotations
-
 import json
 import secrets
 import sys

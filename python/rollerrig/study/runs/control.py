@@ -4,8 +4,6 @@ A family has an axis of values and one or more curves: fixed changes under which
 of the case with their new values.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
