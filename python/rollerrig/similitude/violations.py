@@ -133,9 +133,9 @@ def _of_actuators(full: Case, model: Case, factors: Similitude) -> Iterator[Requ
     ):
         own, there = getattr(model, key), getattr(full, key)
         if own is not None and there is not None:
-            needed, is_ = there.sample_time / factors.time, own.sample_time
-            effect = f"the {name} is asked {needed / is_:.3g} times as often as needed"
-            yield Requirement(f"clock of the {name}", "sample time", "s", needed, is_, effect)
+            needed, actual = there.sample_time / factors.time, own.sample_time
+            effect = f"the {name} is asked {needed / actual:.3g} times as often as needed"
+            yield Requirement(f"clock of the {name}", "sample time", "s", needed, actual, effect)
     drives = []
     if full.traction is not None and model.traction is not None:
         drives.append(("traction motors", full.traction.motor, model.traction.motor))
