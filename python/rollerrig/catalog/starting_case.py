@@ -3,6 +3,8 @@
 name, case of the catalogue or file -> [starting_case] -> TOML text with comments
 """
 
+from __future__ import annotations
+
 import textwrap
 import tomllib
 from pathlib import Path

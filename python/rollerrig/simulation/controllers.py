@@ -6,6 +6,8 @@ A controller has a `sample_time` [s] and a method `step(measurements) -> command
 and one array of shape (axle,) for each of MEASUREMENTS; commands are a dict with the one array that COMMANDS names.
 """
 
+from __future__ import annotations
+
 import ast
 import importlib
 import json

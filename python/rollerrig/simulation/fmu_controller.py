@@ -6,6 +6,8 @@ The outputs at the end of the step that a sample begins are the commands of that
 table's `delay`.
 """
 
+from __future__ import annotations
+
 import io
 import shutil
 import subprocess

@@ -3,6 +3,8 @@
 [slide_protection] fmu = ... -> [open_fmu] -> FmuFile: its bytes, which variable is which signal, its parameters
 """
 
+from __future__ import annotations
+
 import hashlib
 import io
 import math

@@ -3,6 +3,8 @@
 Case, AssembledModel -> [setup] -> _core.MechatronicSetup
 """
 
+from __future__ import annotations
+
 from collections.abc import Mapping
 from typing import Any
 

@@ -6,6 +6,8 @@ The steps of the integrator do not depend on the slices (core/include/rollerrig/
 Ctrl-C cost no reproducibility.
 """
 
+from __future__ import annotations
+
 import math
 import time
 from collections.abc import Callable, Mapping

@@ -8,6 +8,8 @@ stiffer than that, the whole vehicle, or a wheelset without longitudinal suspens
 assembled model: a spring that is too soft, or only a damper, holds no more than nothing does.
 """
 
+from __future__ import annotations
+
 import math
 from dataclasses import dataclass
 

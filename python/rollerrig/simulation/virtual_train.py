@@ -7,6 +7,8 @@ the running direction. There the core finds its equilibrium, with everything tha
 wheelsets' gain of spin, is a moment on what carries their brakes.
 """
 
+from __future__ import annotations
+
 import numpy as np
 
 from rollerrig import _core

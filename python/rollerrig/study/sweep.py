@@ -3,6 +3,8 @@
 WholePlan -> a job per case -> [SweepStudy] -> Dataset over what is varied; quantiles, tornado, Sobol indices, report
 """
 
+from __future__ import annotations
+
 import math
 import pickle
 import tomllib
