@@ -6,8 +6,6 @@ Each transformation is defined here and nowhere else. All return a new case, che
 raises ConfigError.
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 
 from rollerrig.config import Body, Case, Rig, Track, load_case, load_support

@@ -15,8 +15,6 @@ Source: EN 14363:2016 for the points and bands; EN 12299:2009, annex C, and ISO 
     run -> wheel-rail forces, accelerations -> [assessment] -> rows -> running_safety.csv, summary.json, report
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -6,8 +6,6 @@ creepage               (r w - v) / v,  v the train's speed (and the axle's own, 
 traction coefficient   force along the rail over the vertical force that the axle carries at that instant
 """
 
-from __future__ import annotations
-
 import xarray as xr
 
 from rollerrig.results import variable

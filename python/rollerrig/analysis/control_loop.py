@@ -7,8 +7,6 @@
 Small motion about steady running: no limits, constant friction. Equations: docs/theory/rig_control.md.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass, replace
 
@@ -199,7 +197,7 @@ class Loop:
     lead: float = 0.0
     torque_gain: float = 0.0
 
-    def scaled(self, factor: float) -> Loop:
+    def scaled(self, factor: float) -> "Loop":
         """This loop with both gains times a factor."""
         return replace(self, proportional=factor * self.proportional, integral=factor * self.integral)
 
@@ -253,12 +251,13 @@ def loop_of(case: Case, creep: float, *, sliding: bool) -> Loop | None:
         gains = feedback_gains(model)
     elif isinstance(table, SlidingMode):
         gains = (table.switching / table.boundary_layer, 0.0)  # within its boundary layer
-    kalman = isinstance(estimates, KalmanFilter)
+    kalman, rail = isinstance(estimates, KalmanFilter), case.adhesion.rail if case.adhesion is not None else None
+    left = _core.mean_reduction(rail.k_A, rail.k_S) if rail is not None else 1.0  # of the creep curve's slope, (A4)
     return Loop(
         real=wheel_of(case),
         assumed=Wheel(*(getattr(assumed, name) for name in Wheel.__dataclass_fields__)),
         creep=creep,
-        virtual_creep=0.0 if sliding else creep * _virtual_creep_share(case),
+        virtual_creep=0.0 if sliding else creep * left,
         drive_bandwidth=angular(control.motor.bandwidth),
         drive_damping=control.motor.damping_ratio,
         step=case.time.sampling_step,
@@ -287,12 +286,6 @@ def _compensation(control: RigControl) -> dict[str, float]:
     if isinstance(control.drive_command, TorqueLoop):
         found["torque_gain"] = command.gain
     return found
-
-
-def _virtual_creep_share(case: Case) -> float:
-    """What the condition of the virtual rail leaves of the creep curve's slope, (A4)."""
-    rail = case.adhesion.rail if case.adhesion is not None else None
-    return _core.mean_reduction(rail.k_A, rail.k_S) if rail is not None else 1.0
 
 
 def open_loop(loop: Loop, frequency: Array) -> Complex:

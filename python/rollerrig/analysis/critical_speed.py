@@ -19,8 +19,6 @@ Source: O. Polach, On non-linear methods of bogie stability assessment, Proc. IM
     case on a rig -> [cases with other radii, with effects switched off] -> linear critical speeds -> tables
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass

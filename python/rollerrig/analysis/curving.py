@@ -7,8 +7,6 @@ with the rotation of each wheelset among the unknowns. The heaviest body is haul
 balances the resistance of the curve. Solver: the core's Newton method, docs/theory/equilibrium_and_linearisation.md.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Literal, NamedTuple

@@ -3,8 +3,6 @@
 kind, its numbers, least, most -> [quantile_function] -> function of probability, and its ends
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping
 from typing import Any
 

@@ -3,8 +3,6 @@
 Dataset of `envelope` -> [borders] -> one row per side, load and adhesion
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Iterator

@@ -11,8 +11,6 @@ torque reaches the virtual wheel late, and the wanted torque the roller. Equatio
 Equations: docs/theory/rig_control.md, (D17), (Q7) and (Q8).
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

@@ -12,8 +12,6 @@ What is left of the sideways motion of a run at constant speed: has it decayed, 
 It is asked only where nothing but the start disturbs the vehicle: straight and smooth, without actuators, at constant speed.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

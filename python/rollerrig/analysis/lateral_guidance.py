@@ -6,8 +6,6 @@ run -> [guidance] -> lateral creep force of sliding axles against -F v_y / v_s, 
 A wheel that slides along the track has its friction used up: what remains of lateral creep is viscous.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

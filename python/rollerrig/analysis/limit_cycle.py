@@ -11,8 +11,6 @@ attractors exist side by side, and the size of a disturbance decides.
 Equations: docs/theory/equilibrium_and_linearisation.md, section Limit cycles.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field

@@ -3,8 +3,6 @@
 Case, speed, last state -> [settling_run: windows of time until settled] -> CyclePoint, last state; Diagram -> Dataset
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 
@@ -189,36 +187,31 @@ class _Windows:
         )
 
 
+CYCLE_COLUMNS = {
+    "speed": ("km/h", "running speed"),
+    "amplitude": ("m", "half the range of the lateral displacement of the wheelset that moves most; 0: rest"),
+    "peak": ("m", "largest lateral displacement of a wheelset"),
+    "frequency": ("Hz", "frequency; NaN at rest"),
+    "guiding_force": ("N", "largest |Y| of a wheel, unfiltered"),
+    "rate": ("1/s", "growth rate of the amplitude at the end"),
+    "duration": ("s", "simulated time"),
+}
+"""Attribute of a CyclePoint -> unit and meaning in the table."""
+
+
 def limit_cycle_table(found: Diagram) -> xr.Dataset:
     """The diagram as a Dataset over `cycle_point`, first the upward sweep, then the downward sweep, by speed."""
-    points = [("up", p) for p in found.up] + [("down", p) for p in found.down]
-    columns: dict[str, tuple[list[float], str, str]] = {
-        "cycle_speed": ([3.6 * p.speed for _, p in points], "km/h", "running speed"),
-        "cycle_amplitude": (
-            [p.amplitude for _, p in points],
-            "m",
-            "half the range of the lateral displacement of the wheelset that moves most; 0: rest",
-        ),
-        "cycle_peak": ([p.peak for _, p in points], "m", "largest lateral displacement of a wheelset"),
-        "cycle_frequency": ([p.frequency for _, p in points], "Hz", "frequency; NaN at rest"),
-        "cycle_guiding_force": ([p.guiding_force for _, p in points], "N", "largest |Y| of a wheel, unfiltered"),
-        "cycle_rate": ([p.rate for _, p in points], "1/s", "growth rate of the amplitude at the end"),
-        "cycle_duration": ([p.duration for _, p in points], "s", "simulated time"),
-    }
-    variables: dict[str, object] = {
-        name: variable("cycle_point", np.array(values, dtype=np.float64), unit, meaning)
-        for name, (values, unit, meaning) in columns.items()
-    }
-    variables["cycle_sweep"] = (
-        "cycle_point",
-        np.array([sweep for sweep, _ in points], dtype=str),
-        {"long_name": "sweep through the speeds"},
-    )
-    variables["cycle_status"] = (
-        "cycle_point",
-        np.array([p.status for _, p in points], dtype=str),
-        {"long_name": "how the run ended"},
-    )
+    points, variables = [*found.up, *found.down], dict[str, object]()
+    for name, (unit, meaning) in CYCLE_COLUMNS.items():
+        values = np.array([getattr(point, name) for point in points], dtype=np.float64)
+        values = 3.6 * values if unit == "km/h" else values
+        variables[f"cycle_{name}"] = variable("cycle_point", values, unit, meaning)
+    sweeps, statuses = ["up"] * len(found.up) + ["down"] * len(found.down), [point.status for point in points]
+    for name, texts, meaning in (
+        ("sweep", sweeps, "sweep through the speeds"),
+        ("status", statuses, "how the run ended"),
+    ):
+        variables[f"cycle_{name}"] = ("cycle_point", np.array(texts, dtype=str), {"long_name": meaning})
     attributes = {
         "critical_speed_by_continuation_kmh": 3.6 * found.lowest_cycle,
         "decays_kmh": 3.6 * found.decays,

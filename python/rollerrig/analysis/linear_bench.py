@@ -267,7 +267,7 @@ class LinearBench:
         acting = np.zeros((count, total))  # on the model, from the states
         direct = np.zeros((count, len(inputs)))  # and from the inputs
         a, b = np.zeros((total, total)), np.zeros((total, len(inputs)))
-        names, at = list(self._state_labels()), n
+        names, at = [self._names[i] for i in self._kept], n
         for k, (name, lag, size) in enumerate(zip(inputs, lags, sizes, strict=True)):
             if lag is None:
                 direct[columns[name], k] = 1.0
@@ -296,9 +296,6 @@ class LinearBench:
         lag = self.commands.get(name)
         column = lag.column if lag else {**self.torques, **self.pressures}[name]
         return "N m" if column < len(self.torques) else "Pa"
-
-    def _state_labels(self) -> Iterable[str]:
-        return (self._names[i] for i in self._kept)
 
     def _known(self, key: str, asked: Sequence[str], there: Iterable[str]) -> Sequence[str]:
         choices = tuple(there)

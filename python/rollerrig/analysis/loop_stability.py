@@ -7,8 +7,6 @@ The linear controller is written from the equations (D1) to (D5), (D10) of docs/
 code, so that runs of the core check it; the plant is the core's exact linearisation.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass

@@ -3,8 +3,6 @@
 Case, speed, command, frequencies -> [plant under a stepped sine] -> complex amplitudes of the outputs over that of the command
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

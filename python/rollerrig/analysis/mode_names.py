@@ -7,8 +7,6 @@ of mass, the **upper sway** about one above it; **hunting** is a wave-like motio
 and of wheelsets, that part names a mode which has the most of its kinetic energy.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 

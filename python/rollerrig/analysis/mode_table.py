@@ -9,8 +9,6 @@ by Brent's method. Equation: docs/theory/equilibrium_and_linearisation.md, (L7).
     Case, speeds -> [speed map, critical] -> Dataset over speed, mode, body and direction
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

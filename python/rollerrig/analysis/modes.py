@@ -22,8 +22,6 @@ instead, or hardly moves. A mode that is followed over speed may be the one at l
 frequency of hunting, which rises with speed, meets that of the car body's sway, the two exchange their shapes.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Collection, Sequence
 from dataclasses import dataclass
 
@@ -153,7 +151,7 @@ class Eigensystem:
     vectors: Complex
     left: Complex
 
-    def reordered(self, columns: NDArray[np.intp]) -> Eigensystem:
+    def reordered(self, columns: NDArray[np.intp]) -> "Eigensystem":
         """The same with its columns in another order."""
         return Eigensystem(self.values[columns], self.vectors[:, columns], self.left[:, columns])
 

@@ -7,8 +7,6 @@ there far above the critical speed. So the bogie gets a sideways perturbation at
 velocity of all its moving bodies. What is left of it before the next one shows whether disturbances grow or decay.
 """
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Callable, Iterable, Sequence

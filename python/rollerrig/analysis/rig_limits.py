@@ -10,8 +10,6 @@ Rolling without sliding, steady forces, no lag of drives and estimator. An adhes
     Dataset of a run -> [assess_limits] -> numbers, limits reached with their times, region of the operating envelope
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -6,8 +6,6 @@ A signal is a variable of a run, and where it has one value for each body, wheel
 `speed`, `lateral:wheelset_1`, `vertical_force:wheelset_1_left`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 
 import numpy as np

@@ -3,8 +3,6 @@
 run at full scale -> [run_numbers];  run at full scale, run of the model mapped back -> [fidelity] -> differences at the same time
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from typing import Any
 

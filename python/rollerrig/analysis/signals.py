@@ -21,8 +21,6 @@ Amplitudes are half the distance between successive extrema: no offset enters, a
 exponential.
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 from typing import Literal

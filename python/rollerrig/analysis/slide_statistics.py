@@ -12,15 +12,13 @@ V = k E, V = b L^3 / (12 r) for L << r, (H1) and (H2) of docs/theory/wheel_flats
 flat's ends are left out. On the rig no wheel slides so: the estimate is what the virtual train's wheels would get.
 """
 
-from __future__ import annotations
-
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from rollerrig.analysis.virtual_rail import patch_of, slipperiest_peak
 from rollerrig.assembly.model import assemble
@@ -256,9 +254,12 @@ class TestRecord:
 
 def test_record(run: xr.Dataset, case: Case) -> TestRecord:
     """The record of a run of `case` on track or rig: of the train, and of its axles under test."""
-    kept = _kept(run["time"].to_numpy())
-    tested = under_test(run)
-    measures = {**_train(run, case), **_valves(tested), **_axles(tested), "beyond_peak_s": beyond_peak(tested, case)}
+    time, tested = run["time"].to_numpy(), under_test(run)
+    every = max(1, round(SERIES_STEP / (time[1] - time[0]))) if time.size > 1 else 1
+    kept = np.unique([*range(0, time.size, every), time.size - 1])
+    last = tested[["dump_cycles", "air"]].isel(time=-1).sum("axle")
+    valves = {"dump_cycles": float(last["dump_cycles"]), "air_litres": 1e3 * float(last["air"])}
+    measures = {**_train(run, case), **valves, **_axles(tested), "beyond_peak_s": beyond_peak(tested, case)}
     if case.rig_control is not None and isinstance(case.support.data, Rig):
         measures |= _rig(tested, case.rig_control.feedback.largest, case.support.data.roller_radius)
     return TestRecord(
@@ -266,14 +267,9 @@ def test_record(run: xr.Dataset, case: Case) -> TestRecord:
         run.attrs["status_message"],
         {name: float(value) for name, value in measures.items()},
         _slip_shares(tested),
-        run["time"].to_numpy()[kept],
+        time[kept],
         run["train_distance"].to_numpy()[kept],
     )
-
-
-def _kept(time: Array) -> NDArray[np.intp]:
-    every = max(1, round(SERIES_STEP / (time[1] - time[0]))) if time.size > 1 else 1
-    return np.unique([*range(0, time.size, every), time.size - 1])
 
 
 def _train(run: xr.Dataset, case: Case) -> dict[str, float]:
@@ -297,12 +293,6 @@ def _train(run: xr.Dataset, case: Case) -> dict[str, float]:
         "reference_speed_error_largest_mps": largest(wrong),
         "energy_relative_residual": run.attrs["energy_relative_residual"],
     }
-
-
-def _valves(run: xr.Dataset) -> dict[str, float]:
-    """What the slide protection of the given axles did and took."""
-    last = run[["dump_cycles", "air"]].isel(time=-1).sum("axle")
-    return {"dump_cycles": float(last["dump_cycles"]), "air_litres": 1e3 * float(last["air"])}
 
 
 def _acting(run: xr.Dataset) -> Mask:
@@ -368,13 +358,15 @@ def idle_valves(case: Case) -> list[str]:
 def longest_lock(run: xr.Dataset) -> float:
     """Longest time that an axle turned slower than LOCKED of the speed of a train faster than LEAST_SPEED [s]."""
     time = run["time"].to_numpy()
+    return max((float(time[end - 1] - time[first]) for _, first, end in _locks(run)), default=0.0)
+
+
+def _locks(run: xr.Dataset) -> Iterator[tuple[int, int, int]]:
+    """Number of the axle, first sample and the one after the last of each lock."""
     locked = (slip(run) < LOCKED - 1.0).transpose("axle", "time").to_numpy()
-    longest = 0.0
-    for axle in locked:
-        edges = np.flatnonzero(np.diff(np.concatenate([[False], axle, [False]]).astype(int)))
-        for first, end in zip(edges[::2], edges[1::2], strict=True):
-            longest = max(longest, float(time[end - 1] - time[first]))
-    return longest
+    for axle, own in enumerate(locked):
+        edges = np.flatnonzero(np.diff(np.concatenate([[False], own, [False]]).astype(int)))
+        yield from ((axle, int(first), int(end)) for first, end in zip(edges[::2], edges[1::2], strict=True))
 
 
 def regrip_adhesion(slips: Array, used: Array) -> float:
@@ -459,14 +451,8 @@ def lock_energies(run: xr.Dataset) -> Array:
     time, train = run["time"].to_numpy(), run["train_speed"].to_numpy()
     sliding = train[:, None] - wheel_radius(run) * run["axle_speed"].transpose("time", "axle").to_numpy()
     power = 0.5 * np.abs(run["creep_force"].transpose("time", "axle").to_numpy() * sliding)  # of one wheel
-    locked = (slip(run) < LOCKED - 1.0).transpose("axle", "time").to_numpy()
-    found = []
-    for axle, own in enumerate(locked):
-        edges = np.flatnonzero(np.diff(np.concatenate([[False], own, [False]]).astype(int)))
-        for first, end in zip(edges[::2], edges[1::2], strict=True):
-            last = min(end, time.size - 1)  # to the first sample at which it turns again
-            found.append(float(np.trapezoid(power[first : last + 1, axle], time[first : last + 1])))
-    return np.array(found)
+    # to the first sample at which it turns again, where there is one
+    return np.array([np.trapezoid(power[a : b + 1, axle], time[a : b + 1]) for axle, a, b in _locks(run)])
 
 
 def longest_flat(run: xr.Dataset, wear: float, width: float) -> float:

@@ -8,8 +8,6 @@ Load transfer:  moments of the whole bogie about the middle of its crown line; f
                 springs, and a wheelset off the crown by x feels its load along x: Q x / (R + r).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

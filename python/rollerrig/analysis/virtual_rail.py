@@ -3,8 +3,6 @@
 Case, ellipse of a wheel, adhesion of the rail -> [creep_curve] -> friction and force over slip -> [creep_peak, slipperiest_peak]
 """
 
-from __future__ import annotations
-
 import math
 from dataclasses import dataclass
 

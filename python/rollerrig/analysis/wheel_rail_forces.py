@@ -29,8 +29,6 @@ Source: EN 14363:2016; J. Nadal, Annales des Mines 10 (1896); A. Prud'homme, Rev
     T. G. Pearce, N. D. Sherratt, Wear 144 (1991) for the wear number.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass

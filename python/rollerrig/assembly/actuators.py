@@ -5,8 +5,6 @@
 How they are driven during a run is the matter of `rollerrig.simulation.mechatronics`.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import Any

@@ -5,8 +5,6 @@
 The table is computed by `scripts/build_creep_table.py`; docs/theory/creep_laws.md says how and how accurate it is.
 """
 
-from __future__ import annotations
-
 import hashlib
 import io
 import zipfile

@@ -8,8 +8,6 @@ The core has no defaults: each stands once, in `rollerrig.config`. A name that i
     contact and adhesion of a case -> [core_laws] -> ContactLaws, AdhesionMap of the core
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Collection, Mapping
 from functools import lru_cache

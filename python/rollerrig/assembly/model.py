@@ -6,8 +6,6 @@
 No physics here: positions are added up, names become indices, profiles become spline tables.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal

@@ -3,8 +3,6 @@
 Vehicle -> [static_loads] -> preload of each element, load of each axle
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 from rollerrig import _core

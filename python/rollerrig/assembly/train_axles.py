@@ -3,8 +3,6 @@
 Case, AssembledModel -> [train_axles] -> names, loads, places, brake demand and air; _core.SimulatedAxles
 """
 
-from __future__ import annotations
-
 from rollerrig import _core
 from rollerrig.assembly.model import AssembledModel
 from rollerrig.config import Case

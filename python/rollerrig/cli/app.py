@@ -1,10 +1,7 @@
 """The commands and where each of them stands."""
 
-from __future__ import annotations
-
 import sys
 from collections.abc import Callable
-from importlib import import_module
 
 import typer
 
@@ -47,7 +44,7 @@ COMMANDS = (
     "catalog",
     "cite",
 )
-"""Functions of `commands.STUDIES`, `cases`, `runs`, `interfaces`, or modules of this folder with a function `command`."""
+"""Functions of `commands.STUDIES`, `cases`, `runs` or `interfaces`."""
 
 HELP = """A roller rig for railway bogies, in software.
 
@@ -78,11 +75,10 @@ def build_app() -> typer.Typer:
 
     for name in COMMANDS:
         word = name.replace("_", "-")
-        home = next((module for module in (cases, runs, interfaces) if hasattr(module, name)), None)
         if name in commands.STUDIES:
             command = study_command(getattr(commands, name), **SPECIAL.get(name, {}))
         else:
-            command = getattr(home, name) if home else import_module(f"rollerrig.cli.{name}").command
+            command = getattr(next(module for module in (cases, runs, interfaces) if hasattr(module, name)), name)
         if isinstance(command, typer.Typer):
             app.add_typer(command, name=word)
             continue

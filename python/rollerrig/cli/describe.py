@@ -3,8 +3,6 @@
 Case -> assembled model, its equilibrium -> [describe_case] -> lines
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Sequence
 

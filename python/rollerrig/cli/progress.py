@@ -4,8 +4,6 @@ fraction, text -> [progress_bar] -> bar, or a line per part of the work, with th
 first Ctrl-C -> reported at once, KeyboardInterrupt at the next progress; second Ctrl-C -> the command ends there and then
 """
 
-from __future__ import annotations
-
 import os
 import signal
 import sys

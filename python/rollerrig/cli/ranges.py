@@ -1,7 +1,5 @@
 """Ranges on the command line: `-8:8:0.5` counts from -8 to 8, both included."""
 
-from __future__ import annotations
-
 import math
 import re
 from fractions import Fraction

@@ -1,7 +1,5 @@
 """How a command ends: exit codes, and mistakes of the user as one line each instead of a traceback."""
 
-from __future__ import annotations
-
 import functools
 import shutil
 import sys

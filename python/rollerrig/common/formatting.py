@@ -3,8 +3,6 @@
 number, unit -> [this file] -> text without exponents of computers, negative zeros or round-off
 """
 
-from __future__ import annotations
-
 import math
 
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")

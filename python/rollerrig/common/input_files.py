@@ -6,8 +6,6 @@ Only regular files of a size that makes sense pass: a device never ends, a pipe 
 not what was meant. Whoever asks turns the error into its own, which names the file and what is allowed.
 """
 
-from __future__ import annotations
-
 import errno
 import os
 import stat

@@ -13,8 +13,6 @@ Eigenvalues of small matrices, of the last ones without computing them again.
 Runs from the same steady rolling, with other disturbances, durations or friction that acts later, ask for the same ones.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from contextlib import contextmanager
 from functools import lru_cache

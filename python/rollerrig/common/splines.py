@@ -5,8 +5,6 @@
 Source: C. de Boor, G. Fix, Spline approximation by quasi-interpolants, J. Approximation Theory 8 (1973).
 """
 
-from __future__ import annotations
-
 import numpy as np
 
 from rollerrig.common.arrays import Array

@@ -32,8 +32,6 @@ Source  EN 15302:2021, clause 9 and annex E (direct integration of the nonlinear
         annex B; Klingel (1883) for (K3).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

@@ -10,8 +10,6 @@ Creepages and forces are the core's, as in a run. The wheelset rolls as one body
 that the longitudinal creepages of its two wheels cancel.
 """
 
-from __future__ import annotations
-
 import time
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
@@ -368,10 +366,8 @@ class _Rolling:
         start = len(model.bodies) * len(_core.body_fields) + len(model.wheels) * len(_core.wheel_fields)
         size = _core.patches_recorded * fields
         wheels = row[start : start + len(model.wheels) * size].reshape(len(model.wheels), -1, fields)
-        return [w[~np.isnan(w[:, 0])] for w in (wheels[self._wheel(contact)] for contact in self.contacts)]
-
-    def _wheel(self, contact: int) -> int:
-        return next(number for number, wheel in enumerate(self.model.wheels) if wheel.contact == contact)
+        number_of = {wheel.contact: number for number, wheel in enumerate(model.wheels)}
+        return [w[~np.isnan(w[:, 0])] for w in (wheels[number_of[contact]] for contact in self.contacts)]
 
 
 def _mean_creepage(wheels: Sequence[Array]) -> float:

@@ -3,8 +3,6 @@
 name or file -> [profile] -> Dataset -> picture, CSV, Simpack file
 """
 
-from __future__ import annotations
-
 from pathlib import Path
 from typing import Literal
 

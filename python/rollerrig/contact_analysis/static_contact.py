@@ -10,8 +10,6 @@ direction is positive. Height and roll count from the unloaded, centred wheelset
 Left of the running direction is positive. What each model is: `docs/theory/contact_forces.md`, `non_elliptic_contact.md`.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
@@ -137,7 +135,7 @@ def contact_table(case: Case, positions: Iterable[tuple[float, float]], *, roll:
                 rows.append((lateral, yaw, side, count, *shape, *pose, *rest))
     columns = list(zip(*rows, strict=True)) if rows else [()] * len(_VARIABLES)
     variables: dict[str, Any] = {
-        name: variable("row", np.array(column, dtype=_dtype(name)), unit, meaning)
+        name: variable("row", np.array(column, dtype=DTYPES.get(name, float)), unit, meaning)
         for (name, (unit, _, _, meaning)), column in zip(_VARIABLES.items(), columns, strict=True)
     }
     attributes = {"title": case.description or case.name, "case": case.name, "wheelset": wheelset, "load_n": load}
@@ -184,8 +182,7 @@ def leading_wheelset(model: AssembledModel) -> LeadingWheelset:
     return LeadingWheelset(name, contacts, contact, unloaded)
 
 
-def _dtype(name: str) -> type:
-    return {"side": str, "patch": int}.get(name, float)
+DTYPES = {"side": str, "patch": int}
 
 
 QUANTITIES = {

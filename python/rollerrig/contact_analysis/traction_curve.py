@@ -6,8 +6,6 @@ Friction and force are the core's: friction at the slip velocity (A1), the creep
 also its k_A and k_S (docs/theory/adhesion.md).
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 
 import numpy as np

@@ -6,8 +6,6 @@ Actions are the commands of that controller, observations what it would see, wit
 order and units of the plant. The other controllers of the case stay. Needs gymnasium: pip install "rollerrig[gym]".
 """
 
-from __future__ import annotations
-
 import os
 from functools import partial
 from typing import Any

@@ -6,8 +6,6 @@ case, name of its table -> [controller_part] -> _core.ControllerPart
 measured axle speeds -> [SlideProtection] -> commands of the dump valves
 """
 
-from __future__ import annotations
-
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from pathlib import Path

@@ -8,8 +8,6 @@ brackets or after an underscore: `distance [m]`, `vertical (mm)`, `left_y_mm`. T
 nominal one, not the gauge itself.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Mapping

@@ -6,8 +6,6 @@ cross_level  height of the right rail over the left one, as the cant
 gauge        widening: left rail to the left, right rail to the right
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal, get_args
@@ -68,7 +66,7 @@ class RailIrregularity:
         """Distance after which they repeat [m]."""
         return len(self.coefficients["left_y"]) * self.step
 
-    def scaled(self, factor: float) -> RailIrregularity:
+    def scaled(self, factor: float) -> "RailIrregularity":
         """The same rails with all lengths times a factor."""
         powers = factor ** np.array([1.0, 0.0, -1.0, -2.0])
         coefficients = {rail: table * powers for rail, table in self.coefficients.items()}

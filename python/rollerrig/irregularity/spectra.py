@@ -13,8 +13,6 @@ phases come from the raw numbers of PCG64, one stream per component. The spline 
 Its weights are rounded to a nanometre: the same seed gives the same bytes whatever sine and transform a machine has.
 """
 
-from __future__ import annotations
-
 from typing import Literal
 
 import numpy as np

@@ -1,7 +1,5 @@
 """Figures of several supports side by side: one colour or style per support, both always in the same axes."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -105,30 +103,30 @@ def critical_over_radius(speeds: Mapping[str, tuple[Sequence[float], Sequence[fl
         return figure
 
 
+@house_style()
 def effect_bars(off: Mapping[str, float], alone: Mapping[str, float], loss: float) -> Figure:
     """What each effect of a roller costs [km/h]: left out of the rig, and alone on the track; loss from track to rig."""
-    with house_style():
-        figure, (axes,) = new_figure(height=0.9 + 0.55 * (len(off) + 2))
-        rows = [*off, "interaction", "all: track less rig"]
-        places = np.arange(len(rows))[::-1]
-        for values, shift, colour, hatch, label in (
-            (off, 0.19, COLOURS[0], "", "switched off alone: gain of the rig"),
-            (alone, -0.19, COLOURS[1], "///", "on alone: loss from the track"),
-        ):
-            bars = [*(values[effect] for effect in off), loss - sum(values.values()), loss]
-            axes.barh(places + shift, bars, 0.36, color=colour, alpha=0.85, label=label, hatch=hatch, edgecolor="white")
-            for place, bar in zip(places + shift, bars, strict=True):
-                if math.isfinite(bar):
-                    axes.annotate(
-                        f"{bar:+.1f}", (bar, place), (3 if bar >= 0 else -3, 0), textcoords="offset points",
-                        va="center", ha="left" if bar >= 0 else "right", fontsize=7.5,
-                    )  # fmt: skip
-        axes.axvline(0.0, color=GREY, linewidth=1.0)
-        axes.set_yticks(places, rows)
-        axes.margins(x=0.12)
-        axes.set_xlabel("linear critical speed [km/h]")
-        axes.legend(loc="lower center", bbox_to_anchor=(0.4, 1.0), ncols=2)
-        return figure
+    figure, (axes,) = new_figure(height=0.9 + 0.55 * (len(off) + 2))
+    rows = [*off, "interaction", "all: track less rig"]
+    places = np.arange(len(rows))[::-1]
+    for values, shift, ink, hatch, label in (
+        (off, 0.19, COLOURS[0], "", "switched off alone: gain of the rig"),
+        (alone, -0.19, COLOURS[1], "///", "on alone: loss from the track"),
+    ):
+        bars = [*(values[effect] for effect in off), loss - sum(values.values()), loss]
+        axes.barh(places + shift, bars, 0.36, color=ink, alpha=0.85, label=label, hatch=hatch, edgecolor="white")
+        for place, bar in zip(places + shift, bars, strict=True):
+            if math.isfinite(bar):
+                axes.annotate(
+                    f"{bar:+.1f}", (bar, place), (3 if bar >= 0 else -3, 0), textcoords="offset points",
+                    va="center", ha="left" if bar >= 0 else "right", fontsize=7.5,
+                )  # fmt: skip
+    axes.axvline(0.0, color=GREY, linewidth=1.0)
+    axes.set_yticks(places, rows)
+    axes.margins(x=0.12)
+    axes.set_xlabel("linear critical speed [km/h]")
+    axes.legend(loc="lower center", bbox_to_anchor=(0.4, 1.0), ncols=2)
+    return figure
 
 
 def disturbed_over_time(runs: Mapping[str, xr.Dataset]) -> Figure:

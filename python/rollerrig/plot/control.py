@@ -1,11 +1,8 @@
 """Figures of the rig's control: comparisons of controllers, and frequency responses."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -29,33 +26,15 @@ from rollerrig.plot.style import (
 )
 
 
-@dataclass(frozen=True)
-class Curve:
-    """Errors along one axis.
+class Errors(NamedTuple):
+    """Tracking RMS [% of train speed] and ripple of the roller torque [N m], and whether the test ended before its time.
 
-    Attributes:
-        label: in the legend.
-        value: along the axis.
-        tracking: RMS [%] of train speed.
-        ripple: of the roller torque [N m]; NaN: not known.
-        ended: whether the test ended before its time.
+    Of one curve along an axis each has a value per test, or both ends of its range; NaN where it is not known.
     """
 
-    label: str
-    value: Sequence[float]
     tracking: Sequence[float]
     ripple: Sequence[float]
     ended: Sequence[bool]
-
-
-@dataclass(frozen=True)
-class Bar:
-    """Range of errors of one curve; units as of `Curve`."""
-
-    label: str
-    tracking: tuple[float, float]
-    ripple: tuple[float, float]
-    ended: bool
 
 
 LIMIT: dict[str, Any] = {"color": "#b00020", "linewidth": 1.0, "linestyle": (0, (5, 2))}
@@ -64,7 +43,7 @@ SHIPPED: dict[str, Any] = {"color": GREY, "linewidth": 1.0, "linestyle": ":"}
 
 
 def over_parameter(
-    curves: Sequence[Curve],
+    curves: Mapping[str, tuple[Sequence[float], Errors]],
     label: str,
     scale: Literal["log", "linear"],
     base: float | None,
@@ -72,19 +51,20 @@ def over_parameter(
 ) -> Figure:
     """Tracking error and ripple over what is varied, a line per curve; a vertical line at the base, the value of the case.
 
+    Curves are values along the axis with their errors, by label.
     Limits: tracking RMS [%] and ripple [N m] from which on a variant fails.
     """
     with panels(("tracking error\nRMS [%]", "torque ripple\nRMS [N m]"), label, 4.6) as (figure, (tracking, ripple)):
-        for number, curve in enumerate(curves):
+        for number, (name, (value, errors)) in enumerate(curves.items()):
             colour, marker = COLOURS[number % len(COLOURS)], MARKERS[number % len(MARKERS)]
             style: dict[str, Any] = {"linestyle": STYLES[number % len(STYLES)], "marker": marker, "markersize": 4.0}
-            x, over = np.array(curve.value), np.array(curve.ended)
-            for axes, values in ((tracking, curve.tracking), (ripple, curve.ripple)):
-                axes.plot(x, np.where(over, np.nan, values), color=colour, label=curve.label, **style)
+            x, over = np.array(value), np.array(errors.ended)
+            for axes, values in ((tracking, errors.tracking), (ripple, errors.ripple)):
+                axes.plot(x, np.where(over, np.nan, values), color=colour, label=name, **style)
             if over.any():
                 y, top = np.full(over.sum(), 0.94 - 0.08 * number), tracking.get_xaxis_transform()
-                name = f"{curve.label}: test ended early"
-                tracking.plot(x[over], y, "x", color=colour, markersize=7.0, transform=top, label=name)
+                early = f"{name}: test ended early"
+                tracking.plot(x[over], y, "x", color=colour, markersize=7.0, transform=top, label=early)
         for axes, limit in zip((tracking, ripple), limits, strict=True):
             logarithmic(axes, "y")
             axes.axhline(limit, **LIMIT)
@@ -96,34 +76,34 @@ def over_parameter(
     return figure
 
 
-def ranges(bars: Sequence[Bar], base: tuple[float, float], limits: tuple[float, float]) -> Figure:
+@house_style()
+def ranges(bars: Mapping[str, Errors], base: tuple[float, float], limits: tuple[float, float]) -> Figure:
     """Range of tracking error and ripple of every curve, the worst on top; those of the case as it is, limits of failure."""
-    with house_style():
-        figure, axes = new_grid(1, 2, height=1.4 + 0.24 * len(bars), sharey=True, width_ratios=(3, 2))
-        tracking, ripple = axes[0]
-        rows = np.arange(len(bars))
-        for axes, values, limit, shipped in (
-            (tracking, [bar.tracking for bar in bars], limits[0], base[0]),
-            (ripple, [bar.ripple for bar in bars], limits[1], base[1]),
-        ):
-            low, high = np.array(values).T
-            colours = [COLOURS[1] if h > limit else COLOURS[0] for h in high]
-            axes.barh(rows, high - low, left=low, height=0.62, color=colours)
-            for end in (low, high):
-                axes.plot(end, rows, "|", color="black", markersize=6)
-            logarithmic(axes)
-            axes.set_xlim(0.5 * max(low.min(), 3e-3 * limit), 2.0 * high.max())
-            axes.margins(y=0.01)
-            axes.axvline(limit, **LIMIT)
-            axes.axvline(shipped, **SHIPPED)
-        right = tracking.get_xlim()[1]
-        for row in (row for row, bar in enumerate(bars) if bar.ended):
-            tracking.annotate("test ended early ✕", (right, row), ha="right", va="center", fontsize=7.5, color=COLOURS[1],
-                              bbox={"boxstyle": "square,pad=0.1", "facecolor": "white", "edgecolor": "none"})  # fmt: skip
-        tracking.set_yticks(rows, [bar.label for bar in bars], fontsize=7.5)
-        tracking.invert_yaxis()
-        tracking.set_xlabel("tracking error RMS [%]")
-        ripple.set_xlabel("torque ripple RMS [N m]")
+    figure, axes = new_grid(1, 2, height=1.4 + 0.24 * len(bars), sharey=True, width_ratios=(3, 2))
+    tracking, ripple = axes[0]
+    rows = np.arange(len(bars))
+    for axes, values, limit, shipped in (
+        (tracking, [bar.tracking for bar in bars.values()], limits[0], base[0]),
+        (ripple, [bar.ripple for bar in bars.values()], limits[1], base[1]),
+    ):
+        low, high = np.array(values).T
+        colours = [COLOURS[1] if h > limit else COLOURS[0] for h in high]
+        axes.barh(rows, high - low, left=low, height=0.62, color=colours)
+        for end in (low, high):
+            axes.plot(end, rows, "|", color="black", markersize=6)
+        logarithmic(axes)
+        axes.set_xlim(0.5 * max(low.min(), 3e-3 * limit), 2.0 * high.max())
+        axes.margins(y=0.01)
+        axes.axvline(limit, **LIMIT)
+        axes.axvline(shipped, **SHIPPED)
+    right = tracking.get_xlim()[1]
+    for row in (row for row, bar in enumerate(bars.values()) if any(bar.ended)):
+        tracking.annotate("test ended early ✕", (right, row), ha="right", va="center", fontsize=7.5, color=COLOURS[1],
+                          bbox={"boxstyle": "square,pad=0.1", "facecolor": "white", "edgecolor": "none"})  # fmt: skip
+    tracking.set_yticks(rows, list(bars), fontsize=7.5)
+    tracking.invert_yaxis()
+    tracking.set_xlabel("tracking error RMS [%]")
+    ripple.set_xlabel("torque ripple RMS [N m]")
     return figure
 
 
@@ -153,6 +133,7 @@ def loop_growth(points: Mapping[str, Sequence[float]]) -> Figure:
     return figure
 
 
+@house_style()
 def courses(runs: Mapping[str, xr.Dataset], radius: float) -> Figure:
     """Leading axle of some runs over time: wheel and virtual wheel, tracking error, roller torque; a column with own scales each.
 
@@ -160,20 +141,19 @@ def courses(runs: Mapping[str, xr.Dataset], radius: float) -> Figure:
         runs: label -> Dataset with `axle_speed`, `virtual_speed`, `train_speed`, `roller_torque`.
         radius: of the wheels [m].
     """
-    with house_style():
-        figure, grid = new_grid(3, len(runs), height=5.6, sharex=True)
-        for (speed, error, torque), (label, run) in zip(grid.T, runs.items(), strict=True):
-            axle, time = run.isel(axle=0), run["time"]
-            line(speed, time, 3.6 * axle["train_speed"], 5, "--", "virtual train")
-            line(speed, time, 3.6 * radius * axle["axle_speed"], 0, "-", "wheel")
-            line(speed, time, 3.6 * radius * axle["virtual_speed"], 1, ":", "virtual wheel")
-            line(error, time, 100.0 * radius * (axle["axle_speed"] - axle["virtual_speed"]) / axle["train_speed"])
-            line(torque, time, 1e-3 * axle["roller_torque"])
-            speed.set_title(label, fontsize=8.0)
-            torque.set_xlabel("time [s]")
-        for axes, text in zip(grid[:, 0], ("speed [km/h]", "tracking error [%]", "roller torque [kN m]"), strict=True):
-            axes.set_ylabel(text)
-        legend_above(figure, grid[0, 0])
+    figure, grid = new_grid(3, len(runs), height=5.6, sharex=True)
+    for (speed, error, torque), (label, run) in zip(grid.T, runs.items(), strict=True):
+        axle, time = run.isel(axle=0), run["time"]
+        line(speed, time, 3.6 * axle["train_speed"], 5, "--", "virtual train")
+        line(speed, time, 3.6 * radius * axle["axle_speed"], 0, "-", "wheel")
+        line(speed, time, 3.6 * radius * axle["virtual_speed"], 1, ":", "virtual wheel")
+        line(error, time, 100.0 * radius * (axle["axle_speed"] - axle["virtual_speed"]) / axle["train_speed"])
+        line(torque, time, 1e-3 * axle["roller_torque"])
+        speed.set_title(label, fontsize=8.0)
+        torque.set_xlabel("time [s]")
+    for axes, text in zip(grid[:, 0], ("speed [km/h]", "tracking error [%]", "roller torque [kN m]"), strict=True):
+        axes.set_ylabel(text)
+    legend_above(figure, grid[0, 0])
     return figure
 
 
@@ -202,31 +182,29 @@ def bode_figure(lines: Mapping[str, Response], points: Mapping[str, Response], u
     return figure
 
 
+@house_style()
 def nyquist_figure(lines: Mapping[str, Response], unit: str) -> Figure:
     """The responses in the complex plane, with the point -1 of a loop closed over each."""
-    with house_style():
-        figure, (axes,) = new_figure(height=4.2)
-        for number, (label, (_, values)) in enumerate(lines.items()):
-            axes.plot(values.real, values.imag, label=label, **look(number))
-        axes.plot([-1.0], [0.0], "k+", label="−1")
-        axes.set_xlabel(f"real part [{unit}]")
-        axes.set_ylabel(f"imaginary part [{unit}]")
-        axes.legend(loc="best")
+    figure, (axes,) = new_figure(height=4.2)
+    for number, (label, (_, values)) in enumerate(lines.items()):
+        axes.plot(values.real, values.imag, label=label, **look(number))
+    axes.plot([-1.0], [0.0], "k+", label="−1")
+    axes.set(xlabel=f"real part [{unit}]", ylabel=f"imaginary part [{unit}]")
+    axes.legend(loc="best")
     return figure
 
 
+@house_style()
 def poles_and_zeros_figure(poles: Mapping[str, Complex], zeros: Mapping[str, Complex]) -> Figure:
     """Poles as crosses, zeros as circles [1/s], one colour per label."""
-    with house_style():
-        figure, (axes,) = new_figure(height=4.2)
-        for number, label in enumerate(poles):
-            there = colour(number)
-            axes.plot(poles[label].real, poles[label].imag / (2 * np.pi), "x", color=there, ms=5, label=label)
-            axes.plot(zeros[label].real, zeros[label].imag / (2 * np.pi), "o", color=there, ms=5, mfc="none")
-        axes.axvline(0.0, color="black", lw=0.6)
-        axes.set_xscale("symlog", linthresh=1.0)
-        axes.set_yscale("symlog", linthresh=1.0)
-        axes.set_xlabel("growth rate [1/s]")
-        axes.set_ylabel("frequency [Hz]")
-        axes.legend(loc="best")
+    figure, (axes,) = new_figure(height=4.2)
+    for number, label in enumerate(poles):
+        there = colour(number)
+        axes.plot(poles[label].real, poles[label].imag / (2 * np.pi), "x", color=there, ms=5, label=label)
+        axes.plot(zeros[label].real, zeros[label].imag / (2 * np.pi), "o", color=there, ms=5, mfc="none")
+    axes.axvline(0.0, color="black", lw=0.6)
+    axes.set_xscale("symlog", linthresh=1.0)
+    axes.set_yscale("symlog", linthresh=1.0)
+    axes.set(xlabel="growth rate [1/s]", ylabel="frequency [Hz]")
+    axes.legend(loc="best")
     return figure

@@ -1,7 +1,5 @@
 """Figures of an envelope map: regions over torque and adhesion with the closed forms on them, and runs of each over time."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from textwrap import wrap
 from typing import Any
@@ -53,34 +51,30 @@ _PANELS = (
 )
 
 
+@house_style()
 def region_map(found: xr.Dataset, load: float, names: Mapping[str, str]) -> Figure:
     """Regions of one load over torque and adhesion, runs as dots, tracking error as contours, closed forms as lines."""
     here = found.sel(load=load)
-    with house_style():
-        figure, (axes,) = new_figure(1, height=5.0)
-        shown = _regions(axes, here)
-        _errors(axes, here)
-        lines = _closed_forms(axes, here)
-        rows, columns = np.nonzero(here["region"].to_numpy() != "")
-        torques, adhesions = _map_unit(here)[1] * here["torque"].to_numpy(), here["adhesion"].to_numpy()
-        axes.plot(torques[columns], adhesions[rows], ".", markersize=2.0, color="#333333", zorder=4)
-        look: dict[str, Any] = {"edgecolor": "#444444", "linewidth": 0.4}
-        handles: list[Any] = [
-            *(Patch(facecolor=FILLS[n][0], hatch=FILLS[n][1], label=names[n], **look) for n in FILLS if n in shown),
-            *(
-                Line2D([], [], color=LINES[n][0], linestyle=LINES[n][1], linewidth=1.6, label=LINES[n][2])
-                for n in lines
-            ),
-            Line2D([], [], color="#0b3d91", linewidth=0.9, label="tracking error, RMS of train speed"),
-            Line2D([], [], color="#333333", marker=".", markersize=3, linestyle="", label="a run"),
-        ]
-        figure.legend(handles=handles, loc="outside lower center", ncols=2)
-        axes.set_title(f"axle load {1e-3 * float(here['axle_load']):.4g} kN ({load:g} of the case's own)", loc="left")
-        side = ", negative brakes" if float(found["torque"][0]) < 0 else ""
-        axes.set_xlabel(f"torque on each axle [{_map_unit(here)[0]}]{side}")
-        axes.set_ylabel("adhesion of the reproduced rail [-]")
-        axes.grid(False)
-        return figure
+    figure, (axes,) = new_figure(1, height=5.0)
+    shown = _regions(axes, here)
+    _errors(axes, here)
+    lines = _closed_forms(axes, here)
+    rows, columns = np.nonzero(here["region"].to_numpy() != "")
+    torques, adhesions = _map_unit(here)[1] * here["torque"].to_numpy(), here["adhesion"].to_numpy()
+    axes.plot(torques[columns], adhesions[rows], ".", markersize=2.0, color="#333333", zorder=4)
+    look: dict[str, Any] = {"edgecolor": "#444444", "linewidth": 0.4}
+    handles: list[Any] = [
+        *(Patch(facecolor=FILLS[n][0], hatch=FILLS[n][1], label=names[n], **look) for n in FILLS if n in shown),
+        *(Line2D([], [], color=LINES[n][0], linestyle=LINES[n][1], linewidth=1.6, label=LINES[n][2]) for n in lines),
+        Line2D([], [], color="#0b3d91", linewidth=0.9, label="tracking error, RMS of train speed"),
+        Line2D([], [], color="#333333", marker=".", markersize=3, linestyle="", label="a run"),
+    ]
+    figure.legend(handles=handles, loc="outside lower center", ncols=2)
+    axes.set_title(f"axle load {1e-3 * float(here['axle_load']):.4g} kN ({load:g} of the case's own)", loc="left")
+    side = ", negative brakes" if float(found["torque"][0]) < 0 else ""
+    axes.set(xlabel=f"torque on each axle [{_map_unit(here)[0]}]{side}", ylabel="adhesion of the reproduced rail [-]")
+    axes.grid(False)
+    return figure
 
 
 def _unit(largest: float) -> tuple[str, float]:
@@ -121,8 +115,7 @@ def _regions(axes: Axes, here: xr.Dataset) -> set[str]:
             axes.add_patch(Rectangle(*place, facecolor=colour, edgecolor="none", linewidth=0))
             if hatch:
                 axes.add_patch(Rectangle(*place, fill=False, hatch=hatch, edgecolor="#00000055", linewidth=0))
-    axes.set_xlim(x[0], x[-1])
-    axes.set_ylim(max(0.0, y[0]), y[-1])
+    axes.set(xlim=(x[0], x[-1]), ylim=(max(0.0, y[0]), y[-1]))
     if here["torque"][-1] <= 0:
         axes.invert_xaxis()  # more torque to the right
     return {str(name) for name in np.unique(regions)}
@@ -172,23 +165,23 @@ def _highlighted(axes: Axes, x: Array, y: Array, name: str) -> None:
     axes.plot(x, y, color=LINES[name][0], linestyle=LINES[name][1], linewidth=1.6)
 
 
+@house_style()
 def runs_over_time(runs: Sequence[tuple[str, xr.Dataset]], radius: float, friction: float) -> Figure:
     """Up to three runs beside each other: speeds, torques, friction used and tracking error of the axle that uses most of it.
 
     Radius of the wheels [m]; friction between wheel and roller [-].
     """
     unit, scale = _unit(max(float(np.abs(run["roller_torque"]).max()) for _, run in runs))
-    with house_style():
-        figure, grid = new_grid(4, len(runs), height=7.0, sharex="col", sharey="row")
-        for column, (title, run) in zip(grid.T, runs, strict=True):
-            _one_run(column, _one_axle(run), radius, friction, scale)
-            column[0].set_title("\n".join(wrap(title, 34)), fontsize=8.0, loc="left")
-            column[-1].set_xlabel("time [s]")
-        for axes, label in zip(grid[:, 0], _PANELS, strict=True):
-            axes.set_ylabel(label.format(unit=unit))
-        handles, labels = zip(*(panel.get_legend_handles_labels() for panel in grid[:2, 0]), strict=True)
-        figure.legend([*handles[0], *handles[1]], [*labels[0], *labels[1]], loc="outside upper center", ncols=3)
-        return figure
+    figure, grid = new_grid(4, len(runs), height=7.0, sharex="col", sharey="row")
+    for column, (title, run) in zip(grid.T, runs, strict=True):
+        _one_run(column, _one_axle(run), radius, friction, scale)
+        column[0].set_title("\n".join(wrap(title, 34)), fontsize=8.0, loc="left")
+        column[-1].set_xlabel("time [s]")
+    for axes, label in zip(grid[:, 0], _PANELS, strict=True):
+        axes.set_ylabel(label.format(unit=unit))
+    handles, labels = zip(*(panel.get_legend_handles_labels() for panel in grid[:2, 0]), strict=True)
+    figure.legend([*handles[0], *handles[1]], [*labels[0], *labels[1]], loc="outside upper center", ncols=3)
+    return figure
 
 
 def _one_axle(run: xr.Dataset) -> xr.Dataset:

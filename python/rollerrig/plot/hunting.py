@@ -1,7 +1,5 @@
 """Figures of hunting: runs from a disturbance, limit cycles over speed, traction near the limit."""
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Mapping, Sequence

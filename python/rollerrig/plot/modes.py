@@ -3,8 +3,6 @@
 Mode shapes: outlines of the bodies, displaced as the mode displaces them; dimensions of the outlines are schematic.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import Any
@@ -24,7 +22,6 @@ from rollerrig.plot.style import (
     STYLES,
     colour,
     critical_line,
-    house_style,
     into_axes,
     legend_beside,
     look,
@@ -56,16 +53,15 @@ def mode_shape(modes: xr.Dataset, name: str = "", speed_kmh: float = math.nan) -
     speed = speed_kmh if math.isfinite(speed_kmh) else shape_speed(modes)
     one = modes.sel(mode=chosen).sel(speed=speed, method="nearest")
     views = ("plan", "end") if view_of(one) != "side" else ("side", "end")
-    with house_style():
-        figure, panels = new_grid(2, 2, height=3.6, gridspec_kw={"width_ratios": (3.2, 1)})
-        for row, (phase, label) in enumerate(((0.0, "at its largest"), (90.0, "a quarter of a period later"))):
-            for axes, view in zip(panels[row], views, strict=True):
-                _draw(axes, one, view, phase)
-                axes.set_ylabel(f"{AXES[VIEWS[view][1]]} [m]")
-            panels[row][0].set_title(label, loc="left")
-        for axes, view in zip(panels[1], views, strict=True):
-            axes.set_xlabel(f"{AXES[VIEWS[view][0]]} [m]")
-        return figure
+    figure, panels = new_grid(2, 2, height=3.6, gridspec_kw={"width_ratios": (3.2, 1)})
+    for row, (phase, label) in enumerate(((0.0, "at its largest"), (90.0, "a quarter of a period later"))):
+        for axes, view in zip(panels[row], views, strict=True):
+            _draw(axes, one, view, phase)
+            axes.set_ylabel(f"{AXES[VIEWS[view][1]]} [m]")
+        panels[row][0].set_title(label, loc="left")
+    for axes, view in zip(panels[1], views, strict=True):
+        axes.set_xlabel(f"{AXES[VIEWS[view][0]]} [m]")
+    return figure
 
 
 @into_axes
@@ -79,22 +75,21 @@ def mode_shapes(modes: xr.Dataset, names: Sequence[str], speed_kmh: float, colum
         columns: panels beside each other.
     """
     rows = max(1, math.ceil(len(names) / columns))
-    with house_style():
-        figure, grid = new_grid(rows, columns, height=0.2 + 1.55 * rows)
-        panels = grid.ravel()
-        for axes in panels[len(names) :]:
-            axes.set_visible(False)
-        for axes, name in zip(panels, names, strict=False):
-            one = modes.sel(mode=name).sel(speed=speed_kmh, method="nearest")
-            view = view_of(one)
-            _draw(axes, one, view, 0.0)
-            frequency, damping = float(one["frequency"]), 100 * float(one["damping"])
-            axes.set_title(f"{name}\n{frequency:.2f} Hz, damping {damping:.1f} %", loc="left", fontsize=7.5)
-            across, up = (AXES[axis] for axis in VIEWS[view])
-            axes.set_xlabel(f"{across} [m]", fontsize=7.5, labelpad=1)
-            axes.set_ylabel(f"{up} [m]", fontsize=7.5, labelpad=1)
-            axes.tick_params(labelsize=7)
-        return figure
+    figure, grid = new_grid(rows, columns, height=0.2 + 1.55 * rows)
+    panels = grid.ravel()
+    for axes in panels[len(names) :]:
+        axes.set_visible(False)
+    for axes, name in zip(panels, names, strict=False):
+        one = modes.sel(mode=name).sel(speed=speed_kmh, method="nearest")
+        view = view_of(one)
+        _draw(axes, one, view, 0.0)
+        frequency, damping = float(one["frequency"]), 100 * float(one["damping"])
+        axes.set_title(f"{name}\n{frequency:.2f} Hz, damping {damping:.1f} %", loc="left", fontsize=7.5)
+        across, up = (AXES[axis] for axis in VIEWS[view])
+        axes.set_xlabel(f"{across} [m]", fontsize=7.5, labelpad=1)
+        axes.set_ylabel(f"{up} [m]", fontsize=7.5, labelpad=1)
+        axes.tick_params(labelsize=7)
+    return figure
 
 
 def shape_speed(modes: xr.Dataset) -> float:
@@ -287,36 +282,35 @@ def damping_map(modes: xr.Dataset) -> Figure:
     Args:
         modes: Dataset of `stability`.
     """
-    with house_style():
-        names = [str(name) for name in modes["mode"].to_numpy()]
-        figure, (axes,) = new_figure(height=max(2.7, 1.3 + 0.185 * len(names)))
-        speed = modes["speed"].to_numpy()
-        values = 100 * modes["damping"].where(modes["frequency"] > 0.0).transpose("mode", "speed").to_numpy()
-        edges = np.concatenate([[speed[0]], 0.5 * (speed[1:] + speed[:-1]), [speed[-1]]])
-        if len(speed) == 1:
-            edges = np.array([speed[0] - 1.0, speed[0] + 1.0])
-        shades = ListedColormap(DAMPING_COLOURS)
-        steps = BoundaryNorm(DAMPING_STEPS, shades.N, extend="neither")
-        shown = np.clip(values, DAMPING_STEPS[0], DAMPING_STEPS[-1] - 1e-9)
-        axes.set_facecolor("#e4e4e4")
-        mesh = axes.pcolormesh(edges, np.arange(len(names) + 1), shown, cmap=shades, norm=steps, rasterized=False)
-        for row, value in enumerate(values):
-            for low, high in zip(edges[:-1][value < 0], edges[1:][value < 0], strict=True):
-                axes.add_patch(
-                    Rectangle((low, row), high - low, 1, fill=False, hatch="////", edgecolor="#333333", linewidth=0)
-                )
-        typical = modes["frequency"].isel(speed=-1).to_numpy()
-        axes.set_yticks(np.arange(len(names)) + 0.5)
-        axes.set_yticklabels([f"{name}  ({f:.3g} Hz)" for name, f in zip(names, typical, strict=True)], fontsize=7.5)
-        axes.grid(visible=False)
-        for row in range(1, len(names)):
-            axes.axhline(row, color="white", linewidth=0.8)
-        _mark_critical(axes, modes)
-        axes.set_xlabel("speed [km/h]")
-        bar = figure.colorbar(mesh, ax=axes, ticks=DAMPING_STEPS, pad=0.015, aspect=30)
-        bar.set_label("damping ratio [%]")
-        axes.set_title("hatched: grows; grey: no oscillation", loc="left")
-        return figure
+    names = [str(name) for name in modes["mode"].to_numpy()]
+    figure, (axes,) = new_figure(height=max(2.7, 1.3 + 0.185 * len(names)))
+    speed = modes["speed"].to_numpy()
+    values = 100 * modes["damping"].where(modes["frequency"] > 0.0).transpose("mode", "speed").to_numpy()
+    edges = np.concatenate([[speed[0]], 0.5 * (speed[1:] + speed[:-1]), [speed[-1]]])
+    if len(speed) == 1:
+        edges = np.array([speed[0] - 1.0, speed[0] + 1.0])
+    shades = ListedColormap(DAMPING_COLOURS)
+    steps = BoundaryNorm(DAMPING_STEPS, shades.N, extend="neither")
+    shown = np.clip(values, DAMPING_STEPS[0], DAMPING_STEPS[-1] - 1e-9)
+    axes.set_facecolor("#e4e4e4")
+    mesh = axes.pcolormesh(edges, np.arange(len(names) + 1), shown, cmap=shades, norm=steps, rasterized=False)
+    for row, value in enumerate(values):
+        for low, high in zip(edges[:-1][value < 0], edges[1:][value < 0], strict=True):
+            axes.add_patch(
+                Rectangle((low, row), high - low, 1, fill=False, hatch="////", edgecolor="#333333", linewidth=0)
+            )
+    typical = modes["frequency"].isel(speed=-1).to_numpy()
+    axes.set_yticks(np.arange(len(names)) + 0.5)
+    axes.set_yticklabels([f"{name}  ({f:.3g} Hz)" for name, f in zip(names, typical, strict=True)], fontsize=7.5)
+    axes.grid(visible=False)
+    for row in range(1, len(names)):
+        axes.axhline(row, color="white", linewidth=0.8)
+    _mark_critical(axes, modes)
+    axes.set_xlabel("speed [km/h]")
+    bar = figure.colorbar(mesh, ax=axes, ticks=DAMPING_STEPS, pad=0.015, aspect=30)
+    bar.set_label("damping ratio [%]")
+    axes.set_title("hatched: grows; grey: no oscillation", loc="left")
+    return figure
 
 
 @into_axes

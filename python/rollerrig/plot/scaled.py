@@ -1,7 +1,5 @@
 """Figures of a test at full scale and on a scaled model mapped back, both in one plot."""
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 import numpy as np

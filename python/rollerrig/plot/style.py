@@ -7,8 +7,6 @@ A figure of several panels takes as many axes as are given, from the top; the ot
     axes -> [logarithmic] -> scale, places of the numbers, how they are written
 """
 
-from __future__ import annotations
-
 import functools
 import inspect
 import io
@@ -39,16 +37,17 @@ class Draw(Protocol):
 
 
 def into_axes(draw: Callable[..., Figure]) -> Draw:
-    """The function with a last argument `axes`: what it is given is drawn into, and returned in place of a figure."""
+    """The function in the house style, with a last argument `axes`: what it is given is drawn into, and returned."""
+    styled = house_style()(draw)
 
     @functools.wraps(draw)
     def drawn(*results: Any, axes: Axes | Sequence[Axes] | None = None, **options: Any) -> Any:
         if axes is None:
-            return draw(*results, **options)
+            return styled(*results, **options)
         given = (axes,) if isinstance(axes, Axes) else tuple(np.ravel(np.asarray(axes, dtype=object)))
         token = _GIVEN.set(given)
         try:
-            draw(*results, **options)
+            styled(*results, **options)
         finally:
             _GIVEN.reset(token)
         return axes

@@ -1,7 +1,5 @@
 """Figures of a sweep: maps of a grid, scatter pictures of samples, tornado, Sobol indices."""
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Mapping
 from typing import Any
@@ -30,6 +28,7 @@ def _spread(count: int, most: int) -> list[int]:
     return sorted({round(i) for i in np.linspace(0, count - 1, min(count, most))})
 
 
+@house_style()
 def grid_map(data: xr.Dataset, name: str) -> Figure:
     """A number of a grid: lines over one or two varied keys of which one has few values, else maps, a panel per third value.
 
@@ -40,31 +39,30 @@ def grid_map(data: xr.Dataset, name: str) -> Figure:
     rest = {dim: values.sizes[dim] // 2 for dim in values.dims if dim not in shown}
     values = values.isel(rest)
     shown = [dim for dim in values.dims if dim in shown]
-    with house_style():
-        if len(shown) == 1:
-            figure, axes = new_figure(1)
-            _line(axes[0], values)
-            axes[0].set_ylabel(_label(values))
-            return figure
-        if len(shown) == 2 and min(values.sizes[dim] for dim in shown) < 4:
-            return _lines(values, shown)
-        across, up, *third = sorted(shown, key=lambda dim: -values.sizes[dim])
-        panels = _spread(values.sizes[third[0]], MOST_PANELS) if third else [0]
-        columns = min(3, len(panels))
-        figure, grid = new_grid(-(-len(panels) // columns), columns, 7.2, 3.2 if columns > 1 else 4.2)
-        low, high = float(values.min()), float(values.max())
-        picture: Any = None
-        for axes, k in itertools.zip_longest(grid.ravel(), panels):
-            if k is None:
-                axes.set_visible(False)
-                continue
-            part = values.isel({third[0]: k}) if third else values
-            picture = _map(axes, part.transpose(up, across), low, high)
-            if third:
-                axes.set_title(f"{str(third[0]).replace('_', ' ')} \n= {_shown(part[third[0]])}")
-        if picture is not None:
-            figure.colorbar(picture, ax=list(grid.ravel()), label=_label(values))
+    if len(shown) == 1:
+        figure, axes = new_figure(1)
+        _line(axes[0], values)
+        axes[0].set_ylabel(_label(values))
         return figure
+    if len(shown) == 2 and min(values.sizes[dim] for dim in shown) < 4:
+        return _lines(values, shown)
+    across, up, *third = sorted(shown, key=lambda dim: -values.sizes[dim])
+    panels = _spread(values.sizes[third[0]], MOST_PANELS) if third else [0]
+    columns = min(3, len(panels))
+    figure, grid = new_grid(-(-len(panels) // columns), columns, 7.2, 3.2 if columns > 1 else 4.2)
+    low, high = float(values.min()), float(values.max())
+    picture: Any = None
+    for axes, k in itertools.zip_longest(grid.ravel(), panels):
+        if k is None:
+            axes.set_visible(False)
+            continue
+        part = values.isel({third[0]: k}) if third else values
+        picture = _map(axes, part.transpose(up, across), low, high)
+        if third:
+            axes.set_title(f"{str(third[0]).replace('_', ' ')} \n= {_shown(part[third[0]])}")
+    if picture is not None:
+        figure.colorbar(picture, ax=list(grid.ravel()), label=_label(values))
+    return figure
 
 
 def _shown(value: xr.DataArray) -> str:
@@ -112,8 +110,7 @@ def _map(axes: Axes, values: xr.DataArray, low: float, high: float) -> Any:
         axes.set_xticks(x, x_words)
     if y_words:
         axes.set_yticks(y, y_words)
-    axes.set_xlabel(_label(values[across]))
-    axes.set_ylabel(_label(values[up]))
+    axes.set(xlabel=_label(values[across]), ylabel=_label(values[up]))
     return picture
 
 
@@ -141,72 +138,72 @@ def _edges(places: Any) -> Any:
     return np.exp(edges) if _is_wide(places) else edges
 
 
+@house_style()
 def scatter(data: xr.Dataset, name: str) -> Figure:
     """A number of each case over each varied key."""
     values = data[name]
     keys = [str(key) for key in values.coords]
     columns = min(3, len(keys))
-    with house_style():
-        figure, grid = new_grid(-(-len(keys) // columns), columns, 7.2, 2.6 if columns > 1 else 3.4)
-        for axes, key in itertools.zip_longest(grid.ravel(), keys):
-            if key is None:
-                axes.set_visible(False)
-                continue
-            column = values[key].to_numpy()
-            numbers = column.dtype.kind == "f"
-            places = column if numbers else np.unique(column.astype(str), return_inverse=True)[1]
-            axes.plot(places, values.to_numpy(), ".", color=COLOURS[0], markersize=3.5, alpha=0.7)
-            if not numbers:
-                words = np.unique(column.astype(str))
-                axes.set_xticks(range(len(words)), list(words))
-            _logarithmic(axes, column if numbers else [])
-            axes.set_xlabel(_label(values[key]))
-        for axes in grid[:, 0]:
-            axes.set_ylabel(_label(values), wrap=True)
-        return figure
+    figure, grid = new_grid(-(-len(keys) // columns), columns, 7.2, 2.6 if columns > 1 else 3.4)
+    for axes, key in itertools.zip_longest(grid.ravel(), keys):
+        if key is None:
+            axes.set_visible(False)
+            continue
+        column = values[key].to_numpy()
+        numbers = column.dtype.kind == "f"
+        places = column if numbers else np.unique(column.astype(str), return_inverse=True)[1]
+        axes.plot(places, values.to_numpy(), ".", color=COLOURS[0], markersize=3.5, alpha=0.7)
+        if not numbers:
+            words = np.unique(column.astype(str))
+            axes.set_xticks(range(len(words)), list(words))
+        _logarithmic(axes, column if numbers else [])
+        axes.set_xlabel(_label(values[key]))
+    for axes in grid[:, 0]:
+        axes.set_ylabel(_label(values), wrap=True)
+    return figure
 
 
+@house_style()
 def tornado(ends: Mapping[str, tuple[float, float]], attributes: Mapping[str, Any], middle: float) -> Figure:
     """Bars from the mean at the low end of each varied key to that at its high end, the longest at the top; mean of all cases."""
     keys = sorted(ends, key=lambda key: abs(ends[key][1] - ends[key][0]))
-    with house_style():
-        figure, axes = new_figure(1, height=max(1.8, 0.9 + 0.35 * len(keys)))
-        for place, key in enumerate(keys):
-            for value, colour, hatch, label in zip(
-                ends[key], (COLOURS[0], COLOURS[1]), ("", "///"), ("low end", "high end"), strict=True
-            ):
-                axes[0].barh(place, value - middle, left=middle, height=0.6, color=colour, alpha=0.75, hatch=hatch,
-                             edgecolor="white", label=label if place == 0 else None)  # fmt: skip
-        axes[0].axvline(middle, color="#444444", linewidth=1.0)
-        axes[0].set_yticks(range(len(keys)), [key.replace("_", " ") for key in keys])
-        unit = attributes["units"]
-        axes[0].set_xlabel(f"mean{f' [{unit}]' if unit not in ('', '1') else ''}")
-        axes[0].legend()
-        return figure
+    figure, axes = new_figure(1, height=max(1.8, 0.9 + 0.35 * len(keys)))
+    for place, key in enumerate(keys):
+        for value, colour, hatch, label in zip(
+            ends[key], (COLOURS[0], COLOURS[1]), ("", "///"), ("low end", "high end"), strict=True
+        ):
+            axes[0].barh(place, value - middle, left=middle, height=0.6, color=colour, alpha=0.75, hatch=hatch,
+                         edgecolor="white", label=label if place == 0 else None)  # fmt: skip
+    axes[0].axvline(middle, color="#444444", linewidth=1.0)
+    axes[0].set_yticks(range(len(keys)), [key.replace("_", " ") for key in keys])
+    unit = attributes["units"]
+    axes[0].set_xlabel(f"mean{f' [{unit}]' if unit not in ('', '1') else ''}")
+    axes[0].legend()
+    return figure
 
 
+@house_style()
 def sobol_bars(found: Mapping[str, Mapping[str, float]]) -> Figure:
     """First-order and total Sobol indices of each varied key with their intervals."""
     keys = list(found)[::-1]
-    with house_style():
-        figure, axes = new_figure(1, height=max(1.8, 0.9 + 0.45 * len(keys)))
-        for shift, kind, colour, hatch in ((0.18, "first", COLOURS[0], ""), (-0.18, "total", COLOURS[1], "///")):
-            places = [place + shift for place in range(len(keys))]
-            sizes = [found[key][kind] for key in keys]
-            errors = [found[key][f"{kind}_confidence"] for key in keys]
-            label = "first order" if kind == "first" else "total"
-            axes[0].barh(
-                places,
-                sizes,
-                xerr=errors,
-                height=0.34,
-                color=colour,
-                alpha=0.75,
-                hatch=hatch,
-                edgecolor="white",
-                label=label,
-            )
-        axes[0].set_yticks(range(len(keys)), [key.replace("_", " ") for key in keys])
-        axes[0].set_xlabel("part of the variance [-]")
-        axes[0].legend()
-        return figure
+    figure, axes = new_figure(1, height=max(1.8, 0.9 + 0.45 * len(keys)))
+    for shift, kind, colour, hatch in ((0.18, "first", COLOURS[0], ""), (-0.18, "total", COLOURS[1], "///")):
+        places = [place + shift for place in range(len(keys))]
+        sizes = [found[key][kind] for key in keys]
+        errors = [found[key][f"{kind}_confidence"] for key in keys]
+        label = "first order" if kind == "first" else "total"
+        axes[0].barh(
+            places,
+            sizes,
+            xerr=errors,
+            height=0.34,
+            color=colour,
+            alpha=0.75,
+            hatch=hatch,
+            edgecolor="white",
+            label=label,
+        )
+    axes[0].set_yticks(range(len(keys)), [key.replace("_", " ") for key in keys])
+    axes[0].set_xlabel("part of the variance [-]")
+    axes[0].legend()
+    return figure

@@ -6,8 +6,6 @@ Wheels, rollers and rails have their own profiles and radii. A body whose shape 
 box of its mass and moments of inertia. Symbols of springs and dampers lie along the directions in which they act.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from typing import Any
 
@@ -48,6 +46,7 @@ _TITLES = {
 _ANGLES = {"roll": "x", "pitch": "y", "yaw": "z"}
 
 
+@house_style()
 def vehicle(case: Case | str) -> Figure:
     """The vehicle of a case on its rig or track, drawn to scale from three sides.
 
@@ -62,27 +61,26 @@ def vehicle(case: Case | str) -> Figure:
         'from the right: x forward, z up'
     """
     scene = scene_of(as_case(case))
-    with house_style():
-        figure, panels, beside = _sheet(scene)
-        for view, axes in panels.items():
-            _ground(axes, scene, view)
-            for body in bodies(scene):
-                _body(axes, scene, body, view)
-            for number, elements in enumerate(scene.families.values()):
-                for element in elements:
-                    _element(axes, scene, element, view, colour(number))
-            _frame(axes, view)
-        _turning(panels["side"], scene)
-        legend(figure, scene, beside)
-        figure.canvas.draw()
-        for view, named in (("side", named_bodies(scene, panels["side"])), ("plan", named_elements(scene))):
-            rows = callouts(panels[view], named, wide=view == "plan")
-            panels[view].set_title(_TITLES[view], loc="left", fontsize=8.5, pad=room(rows))
-        for view, axes in panels.items():
-            into = {"side": "y into the page", "plan": "z towards you", "end": "x into the page"}[view]
-            across, up = VIEWS[view]
-            triad(axes, (across, up), into, mirrored=view == "end")
-        return figure
+    figure, panels, beside = _sheet(scene)
+    for view, axes in panels.items():
+        _ground(axes, scene, view)
+        for body in bodies(scene):
+            _body(axes, scene, body, view)
+        for number, elements in enumerate(scene.families.values()):
+            for element in elements:
+                _element(axes, scene, element, view, colour(number))
+        _frame(axes, view)
+    _turning(panels["side"], scene)
+    legend(figure, scene, beside)
+    figure.canvas.draw()
+    for view, named in (("side", named_bodies(scene, panels["side"])), ("plan", named_elements(scene))):
+        rows = callouts(panels[view], named, wide=view == "plan")
+        panels[view].set_title(_TITLES[view], loc="left", fontsize=8.5, pad=room(rows))
+    for view, axes in panels.items():
+        into = {"side": "y into the page", "plan": "z towards you", "end": "x into the page"}[view]
+        across, up = VIEWS[view]
+        triad(axes, (across, up), into, mirrored=view == "end")
+    return figure
 
 
 # ---------------------------------------------------------------------------------------------------------- the sheet

@@ -4,8 +4,6 @@ Case -> [scene_of] -> Scene -> places in a view
 place, direction, colour -> [symbols] -> lines in axes
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass

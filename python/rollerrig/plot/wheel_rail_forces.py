@@ -3,8 +3,6 @@
 wheel-rail forces, accelerations, axis along the run -> [plot] -> Figure
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 

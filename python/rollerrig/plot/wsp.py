@@ -1,7 +1,5 @@
 """Figures of a test programme for wheel slide protection: means with intervals, distributions of slip, one test over time."""
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from typing import Any
@@ -19,6 +17,7 @@ LOOKS: Mapping[str, tuple[str, str]] = {"track": (COLOURS[1], "s"), "rig": (COLO
 """Colour and marker."""
 
 
+@house_style()
 def means_with_intervals(
     stops: Sequence[str],
     found: Mapping[str, Sequence[Ends | None]],
@@ -32,52 +31,51 @@ def means_with_intervals(
 
     With a line at `zero` for differences.
     """
-    with house_style():
-        figure, (axes,) = new_figure(1, height=1.1 + 0.32 * len(stops))
-        for number, (label, ends) in enumerate(found.items()):
-            shift = 0.14 * (2 * number - 1)
-            colour, marker = LOOKS[label]
-            rows = [(row + shift, one) for row, one in enumerate(ends) if one is not None]
-            means = [one[0] for _, one in rows]
-            reach = [[max(0.0, abs(one[0] - end)) if math.isfinite(end) else 0.0 for _, one in rows for end in (one[k],)]
-                     for k in (1, 2)]  # fmt: skip
-            axes.errorbar(
-                means,
-                [at for at, _ in rows],
-                xerr=reach,
-                fmt=marker,
-                markersize=4,
-                color=colour,
-                capsize=2.5,
-                label=label,
+    figure, (axes,) = new_figure(1, height=1.1 + 0.32 * len(stops))
+    for number, (label, ends) in enumerate(found.items()):
+        shift = 0.14 * (2 * number - 1)
+        colour, marker = LOOKS[label]
+        rows = [(row + shift, one) for row, one in enumerate(ends) if one is not None]
+        means = [one[0] for _, one in rows]
+        reach = [[max(0.0, abs(one[0] - end)) if math.isfinite(end) else 0.0 for _, one in rows for end in (one[k],)]
+                 for k in (1, 2)]  # fmt: skip
+        axes.errorbar(
+            means,
+            [at for at, _ in rows],
+            xerr=reach,
+            fmt=marker,
+            markersize=4,
+            color=colour,
+            capsize=2.5,
+            label=label,
+        )
+    for values, look, label in (
+        (dry, {"marker": "|", "color": GREY}, "dry"),
+        (limits, {"marker": "D", "color": "black"}, "limit"),
+    ):
+        points = [(row, value) for row, value in enumerate(values) if value is not None]
+        if points:
+            filled: dict[str, Any] = (
+                {"facecolors": "none", "edgecolors": "black"} if label == "limit" else {"color": GREY}
             )
-        for values, look, label in (
-            (dry, {"marker": "|", "color": GREY}, "dry"),
-            (limits, {"marker": "D", "color": "black"}, "limit"),
-        ):
-            points = [(row, value) for row, value in enumerate(values) if value is not None]
-            if points:
-                filled: dict[str, Any] = (
-                    {"facecolors": "none", "edgecolors": "black"} if label == "limit" else {"color": GREY}
-                )
-                axes.scatter(
-                    [value for _, value in points],
-                    [row for row, _ in points],
-                    marker=look["marker"],
-                    s=34,
-                    label=label,
-                    zorder=4,
-                    **filled,
-                )
-        if zero:
-            axes.axvline(0.0, color=GREY, linewidth=0.8)
-        axes.set_yticks(range(len(stops)), [name.replace("_", " ") for name in stops])
-        axes.set_ylim(len(stops) - 0.5, -0.5)
-        axes.set_xlabel(xlabel)
-        axes.legend(loc="best")
-        return figure
+            axes.scatter(
+                [value for _, value in points],
+                [row for row, _ in points],
+                marker=look["marker"],
+                s=34,
+                label=label,
+                zorder=4,
+                **filled,
+            )
+    if zero:
+        axes.axvline(0.0, color=GREY, linewidth=0.8)
+    axes.set_yticks(range(len(stops)), [name.replace("_", " ") for name in stops])
+    axes.set(ylim=(len(stops) - 0.5, -0.5), xlabel=xlabel)
+    axes.legend(loc="best")
+    return figure
 
 
+@house_style()
 def slip_grid(edges: Array, shares: Mapping[str, Mapping[str, Array]]) -> Figure:
     """Part of the time at each slip: a panel per stop, track beside rig.
 
@@ -87,29 +85,28 @@ def slip_grid(edges: Array, shares: Mapping[str, Mapping[str, Array]]) -> Figure
     """
     columns = 3
     rows = math.ceil(len(shares) / columns)
-    with house_style():
-        figure, grid = new_grid(rows, columns, height=0.6 + 1.7 * rows, sharex=True, sharey=True)
-        ends = 100.0 * np.where(np.isfinite(edges), edges, 2.0 * edges[-2] - edges[-3])
-        for axes, (name, own) in zip(grid.flat, shares.items(), strict=False):
-            for label, one in own.items():
-                style = "--" if label == "track" else "-"
-                axes.stairs(
-                    np.maximum(100.0 * one, 1e-3),
-                    ends,
-                    label=label,
-                    color=LOOKS[label][0],
-                    linestyle=style,
-                    linewidth=1.2,
-                )
-            axes.set_title(name.replace("_", " "))
-            logarithmic(axes, "y")
-            axes.set_ylim(0.05, 120.0)
-        for axes in grid.flat[len(shares) :]:
-            axes.set_visible(False)
-        grid[0, 0].legend()
-        figure.supxlabel("|wheel speed - train speed| over train speed [%]", fontsize=9.0)
-        figure.supylabel("part of the time [%]", fontsize=9.0)
-        return figure
+    figure, grid = new_grid(rows, columns, height=0.6 + 1.7 * rows, sharex=True, sharey=True)
+    ends = 100.0 * np.where(np.isfinite(edges), edges, 2.0 * edges[-2] - edges[-3])
+    for axes, (name, own) in zip(grid.flat, shares.items(), strict=False):
+        for label, one in own.items():
+            style = "--" if label == "track" else "-"
+            axes.stairs(
+                np.maximum(100.0 * one, 1e-3),
+                ends,
+                label=label,
+                color=LOOKS[label][0],
+                linestyle=style,
+                linewidth=1.2,
+            )
+        axes.set_title(name.replace("_", " "))
+        logarithmic(axes, "y")
+        axes.set_ylim(0.05, 120.0)
+    for axes in grid.flat[len(shares) :]:
+        axes.set_visible(False)
+    grid[0, 0].legend()
+    figure.supxlabel("|wheel speed - train speed| over train speed [%]", fontsize=9.0)
+    figure.supylabel("part of the time [%]", fontsize=9.0)
+    return figure
 
 
 def stop_over_time(signals: Mapping[str, Mapping[str, Array]]) -> Figure:

@@ -13,8 +13,6 @@ Source  EN 13674-1 profile 60E1; the UIC60 of the Manchester contact benchmark h
 Units   the drawing is in millimetres, what leaves this file is in metres.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal

@@ -7,8 +7,6 @@ A message about a point names its line, whatever has been left out, turned round
 All functions take points in our axes, ordered along the profile, in metres, and raise ProfileError.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -48,7 +46,7 @@ class Course:
         """Number of points."""
         return len(self.points)
 
-    def part(self, chosen: slice | Sequence[int] | NDArray[np.intp] | Mask) -> Course:
+    def part(self, chosen: slice | Sequence[int] | NDArray[np.intp] | Mask) -> "Course":
         """Some of the points, in the order of `chosen`."""
         return replace(self, points=self.points[chosen], weights=self.weights[chosen], lines=self.lines[chosen])
 
@@ -71,7 +69,7 @@ class Course:
         """Whether the last point comes back to the first."""
         return bool(np.hypot(*(self.points[-1] - self.points[0])) <= 3 * np.median(self.spacing))
 
-    def averaged(self, count: int) -> Course:
+    def averaged(self, count: int) -> "Course":
         """Means of `count` neighbours, with the line of the first of them; what is left over at the end is dropped."""
         if count <= 1:
             return self

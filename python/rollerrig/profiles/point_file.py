@@ -5,8 +5,6 @@
 Only the syntax is checked here; what the numbers mean is decided where the profile is built.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from dataclasses import dataclass

@@ -4,8 +4,6 @@ To add a profile: write one file with a function that returns a ProfileTable, an
 Its keyword arguments become the keys of the configuration, which config/schema/profile.py lists with their units.
 """
 
-from __future__ import annotations
-
 import difflib
 import inspect
 import math
@@ -91,7 +89,10 @@ def _built(arguments: dict[str, Any], kind: ProfileKind, base_dir: Path | str | 
     for key, value in arguments.items():
         if key not in allowed or key in reserved:
             raise ProfileError(f"profile: {shape}: key {_unknown(key, allowed.keys() - reserved)}")
-        _check_type(f"profile: {shape}: {key}", value, allowed[key].annotation)
+        annotation = inspect.formatannotation(allowed[key].annotation).strip(
+            "'"
+        )  # also of a module that delays its own
+        _check_type(f"profile: {shape}: {key}", value, annotation)
     for key, parameter in allowed.items():
         if parameter.default is parameter.empty and key not in arguments and key not in reserved:
             raise ProfileError(f"profile: {shape}: key {key!r} is missing")

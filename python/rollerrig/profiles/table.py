@@ -13,8 +13,6 @@ away from the track centre; the right side is its mirror image.
 Units   metres throughout.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -91,7 +89,7 @@ class ProfileTable:
             object.__setattr__(self, attribute, values)
         self.measured.flags.writeable = False
 
-    def scaled(self, factor: float) -> ProfileTable:
+    def scaled(self, factor: float) -> "ProfileTable":
         """The same curve with all lengths times a factor: the profile of a model of a wheel or rail.
 
         Raises:

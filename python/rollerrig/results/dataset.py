@@ -21,8 +21,6 @@ that between output times only what is to be filtered at 20 Hz is kept.
     readings of the core -> Recording -> [add_readings] -> variables over `reading_time`
 """
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Mapping
@@ -271,6 +269,8 @@ def _prefixed(prefix: str, fields: list[Field]) -> dict[str, str]:
 
 def _attributes(model: AssembledModel, outcome: Outcome) -> dict[str, Any]:
     case = model.case
+    # JSON knows no infinity: a run of no steps has no smallest one
+    statistics = {key: value if math.isfinite(value) else None for key, value in outcome.statistics.items()}
     return {
         "title": case.description or case.name,
         "case": case.name,
@@ -278,18 +278,13 @@ def _attributes(model: AssembledModel, outcome: Outcome) -> dict[str, Any]:
         "status_message": outcome.message,
         "stopped_at_s": outcome.stopped_at,
         "stopped_wheel": outcome.wheel,
-        "solver_statistics": json.dumps(_finite(outcome.statistics), sort_keys=True),
+        "solver_statistics": json.dumps(statistics, sort_keys=True),
         "contact_counters": json.dumps(dict(outcome.counters), sort_keys=True),
         run_info.ATTRIBUTE: run_info.describe(model).to_json(),
         "sources": json.dumps(sources_of(case), ensure_ascii=False, sort_keys=True),
         "config_toml": case.to_toml(),
         "rollerrig_version": __version__,
     }
-
-
-def _finite(numbers: Mapping[str, float]) -> dict[str, float | None]:
-    """JSON knows no infinity: a run of no steps has no smallest one."""
-    return {key: value if math.isfinite(value) else None for key, value in numbers.items()}
 
 
 WORK_IN = ("energy_work_of_drive", "energy_work_of_torque")

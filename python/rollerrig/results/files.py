@@ -6,8 +6,6 @@ A NetCDF file is made in memory and then written like any text, so that a full d
 stamps, no names of machines or folders go into it.
 """
 
-from __future__ import annotations
-
 import errno
 import io
 import math

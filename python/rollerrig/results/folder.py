@@ -8,8 +8,6 @@ the old ones first. Then the manifest says that they replace them, they are rena
 did not write again goes: a program that is killed at any moment leaves whole files, each known to the manifest.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 import os
@@ -220,7 +218,7 @@ class ResultFolder:
         self._stage: Path | None = None
         self._lock = locked(self.path)
 
-    def __enter__(self) -> ResultFolder:
+    def __enter__(self) -> "ResultFolder":
         """Ready for files, once what a killed program left of its own is removed.
 
         Raises:

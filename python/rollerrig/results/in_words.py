@@ -5,8 +5,6 @@
 Of a run: what ran, how long, how it ended, its energy residual. Of anything else: what it is over, and what it holds.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path

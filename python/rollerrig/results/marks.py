@@ -7,8 +7,6 @@ a page and an FMU in the head of the page. Files of a study need no
 marks: the manifest of their folder knows them by their checksums (results/folder.py).
 """
 
-from __future__ import annotations
-
 import os
 from collections.abc import Sequence
 from pathlib import Path

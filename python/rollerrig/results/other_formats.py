@@ -6,8 +6,6 @@ Numbers are the run's own, to the last bit. A table has the signals over one tim
 `over="reading_time"` those of the finer readings; what belongs to no time, and texts, only go into a .mat file.
 """
 
-from __future__ import annotations
-
 import io
 import itertools
 from collections.abc import Callable

@@ -3,8 +3,6 @@
 results, their model -> [plausibility] -> warnings: wheel loads, tolerance, stiffness over mass and step
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 

@@ -7,8 +7,6 @@ the end, or a table: `is` (that text), `of` (an entry of another table, `group.k
 Quantity. `group` takes a group in below the key; `each` the named entries of a group, each with the `ends` of an ensemble.
 """
 
-from __future__ import annotations
-
 import re
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence

@@ -7,8 +7,6 @@
 Numbers carry their unit in the field's metadata, so that results of a scaled model can be mapped back to full scale.
 """
 
-from __future__ import annotations
-
 import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field, fields, is_dataclass, replace
@@ -217,7 +215,7 @@ class RunInfo:
     segments: tuple[TrackSegment, ...] = ()
 
     @classmethod
-    def of(cls, results: xr.Dataset) -> RunInfo:
+    def of(cls, results: xr.Dataset) -> "RunInfo":
         """The metadata of a run, or of what was computed from it.
 
         Raises:
@@ -235,7 +233,7 @@ class RunInfo:
         """As the attribute holds it."""
         return _adapter().dump_json(self).decode()
 
-    def mapped(self, factor: Callable[[str], float]) -> RunInfo:
+    def mapped(self, factor: Callable[[str], float]) -> "RunInfo":
         """This record with every number times the factor of its unit."""
         return _mapped(self, factor)  # type: ignore[no-any-return]
 

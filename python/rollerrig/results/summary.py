@@ -8,8 +8,6 @@ What of a signal is round-off: symmetric vehicles do not move sideways, but for 
 The numbers of a run, as they go into summary.json; meanings and units are registered in study/run.py.
 """
 
-from __future__ import annotations
-
 import json
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass

@@ -3,8 +3,6 @@
 results, their model -> [termination] -> the same with attributes `stopped_...`, and a sentence with all of them
 """
 
-from __future__ import annotations
-
 import math
 
 import numpy as np

@@ -10,8 +10,6 @@ Only the units that the configuration and the results use; angles, counts and pe
     Dataset of a scaled case -> [map_back] -> Dataset at full scale
 """
 
-from __future__ import annotations
-
 import json
 import math
 import re

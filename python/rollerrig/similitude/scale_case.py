@@ -6,8 +6,6 @@ The units are those of the configuration itself (`Quantity`): a new key is scale
 is in SPECIAL; a test walks all tables and fails where a number has no unit.
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Iterable, Mapping
 from types import UnionType
 from typing import Annotated, Any, TypeVar, Union, get_args, get_origin
@@ -71,7 +69,9 @@ def scale_case(
     description = f"{case.description} (1:{factors.length:g} model, {strategy})".strip()
     update: dict[str, Any] = {"name": name, "description": description, "similitude": record}
     if "clock" in kept:
-        update["time"] = _on_grid(scaled.time, case.time.sampling_step)
+        step = case.time.sampling_step  # which stays as it is
+        own = {"output_step": max(1, round(scaled.time.output_step / step)) * step}
+        update["time"] = scaled.time.model_copy(update=own)
     model = scaled.model_copy(update=update)
     checked = case_from_toml(model.to_toml(), name, allow_code=True)
     return checked.with_changes(changes) if changes else checked
@@ -109,18 +109,9 @@ def _check(case: Case, kept: tuple[str, ...]) -> None:
         raise ConfigError(problems)
 
 
-def _on_grid(time: TimeSettings, step: float) -> TimeSettings:
-    """Outputs at multiples of a sampling step that stays as it is."""
-    return time.model_copy(update={"output_step": max(1, round(time.output_step / step)) * step})
-
-
 # ---------------------------------------------------------------------------------------------------- exceptions
 
 Exceptions = Mapping[tuple[type[BaseModel], str], Callable[[Any, Similitude], Any]]
-
-
-def _unchanged(value: Any, _factors: Similitude) -> Any:
-    return value
 
 
 def _exceptions(kept: tuple[str, ...]) -> Exceptions:
@@ -138,19 +129,11 @@ def _exceptions(kept: tuple[str, ...]) -> Exceptions:
         ),
         "drives": ((Motor, "bandwidth"),),
     }
-    return {field: _unchanged for name in kept for field in fields[name]}
-
-
-def _length(value: float, factors: Similitude) -> float:
-    return value / factors.length
-
-
-def _blend(adhesion: Adhesion, factors: Similitude) -> float:
-    return adhesion.blend / (factors.time if adhesion.over_time else factors.length)
+    return {field: lambda value, _factors: value for name in kept for field in fields[name]}
 
 
 SPECIAL: Mapping[tuple[type[BaseModel], str], Callable[[Any, Similitude], Any]] = {
-    (TimeSettings, "absolute_tolerance"): _length  # of lengths and angles alike
+    (TimeSettings, "absolute_tolerance"): lambda value, factors: value / factors.length  # of lengths and angles alike
 }
 """Fields of which the unit does not say how they scale."""
 
@@ -177,7 +160,7 @@ def _scaled(table: M, factors: Similitude, exceptions: Exceptions) -> M:
             annotation = Annotated[field.annotation, *field.metadata] if field.metadata else field.annotation
             update[name] = _value(value, annotation, factors, exceptions, where)
     if isinstance(table, Adhesion):
-        update["blend"] = _blend(table, factors)
+        update["blend"] = table.blend / (factors.time if table.over_time else factors.length)
         update["recovery_constant"] = table.recovery_constant / factors.factor(table.recovery_unit)
     if isinstance(table, VehicleChoice | SupportChoice):  # after loading `data` holds everything
         update["use"] = None

@@ -5,8 +5,6 @@
 The numbers follow from the factors alone, docs/theory/similitude.md (M2)-(M5); the contact at rest is computed on both rigs.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -100,59 +98,30 @@ def requirements(full: Case, model: Case) -> list[Requirement]:
 
 
 def _of_contact(full: Case, model: Case, factors: Similitude, wrong: Distortion) -> Iterator[Requirement]:
-    g, material = full.gravity / factors.acceleration, full.contact.material
-    heavier = "heavy" if wrong.weight > 1 else "light"
-    yield Requirement(
-        "weight against inertia (Froude)",
-        "acceleration of gravity",
-        "m/s^2",
-        g,
-        model.gravity,
-        f"wheel loads and friction limits are {wrong.weight:.3g} times what they should be: the model is too {heavier}",
+    g, material, own = full.gravity / factors.acceleration, full.contact.material, model.contact.material
+    heavier, softer = "heavy" if wrong.weight > 1 else "light", "soft" if wrong.modulus < 1 else "hard"
+    effect = (
+        f"wheel loads and friction limits are {wrong.weight:.3g} times what they should be: the model is too {heavier}"
     )
-    softer = "soft" if wrong.modulus < 1 else "hard"
-    yield Requirement(
-        "elasticity of the contact (Hertz)",
-        "Young's modulus",
-        "Pa",
-        material.young_modulus / factors.pressure,
-        model.contact.material.young_modulus,
+    yield Requirement("weight against inertia (Froude)", "acceleration of gravity", "m/s^2", g, model.gravity, effect)
+    what, moduli = "elasticity of the contact (Hertz)", (material.young_modulus / factors.pressure, own.young_modulus)
+    effect = (
         f"the material is too {softer}: patches are {wrong.patch_size:.3g} times their size, contact springs and pressures "
-        "are wrong with them",
+        "are wrong with them"
     )
-    yield Requirement(
-        "creep stiffness (Kalker)",
-        "creep coefficients mapped back over those at full scale",
-        "1",
-        1.0,
-        wrong.creep_stiffness,
-        f"stability and small sliding are those of wheels that creep {1.0 / wrong.creep_stiffness:.3g} times as much",
+    yield Requirement(what, "Young's modulus", "Pa", *moduli, effect)
+    what, of = "creep stiffness (Kalker)", "creep coefficients mapped back over those at full scale"
+    effect = (
+        f"stability and small sliding are those of wheels that creep {1.0 / wrong.creep_stiffness:.3g} times as much"
     )
-    yield Requirement(
-        "creepage at which friction is used up",
-        "of the model over full scale",
-        "1",
-        1.0,
-        wrong.creep_at_saturation,
-        "the knee of the creep curve lies elsewhere",
-    )
-    yield Requirement(
-        "friction",
-        "coefficient of friction of wheel on roller",
-        "1",
-        full.contact.friction.mu_0,
-        model.contact.friction.mu_0,
-    )
-    fall, own = full.contact.friction, model.contact.friction
-    if isinstance(fall, FallingFriction) and isinstance(own, FallingFriction) and fall.B:
-        yield Requirement(
-            "friction over slip velocity",
-            "B",
-            "s/m",
-            fall.B * factors.speed,
-            own.B,
-            "friction falls at another slip velocity",
-        )
+    yield Requirement(what, of, "1", 1.0, wrong.creep_stiffness, effect)
+    what, effect = "creepage at which friction is used up", "the knee of the creep curve lies elsewhere"
+    yield Requirement(what, "of the model over full scale", "1", 1.0, wrong.creep_at_saturation, effect)
+    there, here = full.contact.friction, model.contact.friction
+    yield Requirement("friction", "coefficient of friction of wheel on roller", "1", there.mu_0, here.mu_0)
+    if isinstance(there, FallingFriction) and isinstance(here, FallingFriction) and there.B:
+        effect = "friction falls at another slip velocity"
+        yield Requirement("friction over slip velocity", "B", "s/m", there.B * factors.speed, here.B, effect)
 
 
 def _of_actuators(full: Case, model: Case, factors: Similitude) -> Iterator[Requirement]:
@@ -164,12 +133,9 @@ def _of_actuators(full: Case, model: Case, factors: Similitude) -> Iterator[Requ
     ):
         own, there = getattr(model, key), getattr(full, key)
         if own is not None and there is not None:
-            effect = (
-                f"the {name} is asked {there.sample_time / factors.time / own.sample_time:.3g} times as often as needed"
-            )
-            yield Requirement(
-                f"clock of the {name}", "sample time", "s", there.sample_time / factors.time, own.sample_time, effect
-            )
+            needed, actual = there.sample_time / factors.time, own.sample_time
+            effect = f"the {name} is asked {needed / actual:.3g} times as often as needed"
+            yield Requirement(f"clock of the {name}", "sample time", "s", needed, actual, effect)
     drives = []
     if full.traction is not None and model.traction is not None:
         drives.append(("traction motors", full.traction.motor, model.traction.motor))
@@ -178,21 +144,15 @@ def _of_actuators(full: Case, model: Case, factors: Similitude) -> Iterator[Requ
     for name, there, own in drives:
         share = own.bandwidth / (there.bandwidth * factors.time)
         effect = f"the {name} are {share:.3g} times as quick as they should be"
-        yield Requirement(
-            f"lag of the {name}", "bandwidth", "Hz", there.bandwidth * factors.time, own.bandwidth, effect
-        )
+        needed = there.bandwidth * factors.time
+        yield Requirement(f"lag of the {name}", "bandwidth", "Hz", needed, own.bandwidth, effect)
     if full.brake is not None and model.brake is not None and model.brake.motors_stand_in and full.traction is None:
         motor = model.traction.motor if model.traction else None
         if motor is not None:
-            yield Requirement(
-                "brake torque at once",
-                "time constant of the motors that replace the brakes",
-                "s",
-                0.0,
-                1.0 / (2.0 * math.pi * motor.bandwidth),
-                f"the brake acts {1e3 * factors.time / (2.0 * math.pi * motor.bandwidth):.3g} ms late at full scale, and "
-                "within the motors' envelope",
-            )
+            lag, of = 1.0 / (2.0 * math.pi * motor.bandwidth), "time constant of the motors that replace the brakes"
+            late = 1e3 * factors.time / (2.0 * math.pi * motor.bandwidth)
+            effect = f"the brake acts {late:.3g} ms late at full scale, and within the motors' envelope"
+            yield Requirement("brake torque at once", of, "s", 0.0, lag, effect)
 
 
 @dataclass(frozen=True)

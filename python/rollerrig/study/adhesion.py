@@ -13,8 +13,6 @@ without lag and limit, then known force and torque. The differences between them
 track, add up to the whole: the causes. Tests on track with a later protection give the rig's equivalent dead time.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -64,7 +62,7 @@ from rollerrig.study.ensemble import (
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Round, job
 from rollerrig.study.quantities import Numbers, Quantities
-from rollerrig.study.report import VIEW, Mark, Picture, Section, Table, Text
+from rollerrig.study.report import VIEW, Picture, Section, Table, Text
 from rollerrig.study.runs.adhesion import (
     CAUSES,
     GROUPS,
@@ -139,17 +137,13 @@ class AdhesionStudy(Study[Runs]):
     round_ends = (0.05, 0.8)
     heading = "{case.name}: degraded track and the rig that reproduces it"
     quantities = QUANTITIES
+    quick_means = f"only {QUICK_STARTS} starts of each test, whose numbers only show that everything works"
     writes = ("track*.nc", "rig*.nc", "axles*.csv", VIEW)
     irrelevant = ("description", "error_budget")
 
     def __post_init__(self) -> None:
         """Refuse a case that is not that of a rig which reproduces a test on track."""
         check_ensemble(track_case(self.case))
-
-    @property
-    def mark(self) -> Mark | None:
-        meaning = f"only {QUICK_STARTS} starts of each test, whose numbers only show that everything works"
-        return Mark("quick", meaning) if self.quick else None
 
     def cases(self) -> Mapping[str, Case]:
         return {"rig": self.case, "track": track_case(self.case)}

@@ -6,8 +6,6 @@ value or interval, expected value, tolerance -> [Check] -> table of the report, 
 A limit is met where the whole interval is within it and not met where nothing of it is. What is no number is not decided.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -35,7 +33,7 @@ class Interval:
     high: float
 
     @classmethod
-    def of_bracket(cls, found: CriticalSpeedByDisturbance) -> Interval:
+    def of_bracket(cls, found: CriticalSpeedByDisturbance) -> "Interval":
         """The critical speed by disturbance [km/h]: from where the motion decays to where it persists."""
         decays, persists = 3.6 * found.decays, 3.6 * found.persists
         return cls(-math.inf if math.isnan(decays) else decays, math.inf if math.isnan(persists) else persists)
@@ -66,18 +64,18 @@ class Interval:
             return True
         return False if self.high < low or self.low > high else None
 
-    def below(self, other: Interval) -> bool | None:
+    def below(self, other: "Interval") -> bool | None:
         """Whether the quantity is the smaller one; None: not decided, since the intervals overlap."""
         if self.high <= other.low:
             return True
         return False if self.low >= other.high else None
 
-    def distance(self, value: float) -> Interval:
+    def distance(self, value: float) -> "Interval":
         """How far the quantity is from a value."""
         ends = sorted((abs(self.low - value), abs(self.high - value)))
         return Interval(0.0 if self.low <= value <= self.high else ends[0], ends[1])
 
-    def over(self, other: Interval) -> Interval:
+    def over(self, other: "Interval") -> "Interval":
         """Its ratio to another quantity, both positive."""
         if not (self.known and other.known):
             return Interval(-math.inf, math.inf)

@@ -6,8 +6,6 @@ Only what such a chart can show whole becomes one: panels of unmarked lines that
 ordinate. All other figures stay pictures.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 

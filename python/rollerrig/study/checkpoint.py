@@ -7,8 +7,6 @@ A file per job in place of a line takes three times the processor time of a job'
 SQLite needs the locks that network file systems of clusters often lack.
 """
 
-from __future__ import annotations
-
 import hashlib
 import json
 import os
@@ -85,7 +83,7 @@ class Checkpoint:
             line["job"]: line["result"] for line in lines[1:] if line is not None and line.keys() == {"job", "result"}
         }
 
-    def __enter__(self) -> Checkpoint:
+    def __enter__(self) -> "Checkpoint":
         """Ready for adding."""
         return self
 

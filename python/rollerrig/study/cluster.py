@@ -3,8 +3,6 @@
 address of a scheduler -> [cluster] -> Executor, or ClusterError that says why there is none
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from concurrent.futures import Executor
 from contextlib import contextmanager

@@ -3,8 +3,6 @@
 cases by support -> [CompareStudy] -> modes, critical speeds, effects of the rollers, forces, contact characteristics
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field

@@ -7,8 +7,6 @@ The linear critical speed is that of the smooth piece of the profiles around the
 motion of millimetres crosses the places where patches come and go, so the nonlinear one depends on the rule from its first step.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Mapping, Sequence

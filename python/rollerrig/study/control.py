@@ -6,8 +6,6 @@ Case -> families of variants -> [ControlStudy] -> tracking and ripple of each ru
 Tracking is the wheel's speed less the virtual wheel's, over the train's speed (docs/theory/rig_control.md).
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Iterator, Mapping, Sequence
@@ -167,13 +165,14 @@ LIMITS = f"limits of failure, {100 * TRACKING_LIMIT:g} % and {RIPPLE_LIMIT:g} N 
 
 def range_chart(ranked: Sequence[Rank], shipped: Result) -> Picture:
     """Range of the errors of every curve beside the limits."""
-    bars = []
+    bars = {}
     for rank in ranked:
         points = [p.numbers for p in rank.points if p.completed] or [rank.worst.numbers]
         error = [max(100.0 * n["tracking_rms"], 1e-4) for n in points]
         ripple = [max(n["ripple_nm"], 0.1) for n in points if math.isfinite(n["ripple_nm"])] or [math.nan]
         label = f"{rank.family.name.replace('_', ' ')}, {rank.curve}"
-        bars.append(figures.Bar(label, (min(error), max(error)), (min(ripple), max(ripple)), not rank.worst.completed))
+        ends = (min(error), max(error)), (min(ripple), max(ripple))
+        bars[label] = figures.Errors(*ends, [not rank.worst.completed])
     base = (100.0 * shipped.numbers["tracking_rms"], shipped.numbers["ripple_nm"])
     caption = (
         f"Range of the errors along each axis, the worst on top. Dashed: {LIMITS}; red: above it; dotted: shipped."
@@ -197,11 +196,11 @@ def ranking_table(case: Case, ranked: Sequence[Rank]) -> Table:
 
 def family_picture(case: Case, family: Family, results: Sequence[Result]) -> Picture:
     """Errors over the axis of a family, a line per curve."""
-    curves = []
+    curves = {}
     for label, points in curves_of(family, results).items():
         errors, ripples = ([p.numbers[key] for p in points] for key in ("tracking_rms", "ripple_nm"))
-        ended = [not p.completed for p in points]
-        curves.append(figures.Curve(label, [p.value for p in points], [100.0 * e for e in errors], ripples, ended))
+        measured = figures.Errors([100.0 * e for e in errors], ripples, [not p.completed for p in points])
+        curves[label] = [p.value for p in points], measured
     base = family.base(case) if family.base is not None else None
     limits = (100.0 * TRACKING_LIMIT, RIPPLE_LIMIT)
     picture = figures.over_parameter(curves, family.axis, family.scale, base, limits)

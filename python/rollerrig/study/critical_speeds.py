@@ -3,8 +3,6 @@
 critical speeds -> [critical_speeds] -> jobs, numbers, CSV rows, tables, sentences, figures
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, Literal

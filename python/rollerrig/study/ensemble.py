@@ -7,8 +7,6 @@ alike cancels. An interval has two parts: the scatter of the draws, and what the
 quarter of those of the case (`finer`).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -126,7 +124,7 @@ class Estimate:
         reach = float(stdtrit(self.freedom, 0.5 + 0.5 * CONFIDENCE)) * self.standard_error + self.systematic
         return Interval(self.mean - reach, self.mean + reach)
 
-    def times(self, factor: float) -> Estimate:
+    def times(self, factor: float) -> "Estimate":
         """The same in another unit."""
         scaled = (factor * one for one in (self.mean, self.standard_error, self.systematic))
         mean, error, systematic = scaled

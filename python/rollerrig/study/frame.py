@@ -7,8 +7,6 @@ A study names its cases and its jobs, collects their results and says what the r
 resuming, the report's head and ends, summary.json, the files of the figures.
 """
 
-from __future__ import annotations
-
 import csv
 import io
 import json
@@ -62,6 +60,7 @@ class Study(ABC, Generic[R]):
         heading: title of the report; {names} are fields of the study.
         assumes, leaves_out: limitations that stand before and after those of the cases, a sentence each.
         quantities: what it reports; by default what is registered for the command.
+        quick_means: what is said of a study whose field `quick` is true, without a full stop.
         writes: names of its own files, with wildcards: looked for in the folder before the work begins.
         formats: of the figures' files; the first one is shown in the report.
         resumable: whether finished jobs are kept until the report is written.
@@ -75,6 +74,7 @@ class Study(ABC, Generic[R]):
     assumes: ClassVar[tuple[str, ...]] = ()
     leaves_out: ClassVar[tuple[str, ...]] = ()
     quantities: ClassVar[Quantities]
+    quick_means: ClassVar[str] = ""
     writes: ClassVar[tuple[str, ...]] = ()
     formats: ClassVar[tuple[Literal["svg", "png"], ...]] = ("png",)
     resumable: ClassVar[bool] = True
@@ -97,8 +97,8 @@ class Study(ABC, Generic[R]):
 
     @property
     def mark(self) -> Mark | None:
-        """What every page says of the whole study where its numbers are not to be relied on; None as a rule."""
-        return None
+        """What every page says of the whole study where its numbers are not to be relied on: of a `quick` one; else None."""
+        return Mark("quick", self.quick_means) if getattr(self, "quick", False) else None
 
     def cases(self) -> Mapping[str, Case]:
         """Label -> case, those whose limitations, sources and configuration the report states; by default the study's one."""
@@ -172,8 +172,8 @@ class Study(ABC, Generic[R]):
         progress: Progress | None = None,
         force: bool = False,
         executor: Executor | None = None,
-        first_results: Callable[[Outcome[R]], object] | None = None,
-    ) -> Outcome[R] | None:
+        first_results: "Callable[[Outcome[R]], object] | None" = None,
+    ) -> "Outcome[R] | None":
         """Do the jobs and collect their results.
 
         Args:

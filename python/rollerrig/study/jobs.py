@@ -6,8 +6,6 @@ Later rounds may depend on the results of earlier ones: a study yields a round a
 round, jobs that each need the one before them are a chain; several chains run side by side.
 """
 
-from __future__ import annotations
-
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor

@@ -6,8 +6,6 @@ A rig that is late acts like a track whose slide protection has more dead time: 
 gives the scale on which the rig's dump cycles are read.
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping
 
 from rollerrig.analysis.equivalent_dead_time import lags

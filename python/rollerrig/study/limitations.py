@@ -3,8 +3,6 @@
 Case -> [limitations] -> sentences for the report
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from rollerrig.config import Case, Rig

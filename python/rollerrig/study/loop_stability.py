@@ -6,8 +6,6 @@ An excited run rolls on a dry virtual rail; a light brake application excites th
 with the least damped eigenvalue there; what decays soon is hidden by the slow motions that the excitation leaves.
 """
 
-from __future__ import annotations
-
 import math
 from typing import Any
 

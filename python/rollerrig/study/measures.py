@@ -6,8 +6,6 @@ To add one: a table in `config/schema/plan.py`, a table of quantities, a functio
 and a Measure of it.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass

@@ -3,8 +3,6 @@
 plan -> [PaperStudy] -> modes, ramps, runs from a disturbance, traction -> numbers, figures, checks against theory, report
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 import tomllib
@@ -190,7 +188,7 @@ class PaperStudy(Study[Results]):
         found: list[Block] = [table, Text(TEXT["not_read"])] if rows else [Text("Not computed.")]
         return Section("The paper and this computation", [Text(f"The paper: {PAPER}"), *found])
 
-    def _critical_rows(self, results: Results) -> Iterator[Row]:
+    def _critical_rows(self, results: Results) -> Iterator["Row"]:
         for m in results.modes:
             size = f"{1e3 * self.chosen.hunting.disturbance:g} mm"
             words = []

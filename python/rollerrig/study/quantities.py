@@ -3,8 +3,6 @@
 numbers by key -> [Quantities] -> checked and finite -> summary.json, tables of the report, rows of CSV files, documentation
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from typing import Any

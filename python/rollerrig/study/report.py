@@ -3,8 +3,6 @@
 Page(title, sections of blocks) -> [jinja2 template] -> one self-contained HTML text
 """
 
-from __future__ import annotations
-
 import base64
 import json
 import re

@@ -3,8 +3,6 @@
 Case -> [RunStudy] -> run.nc, motion.csv, wheels.csv, running_safety.csv, summary.json, report.html, view.html
 """
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Iterator, Mapping, Sequence

@@ -3,8 +3,6 @@
 run -> assessment -> [running_safety] -> running_safety.csv, part of summary.json, tables and figures
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Sequence
 from typing import Any

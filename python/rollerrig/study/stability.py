@@ -3,8 +3,6 @@
 Case, speeds -> [StabilityStudy] -> stability.nc, tables of modes, shapes and limit cycles, report
 """
 
-from __future__ import annotations
-
 import json
 import math
 from collections.abc import Iterator, Mapping

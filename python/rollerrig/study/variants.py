@@ -3,8 +3,6 @@
 name -> Case, starting points -> [start_jobs] -> jobs -> [started] -> results by name -> [means] -> means with errors
 """
 
-from __future__ import annotations
-
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 

@@ -3,8 +3,6 @@
 Case of a rig with brake and slide protection, Programme -> [WspStudy] -> outcome per criterion, numbers per stop, CSV files
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -24,7 +22,7 @@ from rollerrig.study.ensemble import finer
 from rollerrig.study.frame import Content, Study
 from rollerrig.study.jobs import Done, Job, Round, job
 from rollerrig.study.quantities import Numbers, Quantities, Quantity
-from rollerrig.study.report import Block, Mark, Picture, Preformatted, Section, Table, Text
+from rollerrig.study.report import Block, Picture, Preformatted, Section, Table, Text
 from rollerrig.study.runs.adhesion import GROUPS, track_case, verdict_rows
 from rollerrig.study.runs.adhesion import verdict_of as group_verdict
 from rollerrig.study.runs.wsp import (
@@ -86,6 +84,9 @@ class WspStudy(Study[Results]):
 
     command = "wsp"
     quantities = QUANTITIES
+    quick_means = (
+        f"{QUICK_STARTS} starts of the first {QUICK_STOPS} stops, whose numbers only show that everything works"
+    )
     writes = ("tests_*.csv", "signals_*.csv")
     irrelevant = ("description", "source")
 
@@ -96,13 +97,6 @@ class WspStudy(Study[Results]):
     @property
     def title(self) -> str:
         return f"{self.case.name}: wheel slide protection, programme {self.programme.name}"
-
-    @property
-    def mark(self) -> Mark | None:
-        meaning = (
-            f"{QUICK_STARTS} starts of the first {QUICK_STOPS} stops, whose numbers only show that everything works"
-        )
-        return Mark("quick", meaning) if self.quick else None
 
     @property
     def count(self) -> int:

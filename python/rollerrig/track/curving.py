@@ -8,8 +8,6 @@ g sqrt(1 + (v^2 k / g)^2), inclined against the track's normal by
 whose tangent p is the lateral force per unit of load on the track. Equations: docs/theory/layout.md.
 """
 
-from __future__ import annotations
-
 import math
 
 

@@ -9,8 +9,6 @@ a transition are rounded by opposite amounts, so that the change of heading is t
 Equations: docs/theory/layout.md.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal

@@ -6,8 +6,6 @@ The page draws a cubic through neighbouring frames (Catmull and Rom); `interpola
 which the page states is measured on what the page draws.
 """
 
-from __future__ import annotations
-
 import base64
 import gzip
 from collections.abc import Mapping

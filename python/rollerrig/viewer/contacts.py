@@ -8,8 +8,6 @@ rollers or rails by the geometry of the core, which is asked once per frame; it 
     AssembledModel, values of a frame -> [LiveContacts] -> values of the columns of patches
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping
 from functools import partial

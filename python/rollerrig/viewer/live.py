@@ -7,8 +7,6 @@ Friction, torque, brake and the gains of the controllers act on the run as it go
 stiffness make another model; it starts at once from its own equilibrium, the vehicle displaced sideways and yawed as it was.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -22,7 +20,7 @@ from rollerrig.interfaces.plant import assembled_model
 from rollerrig.simulation.starting_state import StartError
 from rollerrig.viewer import parts
 from rollerrig.viewer.contacts import PATCH, LiveContacts
-from rollerrig.viewer.scene import plots
+from rollerrig.viewer.scene import head_of, plots
 
 _RANGE = (0.1, 4.0)
 """Range of a gain, over its own value."""
@@ -185,7 +183,8 @@ class LiveRun:
         own = self.plant.values(self._indices).tolist()
         own[self._forces] = [v - r for v, r in zip(own[self._forces], self._rest, strict=True)]
         found = [*own, *self._contacts.values(dict(zip(self._columns, own, strict=True)))]
-        return {"time": round(self.time, 4), "values": [_short(v) for v in found], "told": self.told}
+        values = [float(f"{v:.6g}") if math.isfinite(v) else None for v in found]
+        return {"time": round(self.time, 4), "values": values, "told": self.told}
 
     @property
     def scene(self) -> dict[str, Any]:
@@ -285,25 +284,10 @@ class LiveRun:
 
     def _scene(self, model: AssembledModel, elements: list[dict[str, Any]]) -> dict[str, Any]:
         columns = [*self._columns, *(f"w{k}.p0.{name}" for k in range(len(model.wheels)) for name in PATCH)]
-        head: dict[str, Any] = {
-            "label": self.case.name,
-            "case": self.case.name,
-            "title": self.case.description,
-            "status": "",
-            "support": self.case.support.data.kind,
-            "gravity": self.case.gravity,
-            "bodies": parts.bodies(model),
-            "wheels": parts.wheels(model),
-            "elements": elements,
-            "shapes": parts.shapes(model),
-            "line": parts.track(model, 0.0, 4000.0),
-            "patches": 1,
-            "brakes": self.case.brake is not None,
-            "motors": self.case.traction is not None,
-            "axles": list(model.wheelsets),
-            "columns": {name: [] for name in columns},
-            "load": 0.5 * max(model.axle_loads.values()),
-        }
+        texts = self.case.name, self.case.name, self.case.description, ""
+        acting = 1, self.case.brake is not None, self.case.traction is not None
+        head = head_of(model, texts, elements, (0.0, 4000.0), acting)
+        head |= {"columns": {name: [] for name in columns}, "load": 0.5 * max(model.axle_loads.values())}
         head["plots"] = plots(head)
         head["columns"] = {}
         shown = [{**vars(one), "first": one.value, "value": self.values[one.name]} for one in self.sliders.values()]
@@ -331,7 +315,3 @@ def _endless(case: Case) -> Case:
     if not case.sampled:
         changes["axle_torque"] = [{"wheelset": body.name, "constant": 0.0} for body in wheelsets(case)]
     return case.with_changes(changes)
-
-
-def _short(value: float) -> float | None:
-    return float(f"{value:.6g}") if math.isfinite(value) else None

@@ -4,8 +4,6 @@ Scenes -> [page] -> HTML text
 runs -> [view] -> one HTML file
 """
 
-from __future__ import annotations
-
 import html
 import json
 from collections.abc import Sequence

@@ -6,8 +6,6 @@ Profiles, radii, places and ends are the case's own. Shapes that a case does not
 drawn around the ends of its elements; the page says that they are schematic.
 """
 
-from __future__ import annotations
-
 from collections.abc import Sequence
 from typing import Any
 
@@ -18,7 +16,6 @@ from rollerrig.common.arrays import Array, Mask
 from rollerrig.config import Element, Rig, Track
 from rollerrig.config.schema.vehicle import DIRECTIONS
 from rollerrig.profiles import ProfileTable
-from rollerrig.track import Line
 
 Table = dict[str, Any]
 
@@ -165,9 +162,10 @@ def track(model: AssembledModel, run_from: float, run_to: float) -> Table | None
         return None
     s = np.arange(run_from - _BEHIND, run_to + _AHEAD + _LINE_STEP, _LINE_STEP)
     heading, cant, base = np.zeros_like(s), np.zeros_like(s), 1.5
-    if model.line is not None:
-        heading, cant, base = _line(model.line, s)
-    x, y = (_running(way, _LINE_STEP) for way in (np.cos(heading), np.sin(heading)))
+    if (line := model.line) is not None:
+        heading, cant, base = np.asarray(line.heading(s)), np.asarray(line.cant.evaluate(s)), line.cant_base
+    middles = ((way[1:] + way[:-1]) / 2 for way in (np.cos(heading), np.sin(heading)))
+    x, y = (np.concatenate([[0.0], np.cumsum(rate * _LINE_STEP)]) for rate in middles)
     at_start = np.interp(0.0, s, x), np.interp(0.0, s, y)
     columns = {"x": x - at_start[0], "y": y - at_start[1], "heading": heading, "cant": cant}
     return {
@@ -176,11 +174,3 @@ def track(model: AssembledModel, run_from: float, run_to: float) -> Table | None
         "base": base,
         **{k: np.round(v, 5).tolist() for k, v in columns.items()},
     }
-
-
-def _line(line: Line, s: Array) -> tuple[Array, Array, float]:
-    return np.asarray(line.heading(s)), np.asarray(line.cant.evaluate(s)), line.cant_base
-
-
-def _running(rate: Array, step: float) -> Array:
-    return np.concatenate([[0.0], np.cumsum((rate[1:] + rate[:-1]) / 2 * step)])

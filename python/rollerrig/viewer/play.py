@@ -6,8 +6,6 @@ The server listens on the loopback alone, answers only requests that name it (so
 name of its own), and takes commands only from its own page. All browsers see one and the same simulation.
 """
 
-from __future__ import annotations
-
 import contextlib
 import json
 import threading

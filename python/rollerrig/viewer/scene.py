@@ -14,8 +14,6 @@ The page draws u(t) = amplitude cos(2 pi f t + phase) of each coordinate; the si
 left out.
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass
 from typing import Any
 
@@ -147,32 +145,48 @@ def run_scene(run: xr.Dataset, *, label: str = "", most: int = MOST_FRAMES) -> S
     bars = _add_elements(columns, run, model, frames.index)
     _add_named(columns, run, frames.index)
     done = _add_forces(columns, run, most)
-    distance = run["distance"].to_numpy()
-    head = {
-        "label": label or str(run.attrs["case"]),
-        "case": str(run.attrs["case"]),
-        "title": str(run.attrs["title"]),
-        "status": str(run.attrs["status_message"]),
+    brake, distance = model.case.brake, run["distance"].to_numpy()
+    motors = model.case.traction is not None or (brake is not None and brake.motors_stand_in)
+    way, acting = (float(np.nanmin(distance)), float(np.nanmax(distance))), (patches, brake is not None, motors)
+    head = head_of(model, _texts(run, label, str(run.attrs["status_message"])), bars, way, acting)
+    head |= {"frames": len(frames.times), "samples": int(run.sizes["time"]), "errors": dict(frames.errors)}
+    head |= {"filter": done, "columns": columns.places}
+    head["plots"] = plots(head)
+    return Scene(head, columns)
+
+
+def head_of(
+    model: AssembledModel,
+    texts: tuple[str, str, str, str],
+    elements: list[dict[str, Any]],
+    way: tuple[float, float],
+    acting: tuple[int, bool, bool],
+) -> dict[str, Any]:
+    """What every scene says of its model.
+
+    Args:
+        model: what is shown.
+        texts: label, case, title, and how it ended.
+        elements: as the page draws them.
+        way: least and greatest distance of the line that is drawn [m].
+        acting: patches of a wheel, and whether there are brakes and motors.
+    """
+    return {
+        **dict(zip(("label", "case", "title", "status"), texts, strict=True)),
         "support": model.case.support.data.kind,
         "gravity": model.case.gravity,
         "bodies": parts.bodies(model),
         "wheels": parts.wheels(model),
-        "elements": bars,
+        "elements": elements,
         "shapes": parts.shapes(model),
-        "line": parts.track(model, float(np.nanmin(distance)), float(np.nanmax(distance))),
-        "patches": patches,
-        "brakes": model.case.brake is not None,
-        "motors": model.case.traction is not None
-        or (model.case.brake is not None and model.case.brake.motors_stand_in),
+        "line": parts.track(model, *way),
+        **dict(zip(("patches", "brakes", "motors"), acting, strict=True)),
         "axles": list(model.wheelsets),
-        "frames": len(frames.times),
-        "samples": int(run.sizes["time"]),
-        "errors": dict(frames.errors),
-        "filter": done,
-        "columns": columns.places,
     }
-    head["plots"] = plots(head)
-    return Scene(head, columns)
+
+
+def _texts(results: xr.Dataset, label: str, status: str) -> tuple[str, str, str, str]:
+    return label or str(results.attrs["case"]), str(results.attrs["case"]), str(results.attrs["title"]), status
 
 
 def model_of(run: xr.Dataset) -> AssembledModel:
@@ -260,17 +274,14 @@ def _add_elements(
     """A column per element: its force or moment in the direction in which that varies most, over the first sample."""
     table = parts.elements(model)
     for element in table:
-        found = {way: run[_element_variable(way)].to_numpy()[:, element["number"]] for way in element["directions"]}
+        names = {way: f"element_{'force' if way in 'xyz' else 'moment'}_{way}" for way in element["directions"]}
+        found = {way: run[name].to_numpy()[:, element["number"]] for way, name in names.items()}
         way = "z" if element["carries"] else max(found, key=lambda name: float(np.nan_to_num(np.nanstd(found[name]))))
         rest = float(found[way][0]) if element["carries"] else 0.0
         element["direction"], element["rest"] = way, rest
         element["largest"] = float(np.nanmax(np.abs(found[way] - rest), initial=0.0))
         columns.add(f"e{element['number']}", found[way][index] - rest)
     return table
-
-
-def _element_variable(direction: str) -> str:
-    return f"element_force_{direction}" if direction in "xyz" else f"element_moment_{direction}"
 
 
 def _add_named(columns: Columns, run: xr.Dataset, index: NDArray[np.intp]) -> None:
@@ -309,22 +320,7 @@ def mode_scene(modes: xr.Dataset, *, label: str = "") -> Scene:
     ]
     speeds = [float(v) for v in modes["speed"].to_numpy()]
     critical = float(modes.attrs.get("linear_critical_speed_kmh", np.nan))
-    head: dict[str, Any] = {
-        "label": label or str(modes.attrs["case"]),
-        "case": str(modes.attrs["case"]),
-        "title": str(modes.attrs["title"]),
-        "status": "",
-        "support": model.case.support.data.kind,
-        "gravity": model.case.gravity,
-        "bodies": parts.bodies(model),
-        "wheels": parts.wheels(model),
-        "elements": elements,
-        "shapes": parts.shapes(model),
-        "line": parts.track(model, 0.0, 0.0),
-        "patches": 0,
-        "brakes": False,
-        "motors": False,
-        "axles": list(model.wheelsets),
+    head = head_of(model, _texts(modes, label, ""), elements, (0.0, 0.0), (0, False, False)) | {
         "frames": 0,
         "samples": 0,
         "errors": {},

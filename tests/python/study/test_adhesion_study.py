@@ -56,7 +56,11 @@ def outcome() -> Found[Runs]:
 def test_the_first_page_is_that_of_two_starts_on_track_and_rig(outcome: Found[Runs], tmp_path: Path) -> None:
     """Nothing is said yet of what was not run."""
     first = FIRST[0]
-    assert {name: len(records) for name, records in first.results.records.items()} == {"track": 2, "rig": 2, "rolling": 1}
+    assert {name: len(records) for name, records in first.results.records.items()} == {
+        "track": 2,
+        "rig": 2,
+        "rolling": 1,
+    }
     assert first.numbers["track"] == outcome.numbers["track"]
     assert first.numbers["interrupted"]
     first.write(tmp_path)

@@ -3,6 +3,7 @@
 name or path -> [load_any] -> what kind it is, and what it describes
 """
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import get_args
 
@@ -26,10 +27,17 @@ from rollerrig.config.schema.support import Rig
 from rollerrig.config.schema.track import Track
 from rollerrig.config.schema.vehicle import Vehicle
 
+Part = Vehicle | Rig | Track | Material | ProfileSpec | Programme
+LOADERS: dict[CatalogKind, Callable[[str | Path], Part]] = {
+    "vehicle": load_vehicle,
+    "support": load_support,
+    "material": load_material,
+    "profile": load_profile,
+    "programme": load_programme,
+}
 
-def load_any(
-    source: str | Path, *, allow_code: bool = False
-) -> tuple[CatalogKind, Case | Vehicle | Rig | Track | Material | ProfileSpec | Programme | Plan]:
+
+def load_any(source: str | Path, *, allow_code: bool = False) -> tuple[CatalogKind, Case | Part | Plan]:
     """Read a catalogue entry or file of any kind and say which it is by its keys.
 
     Args:
@@ -43,17 +51,8 @@ def load_any(
     named = next((kind for kind in kinds if str(source) in catalog_names(kind)), None)
     document = read_document(named or "case", source)
     kind = named or kind_of(document.raw)
-    match kind:
-        case "vehicle":
-            return kind, load_vehicle(source)
-        case "support":
-            return kind, load_support(source)
-        case "material":
-            return kind, load_material(source)
-        case "profile":
-            return kind, load_profile(source)
-        case "programme":
-            return kind, load_programme(source)
-        case "plan":
-            return kind, resolve_plan(document, allow_code=allow_code).plan
+    if kind in LOADERS:
+        return kind, LOADERS[kind](source)
+    if kind == "plan":
+        return kind, resolve_plan(document, allow_code=allow_code).plan
     return kind, build_case(document, own_folder=document.folder, allow_code=allow_code)

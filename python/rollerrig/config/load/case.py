@@ -79,15 +79,8 @@ class Case(CaseTables):
         """
         file = f"{self.name} (changed)"
         raw, problems = changed_tables(self, {str(key): value for key, value in changes.items()}, file)
-        try:
-            changed = build_case(
-                Document(raw, file, Path()), allow_code=True
-            )  # the case's is, new code is the caller's
-        except ConfigError as error:
-            problems += [problem.shortened() for problem in error.problems]
-        if problems:
-            raise ConfigError(problems)
-        return changed
+        # the case's code is allowed, new code is the caller's
+        return _built(problems, Document(raw, file, Path()), allow_code=True)
 
     def diff(self, other: "Case") -> Differences:
         """What is different in another case: dotted key -> (value here, value there), in SI; it prints a line per key."""
@@ -300,14 +293,16 @@ def _build_from_base(document: Document, own_folder: Path | None, *, allow_code:
     base = build_case(found, own_folder=found.folder, allow_code=allow_code, above=(*above, here))
     changes, problems = changes_in(document, base)
     raw, mistakes = changed_tables(base, changes, file)
-    problems += mistakes
+    return _built(problems + mistakes, replace(document, raw=raw), own_folder=own_folder, allow_code=allow_code)
+
+
+def _built(problems: Problems, document: Document, **options: Any) -> Case:
+    """The case of a document as `build_case` makes it; its mistakes come after those that are known of its changes."""
     try:
-        case = build_case(replace(document, raw=raw), own_folder=own_folder, allow_code=allow_code)
+        case = build_case(document, **options)
     except ConfigError as error:
-        problems += [problem.shortened() for problem in error.problems]
-    if problems:
-        raise ConfigError(problems)
-    return case
+        problems = problems + [problem.shortened() for problem in error.problems]
+    return _whole(None if problems else case, problems)
 
 
 def _copied(value: Any) -> Any:

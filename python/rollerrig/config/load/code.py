@@ -49,7 +49,10 @@ def code_of(case: CaseTables) -> tuple[Code, ...]:
     """All code that runs with a case, in the order of its tables."""
     tables = {key: getattr(case, key) for key in type(case).model_fields}
     found = [_code(key, user) for key, table in tables.items() if isinstance(user := _user(table), str)]
-    return (*found, *(Code(f"{key}.fmu", table.fmu.file, "") for key, table in tables.items() if _has_fmu(table)))
+    return (
+        *found,
+        *(Code(f"{key}.fmu", table.fmu.file, "") for key, table in tables.items() if getattr(table, "fmu", None)),
+    )
 
 
 def check_new_code(
@@ -125,10 +128,6 @@ def _elsewhere(
     where = f"the {whose}'s own folder" + ("" if own_folder is None else f", {own_folder.absolute()}")
     allowed = f"code from elsewhere: {what} outside {where}; runs only with --allow-code, or allow_code=True"
     return ConfigProblem(file, key, value, allowed)
-
-
-def _has_fmu(table: object) -> bool:
-    return getattr(table, "fmu", None) is not None
 
 
 def _user(table: object) -> object:

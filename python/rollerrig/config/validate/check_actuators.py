@@ -3,8 +3,6 @@
 Case -> [check_actuators] -> problems
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 
 from rollerrig import _core

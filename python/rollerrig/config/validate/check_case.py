@@ -37,17 +37,14 @@ def numbers_per_sample(case: CaseTables) -> int:
     part = case.vehicle.part
     bodies = case.vehicle.data.bodies_in(part)
     axles = sum(body.kind == "wheelset" for body in bodies)
+    of_the_train = len(case.train.axles.positions) if case.train.axles else 0
     of_a_wheel = len(_core.wheel_fields) + _core.patches_recorded * len(_core.patch_fields)
     return (
         (len(bodies) + len(part.fixed) + 2 * axles) * len(_core.body_fields)
         + 2 * axles * of_a_wheel
         + len(case.vehicle.data.elements_in(part)) * len(_core.element_fields)
-        + (max(axles, _train_axles(case)) * len(_core.axle_fields) if case.sampled else 0)
+        + (max(axles, of_the_train) * len(_core.axle_fields) if case.sampled else 0)
     )
-
-
-def _train_axles(case: CaseTables) -> int:
-    return len(case.train.axles.positions) if case.train.axles else 0
 
 
 def _results(case: CaseTables, file: str) -> Iterator[ConfigProblem]:

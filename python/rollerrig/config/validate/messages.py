@@ -111,25 +111,26 @@ def item_label(items: Sequence[object], index: int) -> str:
     return f"{own}" if usable and [name(item) for item in items].count(own) == 1 else f"[{index}]"
 
 
-def _bare(annotation: Any) -> Any:
-    """Without Annotated and without None."""
+def alternatives(annotation: Any) -> tuple[Any, ...]:
+    """What an annotation allows, one by one: without Annotated and without None."""
     while get_origin(annotation) is Annotated:
         annotation = get_args(annotation)[0]
     if get_origin(annotation) in (Union, types.UnionType):
-        members = [member for member in get_args(annotation) if member is not type(None)]
-        if len(members) == 1:
-            return _bare(members[0])
-    return annotation
+        return tuple(a for member in get_args(annotation) if member is not type(None) for a in alternatives(member))
+    return (annotation,)
+
+
+def _bare(annotation: Any) -> Any:
+    """Without Annotated and without None."""
+    found = alternatives(annotation)
+    while get_origin(annotation) is Annotated:
+        annotation = get_args(annotation)[0]
+    return found[0] if len(found) == 1 else annotation
 
 
 def tables_in(annotation: Any) -> tuple[type[BaseModel], ...]:
     """The models an annotation may hold directly: one, several of a union, or none."""
-    annotation = _bare(annotation)
-    if isinstance(annotation, type) and issubclass(annotation, BaseModel):
-        return (annotation,)
-    if get_origin(annotation) in (Union, types.UnionType):
-        return tuple(table for member in get_args(annotation) for table in tables_in(member))
-    return ()
+    return tuple(one for one in alternatives(annotation) if isinstance(one, type) and issubclass(one, BaseModel))
 
 
 def tables_below(root: type[BaseModel]) -> tuple[type[BaseModel], ...]:

@@ -124,8 +124,9 @@ def rows(case: CaseTables) -> list[tuple[str, str]]:
     bodies = [body.name for body in vehicle.data.bodies_in(vehicle.part)]
     method, step = case.integration
     acting = [name for name in ACTING if getattr(case, name)]
+    names = ", ".join(bodies if len(bodies) <= 4 else [*bodies[:2], f"{bodies[2]} and {len(bodies) - 3} more"])
     found = [
-        ("vehicle", f"{vehicle.data.name}{part}: {_few(bodies)}"),
+        ("vehicle", f"{vehicle.data.name}{part}: {names}"),
         ("support", support.name + (f", rollers of {1e3 * support.roller_radius:g} mm" if isinstance(support, Rig) else "")),
         ("motion", f"{3.6 * case.motion.speed:.4g} km/h at the start, {case.motion.drive.replace('_', ' ')}"),
         ("contact", ", ".join((contact.material.name, f"friction {_friction(contact)}", contact.normal.kind,
@@ -134,12 +135,6 @@ def rows(case: CaseTables) -> list[tuple[str, str]]:
                  + (f", step {1e3 * step:g} ms" if step else "")),
     ]  # fmt: skip
     return [*found, *([("acting", ", ".join(acting))] if acting else [])]
-
-
-def _few(names: list[str], most: int = 4) -> str:
-    return (
-        ", ".join(names) if len(names) <= most else f"{', '.join(names[: most - 1])} and {len(names) - most + 1} more"
-    )
 
 
 def _friction(contact: Contact) -> str:

@@ -5,12 +5,11 @@ pydantic models -> [key_places] -> every dotted key with its table -> [explain] 
 
 import re
 import tomllib
-import types
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 from textwrap import shorten
-from typing import Annotated, Any, Literal, Union, get_args, get_origin
+from typing import Any, Literal, get_args, get_origin
 
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
@@ -22,7 +21,7 @@ from rollerrig.config.schema.case import CaseTables, SupportChoice, VehicleChoic
 from rollerrig.config.schema.plan import Plan
 from rollerrig.config.schema.programme import Programme
 from rollerrig.config.schema.units import Quantity
-from rollerrig.config.validate.messages import divided, meant, tables_in, tag_of
+from rollerrig.config.validate.messages import alternatives, divided, meant, tables_in, tag_of
 
 _ROOTS: tuple[tuple[str, type[BaseModel]], ...] = (
     ("case", CaseTables),
@@ -126,7 +125,8 @@ def explain(key: str) -> str:
     texts = _texts(found)
     different = dict.fromkeys(place.key for place in found)
     if len(texts) > 3 and len(different) > 1:
-        lines = [f"{name:<{max(map(len, different))}}  {_first(found, name)}" for name in different]
+        meanings = {place.key: place.field.description or "" for place in reversed(found)}  # the first of each key
+        lines = [f"{name:<{max(map(len, different))}}  {meanings[name]}" for name in different]
         return "\n".join([f"{len(different)} keys end in '{parts}':", *lines])
     return "\n\n".join(texts)
 
@@ -139,10 +139,6 @@ def unit_of(key: str) -> str:
         if place.matches(key.split("."))
     }
     return units.pop() if len(units) == 1 and units != {"1"} else ""
-
-
-def _first(found: list[KeyPlace], key: str) -> str:
-    return next(place.field.description or "" for place in found if place.key == key)
 
 
 def _unknown(key: str) -> str:
@@ -307,17 +303,9 @@ def _keys_of(value: Any, above: str) -> Iterator[str]:
 # ------------------------------------------------------------------------------------------------ one field in words
 
 
-def _alternatives(annotation: Any) -> tuple[Any, ...]:
-    while get_origin(annotation) is Annotated:
-        annotation = get_args(annotation)[0]
-    if get_origin(annotation) in (Union, types.UnionType):
-        return tuple(a for member in get_args(annotation) if member is not type(None) for a in _alternatives(member))
-    return (annotation,)
-
-
 def unit_text(field: FieldInfo, unit: str) -> str:
     """Both units of a table of pairs, else the one unit."""
-    for part in _alternatives(field.annotation):
+    for part in alternatives(field.annotation):
         row = get_args(part)[:1]
         if row and get_origin(row[0]) is tuple and len(get_args(row[0])) == 2:
             first, second = (quantity_of(item) or quantity_of(None, getattr(item, "__metadata__", ()))
@@ -330,7 +318,7 @@ def type_text(field: FieldInfo) -> str:
     """What may stand at a field, in words."""
     is_quantity = not _below(field.annotation)[0] and quantity_of(field.annotation, field.metadata) is not None
     names: list[str] = []
-    for part in _alternatives(field.annotation):
+    for part in alternatives(field.annotation):
         origin, arguments = get_origin(part), get_args(part)
         if origin is Literal:
             names.append(" or ".join(f'`"{choice}"`' for choice in arguments))
@@ -353,22 +341,20 @@ def type_text(field: FieldInfo) -> str:
 
 def _tuple_type(arguments: tuple[Any, ...]) -> str:
     if len(arguments) == 2 and arguments[1] is Ellipsis:
-        first = _alternatives(arguments[0])[0]
+        first = alternatives(arguments[0])[0]
         if isinstance(first, type) and issubclass(first, BaseModel):
             return "array of tables"
         if get_origin(first) is tuple:
             return "rows of two numbers"
         return "list of texts" if first is str or get_origin(first) is Literal else "list of numbers"
-    inner = "points" if get_origin(_alternatives(arguments[0])[0]) is tuple else "values"
+    inner = "points" if get_origin(alternatives(arguments[0])[0]) is tuple else "values"
     return f"list of {len(arguments)} {inner}"
 
 
 def _number(value: object) -> str:
+    if isinstance(value, tuple):
+        return f"[{', '.join(map(_number, value))}]"
     return f"{value:g}" if isinstance(value, float) else str(value)
-
-
-def _list(row: tuple[object, ...]) -> str:
-    return f"[{', '.join(map(_number, row))}]"
 
 
 def default_text(field: FieldInfo) -> str:
@@ -383,5 +369,5 @@ def default_text(field: FieldInfo) -> str:
     if isinstance(default, bool):
         return "true" if default else "false"
     if isinstance(default, tuple):
-        return ", ".join(_list(row) if isinstance(row, tuple) else _number(row) for row in default)
+        return ", ".join(map(_number, default))
     return f'"{default}"' if isinstance(default, str) else f"{default:g}"

@@ -4,15 +4,13 @@
 variables of a plant -> [description] -> XML of FMI 2.0 or 3.0
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from xml.etree import ElementTree as ET
 
-from rollerrig import _core
+from rollerrig import __version__, _core
 
 BASE = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
 """Names and order of the standard, FMI 2.0.4 section 2.2.2."""
@@ -52,6 +50,7 @@ def _factor(factor: str, unit: str) -> tuple[str, int]:
     return match[1], int(match[2] or 1)
 
 
+TOOL = f"rollerrig {__version__}"
 LOG = {
     "logStatusDiscard": "the run ended, or left the validity of the model: time and wheel",
     "logStatusError": "calls that were refused",
@@ -64,9 +63,7 @@ class Unit:
 
     Attributes:
         name: of the case.
-        identifier: name of the library's file, a word of C.
         token: of the model among the resources; the library refuses another.
-        tool: name and version of this program.
         final_time: where the case ends [s].
         step: a step at which to exchange values [s].
         sampled: whether there are sensors and controllers with a sample time.
@@ -76,9 +73,7 @@ class Unit:
     """
 
     name: str
-    identifier: str
     token: str
-    tool: str
     final_time: float
     step: float
     sampled: bool
@@ -87,6 +82,11 @@ class Unit:
     states: Sequence[_core.Variable] = ()
     rates: Sequence[_core.Variable] = ()
     indicators: Sequence[_core.Variable] = ()
+
+    @property
+    def identifier(self) -> str:
+        """Name of the library's file, a word of C."""
+        return re.sub(r"\W", "_", self.name, flags=re.ASCII)
 
     @property
     def outputs(self) -> list[int]:
@@ -172,7 +172,7 @@ def model_description_3(unit: Unit) -> bytes:
 def _about(root: ET.Element, unit: Unit, state: str, directional: str) -> None:
     """Elements before the variables, alike in both versions but for the names of two abilities."""
     root.set("description", "roller rig, axes x forward, y to the left, z upwards; SI")
-    root.set("generationTool", unit.tool)
+    root.set("generationTool", TOOL)
     root.set("variableNamingConvention", "structured")
     able = {f"canGetAndSet{state}": "true", f"canSerialize{state}": "true"}
     exchange = {directional: "true"}

@@ -5,22 +5,19 @@ case -> assembled model -> [export_fmu] -> FILE.fmu
 case -> its slide protection, wheel-slip control or rig's controller -> [export_part] -> FILE.fmu
 """
 
-from __future__ import annotations
-
 import ctypes
 import io
 import platform
-import re
 import zipfile
 from collections.abc import Collection
 from dataclasses import dataclass
 from html import escape
 from pathlib import Path
 
-from rollerrig import __version__, _core
+from rollerrig import _core
 from rollerrig.cases import as_case
 from rollerrig.config import Case, ConfigError, ConfigProblem
-from rollerrig.interfaces.fmu.description import Unit, model_description_2, model_description_3
+from rollerrig.interfaces.fmu.description import TOOL, Unit, model_description_2, model_description_3
 from rollerrig.interfaces.plant import assembled_model, controller_part, part_refused
 from rollerrig.results.files import output_file, write_bytes
 from rollerrig.results.marks import PAGE
@@ -114,9 +111,7 @@ def export_fmu(
     model = _core.write_model(assembled)
     unit = Unit(
         name=case.name,
-        identifier=re.sub(r"\W", "_", case.name, flags=re.ASCII),
         token=_core.model_token(model),
-        tool=f"rollerrig {__version__}",
         final_time=float(assembled.settings["final_time"]),
         step=plant.sampling_step or STEP,
         sampled=plant.sampling_step > 0.0,
@@ -126,13 +121,7 @@ def export_fmu(
         rates=rates,
         indicators=indicators,
     )
-    files = {
-        "documentation/index.html": _page(unit, carried),
-        "modelDescription.xml": DESCRIPTIONS[fmi](unit),
-        "resources/rig.model": model,
-    }
-    files |= libraries(carried, fmi, unit.identifier)
-    return write_bytes(target, packed(files), force=force)
+    return _written(target, unit, fmi, _of_a_rig(unit), {"resources/rig.model": model}, carried, force=force)
 
 
 def carried_shells() -> list[Shell]:
@@ -146,13 +135,22 @@ def carried_shells() -> list[Shell]:
     return carried
 
 
-def libraries(carried: list[Shell], fmi: str, identifier: str) -> dict[str, bytes]:
-    """Their places in an FMU and their bytes."""
-    return {shell.place(fmi, identifier): shell.file.read_bytes() for shell in carried}
-
-
-def packed(files: dict[str, bytes]) -> bytes:
-    """A zip file of them; the first stands there as it is: by it the program knows its own files."""
+def _written(
+    target: Path, unit: Unit, fmi: str, text: str, resource: dict[str, bytes], carried: list[Shell], *, force: bool
+) -> Path:
+    """The FMU as a zip file. The page that tools show stands first, as it is: by it the program knows its own files."""
+    needs = (f", processor with {shell.needs}" if shell.needs else "" for shell in carried)
+    runs_on = "".join(f"<li>{shell.platform}{more}</li>\n" for shell, more in zip(carried, needs, strict=True))
+    page = f"""<!DOCTYPE html>
+<html lang="en"><head><meta charset="utf-8">{PAGE.decode()}<title>{escape(unit.name)}</title></head><body>
+<h1>{escape(unit.name)}</h1>
+{text}<p>Runs on</p>
+<ul>
+{runs_on}</ul>
+</body></html>
+"""
+    files = {"documentation/index.html": page.encode(), "modelDescription.xml": DESCRIPTIONS[fmi](unit), **resource}
+    files |= {shell.place(fmi, unit.identifier): shell.file.read_bytes() for shell in carried}
     stream = io.BytesIO()
     with zipfile.ZipFile(stream, "w") as archive:
         for path, content in files.items():
@@ -160,19 +158,11 @@ def packed(files: dict[str, bytes]) -> bytes:
             entry.compress_type = zipfile.ZIP_DEFLATED if archive.filelist else zipfile.ZIP_STORED
             entry.external_attr = 0o644 << 16
             archive.writestr(entry, content)
-    return stream.getvalue()
+    return write_bytes(target, stream.getvalue(), force=force)
 
 
-def machines(carried: list[Shell]) -> str:
-    """Where an FMU runs, as items of a list in HTML."""
-    return "".join(
-        f"<li>{shell.platform}" + (f", processor with {shell.needs}" if shell.needs else "") + "</li>\n"
-        for shell in carried
-    )
-
-
-def _page(unit: Unit, carried: list[Shell]) -> bytes:
-    """What a user of the FMU should know, as the page that tools show."""
+def _of_a_rig(unit: Unit) -> str:
+    """What a user of the FMU of a case should know."""
     steps = (
         "Sensors and controllers are sampled; outputs are those of the last sampling step within a communication step."
         if unit.sampled
@@ -186,15 +176,7 @@ def _page(unit: Unit, carried: list[Shell]) -> bytes:
         "the log names time and wheel.</p>\n",
     }
     offered = "".join(text for kind, text in kinds.items() if unit.kind in (kind, "both"))
-    return f"""<!DOCTYPE html>
-<html lang="en"><head><meta charset="utf-8">{PAGE.decode()}<title>{escape(unit.name)}</title></head><body>
-<h1>{escape(unit.name)}</h1>
-<p>Roller rig, written by {unit.tool}. SI; x forward, y to the left, z upwards.</p>
-{offered}<p>Runs on</p>
-<ul>
-{machines(carried)}</ul>
-</body></html>
-""".encode()
+    return f"<p>Roller rig, written by {TOOL}. SI; x forward, y to the left, z upwards.</p>\n{offered}"
 
 
 def check_format(case: str, fmi: str, kind: str) -> None:
@@ -240,33 +222,14 @@ def export_part(case: Case | str, part: str, path: str | Path, *, fmi: str = "2"
     plant = _core.ControllerPlant(alone)
     unit = Unit(
         name=f"{case.name}.{part}",
-        identifier=re.sub(r"\W", "_", f"{case.name}_{part}", flags=re.ASCII),
         token=_core.part_token(content),
-        tool=f"rollerrig {__version__}",
         final_time=float(case.time.duration),
         step=plant.period,
         sampled=True,
         variables=plant.variables,
     )
-    files = {
-        "documentation/index.html": _controller_page(unit, machines(carried)),
-        "modelDescription.xml": DESCRIPTIONS[fmi](unit),
-        "resources/controller.part": content,
-    }
-    files |= libraries(carried, fmi, unit.identifier)
-    return write_bytes(target, packed(files), force=force)
-
-
-def _controller_page(unit: Unit, runs_on: str) -> bytes:
-    """What a user of the FMU should know, as the page that tools show."""
-    return f"""<!DOCTYPE html>
-<html lang="en"><head><meta charset="utf-8">{PAGE.decode()}<title>{escape(unit.name)}</title></head><body>
-<h1>{escape(unit.name)}</h1>
-<p>A controller alone, written by {unit.tool}. It takes a sample every {unit.step:g} s: at the beginning of a
+    text = f"""<p>A controller alone, written by {TOOL}. It takes a sample every {unit.step:g} s: at the beginning of a
 step, with the inputs as they are then; its commands are outputs from the end of that step on. What lies between a sample and the
 command's acting is not part of it. SI.</p>
-<p>Runs on</p>
-<ul>
-{runs_on}</ul>
-</body></html>
-""".encode()
+"""
+    return _written(target, unit, fmi, text, {"resources/controller.part": content}, carried, force=force)

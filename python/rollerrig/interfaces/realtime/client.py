@@ -3,8 +3,6 @@
 description, sensors <- [client] <- server;  commands -> [client] -> server
 """
 
-from __future__ import annotations
-
 import json
 import time
 from collections.abc import Iterator, Mapping
@@ -70,7 +68,7 @@ class Client:
         self._sequence = 0
         self._last: Frame | None = None
 
-    def __enter__(self) -> Client:
+    def __enter__(self) -> "Client":
         """The client itself."""
         return self
 

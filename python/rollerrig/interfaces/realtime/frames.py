@@ -3,8 +3,6 @@
 header of 32 bytes, `count` float64, CRC-32; all little-endian -> [unpack] -> Frame
 """
 
-from __future__ import annotations
-
 import struct
 import zlib
 from collections.abc import Sequence

@@ -3,8 +3,6 @@
 address -> [open_link] -> send, receive
 """
 
-from __future__ import annotations
-
 import mmap
 import socket
 import struct

@@ -4,12 +4,11 @@ case, rate -> [serve_case] -> Served: model, inputs, outputs, description
 Served -> [open_server] -> _core.RigServer -> [run_server] -> Ended
 """
 
-from __future__ import annotations
-
 import json
 import secrets
 import sys
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from fnmatch import fnmatchcase
 from typing import Any
@@ -177,8 +176,10 @@ def describe(served: Served, *, session: int, lock_step: bool, patience: int) ->
 
 
 def _period(name: str, rate: str | float, step: float) -> float:
+    number = rate
+    with suppress(ValueError):  # else a text with its unit
+        number = float(rate)
     try:
-        number = float(rate) if not isinstance(rate, str) or _is_number(rate) else rate
         found = RATE.parse(number)
     except ValueError:
         raise refused(name, "rate", repr(rate), f"allowed: a rate like '1 kHz', {RATE.bounds}") from None
@@ -190,14 +191,6 @@ def _period(name: str, rate: str | float, step: float) -> float:
         allowed = f"allowed: a rate whose period is a multiple of time.sampling_step, {1e3 * step:g} ms; the nearest is {near}"
         raise refused(name, "rate", hertz(found), allowed)
     return round(steps) * step
-
-
-def _is_number(text: str) -> bool:
-    try:
-        float(text)
-    except ValueError:
-        return False
-    return True
 
 
 def _chosen(name: str, variables: Sequence[_core.Variable], patterns: Sequence[str]) -> tuple[_core.Variable, ...]:

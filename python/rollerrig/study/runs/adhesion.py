@@ -11,8 +11,6 @@ of the creep curve, drives that oscillate or are at their limit, and a contact f
 agreement undecided, since it is then no property of the rig.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace

@@ -3,8 +3,6 @@
 vehicle or case, supports by name -> [compared_cases] -> label -> Case
 """
 
-from __future__ import annotations
-
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any

@@ -4,8 +4,6 @@ A family has an axis of values and one or more curves: fixed changes under which
 of the case with their new values.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -124,10 +122,6 @@ USER = "user's controller"
 """Label of the user's own controller."""
 
 
-def _set(key: str) -> Vary:
-    return lambda _case, value: {key: value}
-
-
 def _as_it_is(key: str, otherwise: float = math.nan) -> Callable[[Case], float]:
     """The number at a dotted key of a case, or another one where its table has no such key."""
 
@@ -204,7 +198,8 @@ def _key_family(name: str, title: str, axis: str, unit: str, key: str, values: t
                 curves: Mapping[str, Changes | Vary], *, scale: Literal["log", "linear"] = "log", user: bool = False,
                 vary: Vary | None = None, otherwise: float = math.nan) -> Family:  # fmt: skip
     """A family along one number of the case."""
-    return Family(name, title, axis, unit, values, vary or _set(key), curves, scale, _as_it_is(key, otherwise), user)
+    vary = vary or (lambda _case, value: {key: value})
+    return Family(name, title, axis, unit, values, vary, curves, scale, _as_it_is(key, otherwise), user)
 
 
 FAMILIES: tuple[Family, ...] = (

@@ -7,8 +7,6 @@ default settings, lets the wheels slide and regain speed. The case's own cylinde
 is what is asked for, so that the map describes the rig.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Mapping, Sequence

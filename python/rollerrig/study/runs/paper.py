@@ -6,8 +6,6 @@ The paper's own contact is Hertz' ellipse at each minimum of the gap, with Kalke
 one is a non-elliptical patch with Kalker's theory of rolling contact: `strips` and `table`, what every other study uses.
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Iterator

@@ -6,8 +6,6 @@ Samples are points of the unit cube, the same for the same seed; a distribution 
 Source of the samples for Sobol indices: A. Saltelli et al., Comput. Phys. Commun. 181 (2010) 259.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace

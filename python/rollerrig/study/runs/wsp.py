@@ -9,8 +9,6 @@ not stop, wheels that never passed the peak of the creep curve, an open energy b
 reference that is none, and on the rig a drive at its limit or a contact force that is not the virtual one.
 """
 
-from __future__ import annotations
-
 import math
 import time
 from collections.abc import Iterator, Mapping, Sequence
