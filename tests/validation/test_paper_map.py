@@ -6,6 +6,7 @@ import pytest
 
 import rollerrig as rr
 from rollerrig.config.load.plan import load_plan
+from rollerrig.contact_analysis.static_contact import contact_table
 from validation.test_page import differences
 from validation.write_paper_map import HEADING, NEXT, PAGE, PLANS, SPEED, data, on_rig_and_rails, onset, section
 
@@ -47,3 +48,13 @@ def test_a_tenth_of_a_millimetre_of_gauge_can_double_the_critical_speed() -> Non
     near = data(PLANS[1])
     of_gauge = near.sort_values("gauge").groupby(["roller_radius", "material", "creep_law"])[SPEED]
     assert of_gauge.apply(lambda speed: (speed / speed.shift()).max()).max() > 2.0
+
+
+def test_low_critical_speeds_are_where_one_of_two_ellipses_appears_or_vanishes() -> None:
+    def loads(gauge: float, normal: str) -> list[float]:
+        changes = {"contact.normal": normal, "support.gauge": gauge}
+        table = contact_table(rr.load_case("bogie_rollers_constant").with_changes(changes), [(0.0, 0.0)])
+        return [float(n) for n in table["normal"][(table["side"] == "left").to_numpy()] if n > 1e3]
+
+    assert [len(loads(gauge, "hertz")) for gauge in (1.4338, 1.4350, 1.4360)] == [1, 2, 1]
+    assert [len(loads(gauge, "strips")) for gauge in (1.4338, 1.4340, 1.4355, 1.4360)] == [1, 1, 1, 1]

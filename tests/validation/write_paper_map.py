@@ -53,11 +53,11 @@ rollers of 0.3 to 1 m, friction 0.1 to 0.5, car bodies of 32 and 42 t, both mate
 laws (`rollerrig sweep paper_critical_speed`) have linear critical speeds from {least:.0f} to {most:.0f} km/h, {low}
 of them below 110 km/h.
 
-- **100 km/h lie with Hertzian ellipses at few gauges near the nominal one**, where the contacts change between two places
-  of the wheels: at {soft} mm with the paper's material, at {steel} mm with steel (90 to 110 km/h at {near} points of
-  `rollerrig sweep paper_critical_speed_near`, rollers of {radius[0]:.1f} to {radius[1]:.1f} m, both creep laws). A gauge
-  that differs by 0.1 mm can more than double the critical speed, and with non-elliptic patches the lowest is
-  {strips:.0f} km/h.
+- **100 km/h lie with Hertzian ellipses at few gauges near the nominal one**, where one of the two ellipses of each wheel
+  appears or vanishes: at {soft} mm with the paper's material,
+  at {steel} mm with steel (90 to 110 km/h at {near} points of `rollerrig sweep paper_critical_speed_near`,
+  rollers of {radius[0]:.1f} to {radius[1]:.1f} m, both creep laws). A gauge that differs by 0.1 mm can more than double
+  the critical speed. With non-elliptic patches, of which there is one throughout, the lowest is {strips:.0f} km/h.
 - Friction hardly matters (rank correlation {friction:+.2f}), nor does the load ({load:+.2f}).
 - Of {points} points between 95 and 105 km/h {both} agree with the paper's other statement as well, that a whole
   vehicle on the rails behaves like the bogie on the rig: it becomes unstable at a speed {ratio[0]:.0f} to
