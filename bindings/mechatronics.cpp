@@ -33,7 +33,7 @@ VirtualRail virtual_rail(Model const& model, int contact, std::shared_ptr<Adhesi
   rail.width = energy_width > 0.0 ? energy_width : patch.width;
   rail.wheel_memory = wheel_memory, rail.sand_kept = sand_kept;
   rail.log_aspect = std::log(rail.a / rail.b);
-  rail.stiffness = kalker_stiffness(laws.kalker->at(rail.log_aspect), laws.material.shear_modulus, rail.a, rail.b, 1.0);
+  rail.stiffness = kalker_stiffness(laws, rail.log_aspect, rail.a, rail.b, 1.0);
   return rail;
 }
 

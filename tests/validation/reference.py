@@ -65,6 +65,7 @@ def add_wheels(
         normal=_core.Hertz(merging_criterion=merging_criterion) if normal == "hertz" else _core.Strips(),
         damping=_core.NormalDamping(damping=normal_damping, smoothing_speed=1e-4),
         creep=creep_law(creep),
+        kalker_factor=1.0,
         friction=_core.Friction(law=_core.Constant(mu_0=friction), map=None, gauge_face=-1.0),
         creepage_regularisation_speed=0.1,
         roller=_core.RollerEffects(curvature=True, conicity=True, spin=True, yaw=True),

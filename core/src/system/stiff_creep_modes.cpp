@@ -19,8 +19,15 @@ constexpr int most_jacobi_sweeps = 12;
 ///
 /// The secant of the creep law, not its slope: it does not vanish on a sliding wheel that is about to stick again.
 std::array<double, 2> viscosity(ContactLaws const& laws, Patch<double> const& patch) {
-  auto const f =
-      kalker_stiffness(laws.kalker->at(patch.log_aspect), laws.material.shear_modulus, patch.a, patch.b, 1.0);
+  auto const query = creep_query(laws, patch, patch.creepage, 1.0, 1.0);
+  auto const f = std::visit(
+      [&](auto const& law) {
+        if constexpr (requires { law.stiffness(query); })
+          return law.stiffness(query);
+        else
+          return query.stiffness;
+      },
+      laws.creep);
   double const v = std::hypot(patch.rolling_speed, laws.creepage_regularisation_speed);
   double const left = patch.weight * patch.creep.saturation / v;
   return {left * f.f11, left * f.f22};

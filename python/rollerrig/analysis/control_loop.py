@@ -18,7 +18,7 @@ from rollerrig.analysis.linear_system import Margins, margins_of
 from rollerrig.analysis.mode_names import HUNTING_SHARE, wheelset_lateral_share
 from rollerrig.analysis.modes import Lineariser, eigensystem, energy_shares, oscillates
 from rollerrig.assembly.actuators import assemble_with_actuators
-from rollerrig.assembly.laws import angular
+from rollerrig.assembly.laws import angular, linear_coefficients
 from rollerrig.cases import wheelsets, without_actuators
 from rollerrig.common.arrays import Array, Complex
 from rollerrig.config import Case, Rig
@@ -58,7 +58,7 @@ class ContactState:
     Attributes:
         patches: number of patches.
         approach: of the deepest patch [m].
-        creep_stiffness: sum of f11 over its patches, Kalker's linear theory [N].
+        creep_stiffness: sum of f11 over its patches, linear theory [N].
         wavelength: of slow hunting [m]; NaN if the motion does not oscillate.
         conicity: that a rigid bogie on track would need for this wavelength [1].
     """
@@ -74,7 +74,7 @@ class ContactState:
 class RollingState:
     """Steady rolling at one speed [m/s]: every signal of the wheels, as of a run without time.
 
-    Creep stiffness: per wheel the sum of f11 over its patches, Kalker's linear theory [N].
+    Creep stiffness: per wheel the sum of f11 over its patches, linear theory [N].
     """
 
     speed: float
@@ -91,13 +91,12 @@ def rolling_state(case: Case | Lineariser, speed: float) -> RollingState:
     lineariser = case if isinstance(case, Lineariser) else Lineariser(case)
     linear = lineariser.at(speed)
     wheels = recorded_state(lineariser.simulation_at(speed), lineariser.model, linear.equilibrium).isel(time=0)
-    material = lineariser.case.contact.material
     stiffness = {}
     for name in map(str, wheels["wheel"].to_numpy()):
         wheel, total = wheels.sel(wheel=name), 0.0
         for k in range(int(wheel["patch_count"])):
             a, b = float(wheel["patch_a"][k]), float(wheel["patch_b"][k])
-            total += _core.kalker_stiffness(a, b, material.shear_modulus, material.poisson_ratio)[0]
+            total += linear_coefficients(lineariser.case.contact, a, b)[0]
         stiffness[name] = total
     return RollingState(speed, wheels, stiffness)
 

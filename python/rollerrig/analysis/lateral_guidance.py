@@ -12,9 +12,9 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from rollerrig import _core
 from rollerrig.analysis.signals import half_waves
 from rollerrig.analysis.slide_statistics import slip, under_test, virtual_slip
+from rollerrig.assembly.laws import linear_coefficients
 from rollerrig.common.arrays import Array
 from rollerrig.config import Case
 
@@ -74,11 +74,11 @@ def creep_force(run: xr.Dataset, direction: str) -> Array:
 
 
 def lateral_creep_coefficient(case: Case, run: xr.Dataset) -> float:
-    """f22 of Kalker's theory, the mean over the wheels in steady running [N]: from the patches at the start of a run."""
-    first, material, total = run.isel(time=0), case.contact.material, 0.0
+    """f22 of linear theory, the mean over the wheels in steady running [N]: from the patches at the start of a run."""
+    first, total = run.isel(time=0), 0.0
     for a, b in zip(first["patch_a"].to_numpy().ravel(), first["patch_b"].to_numpy().ravel(), strict=True):
         if a > 0.0 and b > 0.0:
-            total += _core.kalker_stiffness(a, b, material.shear_modulus, material.poisson_ratio)[1]
+            total += linear_coefficients(case.contact, a, b)[1]
     return float(total / first.sizes["wheel"])
 
 

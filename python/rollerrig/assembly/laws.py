@@ -20,7 +20,7 @@ from rollerrig.assembly.creep_table import shipped_table
 from rollerrig.config import Adhesion, AngularSupport, Condition, Contact, LinearSupport, Restraint
 from rollerrig.config.schema.base import Table
 from rollerrig.config.schema.brakes import Sanding
-from rollerrig.config.schema.contact import CreepRoot
+from rollerrig.config.schema.contact import Coefficients, CreepRoot
 from rollerrig.config.schema.vehicle import AngularLaw, LinearLaw
 from rollerrig.config.validate.messages import validate
 
@@ -160,6 +160,7 @@ def contact_laws(contact: Contact) -> _core.ContactLaws:
         normal=core_law(contact.normal),
         damping=_core.NormalDamping(damping=contact.normal_damping, smoothing_speed=contact.damping_onset),
         creep=core_law(contact.creep),
+        kalker_factor=contact.kalker_factor,
         friction=_core.Friction(
             law=core_law(contact.friction),
             map=None,
@@ -168,6 +169,14 @@ def contact_laws(contact: Contact) -> _core.ContactLaws:
         creepage_regularisation_speed=contact.creepage_regularisation_speed,
         roller=_core.RollerEffects(**contact.roller_effects.model_dump()),
     )
+
+
+def linear_coefficients(contact: Contact, a: float, b: float) -> tuple[float, ...]:
+    """f11, f22 [N], f23 [N m], f33 [N m^2] of a patch with semi-axes a, b [m]: Kalker's, or as given."""
+    own = contact.creep
+    if isinstance(own, Coefficients):
+        return own.f11, own.f22, own.f23, own.f33
+    return tuple(_core.kalker_stiffness(a, b, contact.creep_shear_modulus, contact.material.poisson_ratio))
 
 
 def _condition(rail: Condition) -> _core.RailCondition:

@@ -46,6 +46,8 @@ COARSE = 0.7
 """Fineness of the second solution, which tells the grid's error."""
 CALLS = 20_000
 REFERENCE = "exact"
+COMPARED = tuple(law for law in CREEP_LAWS if law != "coefficients")
+"""Laws that know a patch by its size and material; coefficients as given belong to their case."""
 COMPONENTS = ("force_x", "force_y", "spin_moment")
 
 
@@ -200,7 +202,7 @@ def compare_creep(
 
     Args:
         case: vehicle, support and contact; `contact.normal` and `contact.creep` are what varies. `polach` takes the case's
-            parameters, or 1 and 1.
+            parameters, or 1 and 1; `coefficients` is compared where it is the case's own.
         positions: lateral position [m] and yaw [rad] of the wheelset.
         roll: roll angle to hold [rad]; None: free to roll.
         timed: measure `cost` too; a figure of this machine and this moment.
@@ -221,13 +223,14 @@ def compare_creep(
             f"{LEAST_SPEED:g} m/s"
         )
     shape = (len(NORMAL_LAWS), len(positions), 2, 2)
-    force, exact = np.full((len(CREEP_LAWS), *shape), np.nan), np.full(shape, np.nan)
-    cost = np.full(len(CREEP_LAWS), np.nan)
+    laws = [law for law in CREEP_LAWS if law in (case.contact.creep.kind, *COMPARED)]
+    force, exact = np.full((len(laws), *shape), np.nan), np.full(shape, np.nan)
+    cost = np.full(len(laws), np.nan)
     load = 0.0
     for n, normal in enumerate(NORMAL_LAWS):
         table = contact_table(case.with_changes({"contact.normal": normal}), positions, roll=roll)
         load = table.attrs["load_n"]
-        for i, law in enumerate(CREEP_LAWS):
+        for i, law in enumerate(laws):
             if law == "strip_theory" and normal != "strips":
                 continue
             chosen = _with_law(case, normal, law)
@@ -248,7 +251,7 @@ def compare_creep(
             "cost": variable("law", cost, "s", "processor time per call"),
         },
         {
-            "law": list(CREEP_LAWS),
+            "law": laws,
             "normal": list(NORMAL_LAWS),
             "side": list(SIDES),
             "lateral": ("position", [lateral for lateral, _ in positions], {"units": "m"}),
@@ -396,7 +399,7 @@ def _exact_percent(case: Case, patches: Array, contacts: xr.Dataset) -> tuple[fl
         c = np.sqrt(value["a"] * value["b"])
         creepage = np.array([[value["creepage_x"], value["creepage_y"], c * value["creepage_spin"]]])
         solver = _core.RollingReference(value["a"] / value["b"], material.poisson_ratio, 1.0)
-        answer = solver.solve(creepage * material.shear_modulus * c**2 / limit)[0]
+        answer = solver.solve(creepage * case.contact.creep_shear_modulus * c**2 / limit)[0]
         if not answer[5]:
             return np.nan, np.nan
         total += normal * answer[:2]

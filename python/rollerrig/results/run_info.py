@@ -34,6 +34,7 @@ _LAWS = {
     "strips": ("johnson1985", "piotrowski2008"),
     "kalker_linear": ("kalker1990",),
     "kalker_saturated": ("kalker1990", "vermeulen1964"),
+    "coefficients": ("kalker1990", "vermeulen1964"),
     "fastsim": ("kalker1982",),
     "modified_fastsim": ("kalker1982", "spiryagin2013"),
     "polach": ("polach1999", "polach2005"),

@@ -35,10 +35,14 @@ class CreepStudy(Study[xr.Dataset]):
     resumable = False
 
     def __post_init__(self) -> None:
-        """Refuse with a ValueError a law that is asked for twice."""
+        """Refuse with a ValueError a law that is asked for twice, and one that no ellipse determines."""
         repeated = sorted({name for name in self.laws if self.laws.count(name) > 1})
         if repeated:
             raise ValueError(f"{', '.join(repeated)}: asked for more than once")
+        if "coefficients" in self.laws:
+            raise ValueError(
+                "coefficients: they hold for the patch of a case; allowed: laws that follow from the ellipse"
+            )
 
     def rounds(self, done: Done) -> Iterator[Round]:
         yield {"creep": job(compare, self)}

@@ -112,7 +112,7 @@ def _creep(case: Case, options: CreepMeasure, _progress: Progress | None) -> tup
     patch = table.isel(row=int(np.argmax(table["normal"].to_numpy())))
     a, b, normal = (float(patch[name]) for name in ("a", "b", "normal"))
     creepage = np.array([[options.longitudinal, options.lateral, options.spin]])
-    elastic = case.contact.material.shear_modulus, case.contact.material.poisson_ratio
+    elastic = case.contact.creep_shear_modulus, case.contact.material.poisson_ratio
     law, friction = core_law(case.contact.creep), case.contact.friction.mu_0
     return patch, _core.creep_forces(creepage, a, b, normal, friction, *elastic, law)[0] / normal
 

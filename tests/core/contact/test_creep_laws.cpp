@@ -29,6 +29,8 @@ CreepTable random_table() {
 }
 CreepTable const table = random_table();
 
+Coefficients const coefficients{7e6, 6e6, 1.5e4, 15.0, true}, linear_coefficients{7e6, 6e6, 1.5e4, 15.0, false};
+
 struct Named {
   char const* name;
   CreepLaw law;
@@ -36,6 +38,8 @@ struct Named {
 std::vector<Named> laws() {
   return {{"kalker_linear", KalkerLinear{}},
           {"kalker_saturated", KalkerSaturated{}},
+          {"coefficients", coefficients},
+          {"linear coefficients", linear_coefficients},
           {"fastsim", Fastsim{}},
           {"modified_fastsim", ModifiedFastsim{}},
           {"wet modified_fastsim", ModifiedFastsim{0.5, 0.4, 0.2}},
@@ -47,6 +51,10 @@ std::vector<Named> laws() {
 template <class Law>
 bool is(CreepLaw const& law) {
   return std::holds_alternative<Law>(law);
+}
+bool is_linear(CreepLaw const& law) {
+  auto const* own = std::get_if<Coefficients>(&law);
+  return is<KalkerLinear>(law) || (own != nullptr && !own->saturation);
 }
 
 template <class T>
@@ -114,8 +122,32 @@ TEST_CASE("a weak rail takes the same part of the slope from every law, and none
     double const clean = creep_force(slope, q).longitudinal;
     // The random table is no law of contact: its correction is not flat at the origin to more than 1 %.
     CHECK(creep_force(law, q, wet).longitudinal == doctest::Approx(0.2 * clean).epsilon(1e-2));
-    if (is<KalkerLinear>(law) || is<TableLaw>(law) || is<StripTheory>(law)) continue;
+    if (is_linear(law) || is<TableLaw>(law) || is<StripTheory>(law)) continue;
     CHECK(creep_force(law, query(5.0, 0.0, 0.0), wet).longitudinal == doctest::Approx(-adhesion).epsilon(5e-3));
+  }
+}
+
+TEST_CASE("coefficients as given make the force, whatever the patch") {
+  auto const& f = coefficients;
+  for (double a : {2e-3, 12e-3}) {
+    auto const q = query(3e-5, -2e-5, 4e-3, a, 25e-6 / a);
+    auto const force = creep_force(linear_coefficients, q);
+    CHECK(force.longitudinal == doctest::Approx(-f.f11 * 3e-5).epsilon(1e-12));
+    CHECK(force.lateral == doctest::Approx(f.f22 * 2e-5 - f.f23 * 4e-3).epsilon(1e-12));
+    CHECK(force.spin_moment == doctest::Approx(-f.f23 * 2e-5 - f.f33 * 4e-3).epsilon(1e-12));
+  }
+}
+
+TEST_CASE("limited coefficients are the cubic of Vermeulen and Johnson over normalised creepages") {
+  double const phi = 0.60252, psi = 0.54219, stiffness = 6.563e6;  // pi G a b: Cooperrider's bogie
+  CreepLaw const law = Coefficients{stiffness / phi, stiffness / psi, 0.0, 0.0, true};
+  for (double size : {1e-5, 3e-4, 2e-3, 1e-2}) {
+    double const ex = 0.6 * size, ey = -0.8 * size;
+    double const xi = std::hypot(ex / phi, ey / psi), u = stiffness * xi / adhesion;
+    double const force = adhesion * (u < 3.0 ? u - u * u / 3.0 + u * u * u / 27.0 : 1.0);
+    auto const found = creep_force(law, query(ex, ey, 0.0));
+    CHECK(found.longitudinal == doctest::Approx(-force * ex / phi / xi).epsilon(1e-9));
+    CHECK(found.lateral == doctest::Approx(-force * ey / psi / xi).epsilon(1e-9));
   }
 }
 
@@ -259,7 +291,7 @@ TEST_CASE("every law holds for a scalar with no implicit conversions") {
 
 TEST_CASE("no friction, no load: no force, and nothing that is not a number") {
   for (auto const& [name, law] : laws()) {
-    if (is<KalkerLinear>(law)) continue;  // knows no friction
+    if (is_linear(law)) continue;  // knows no friction
     CAPTURE(name);
     auto q = query(1e-3, -2e-3, 0.2);
     q.adhesion = 1e-9;  // the least that a patch hands over

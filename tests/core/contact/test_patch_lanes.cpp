@@ -20,9 +20,10 @@ std::shared_ptr<CreepTable const> random_table() {
 
 std::vector<ContactLaws> laws() {
   std::vector<ContactLaws> all;
-  for (CreepLaw const& creep : {CreepLaw(KalkerLinear{}), CreepLaw(KalkerSaturated{}), CreepLaw(Fastsim{}),
-                                CreepLaw(ModifiedFastsim{0.5, 0.4, 0.2}), CreepLaw(Polach{0.8, 0.4}),
-                                CreepLaw(TableLaw{random_table()}), CreepLaw(StripTheory{random_table()})}) {
+  for (CreepLaw const& creep :
+       {CreepLaw(KalkerLinear{}), CreepLaw(KalkerSaturated{}), CreepLaw(Coefficients{7e6, 6e6, 1e4, 9.0, true}),
+        CreepLaw(Fastsim{}), CreepLaw(ModifiedFastsim{0.5, 0.4, 0.2}), CreepLaw(Polach{0.8, 0.4}),
+        CreepLaw(TableLaw{random_table()}), CreepLaw(StripTheory{random_table()})}) {
     ContactLaws one;
     one.kalker = std::make_shared<KalkerTable const>(one.material.poisson_ratio);
     one.creep = creep;

@@ -36,7 +36,7 @@ def test_what_the_project_promises_is_there() -> None:
         "contact_benchmark_track", "contact_benchmark_rollers", "vehicle_track_irregular", "vehicle_curve", "vehicle_rollers",
         "adhesion_brake", "adhesion_start", "adhesion_step", "adhesion_recovery", "adhesion_lateral", "adhesion_sanding",
         "adhesion_valves", "adhesion_train", "adhesion_coach", "locomotive_traction", "eurosprinter_traction", "sanding_trial",
-        "scaled_brake",
+        "scaled_brake", "cooperrider_bogie", "suspended_wheelset",
     }  # fmt: skip
     assert {"steel", "steel_contact_benchmark", "paper"} <= set(catalog_names("material"))
 

@@ -221,6 +221,8 @@ def whole_cases() -> dict[str, Raw]:
     arcs["vehicle"]["data"]["wheel"]["profile"] = {"kind": "arc", "radius": 2.0, "half_width": 20e-3}
     arcs["support"]["data"] |= {"profile": {"kind": "arc", "radius": 0.3, "half_width": 20e-3}, "gauge_depth": 0.2e-3}
     arcs["support"]["data"]["gauge"] = 1.492
+    arcs["contact"]["normal"] = {"kind": "hertz"}
+    arcs["contact"]["creep"] = {"kind": "coefficients", "f11": 7e6, "f22": 6e6}
     flat = copy.deepcopy(arcs)
     flat["vehicle"]["data"]["wheel"]["profile"] = {"kind": "cylinder"}
     curve = plain(load_case("vehicle_curve"))

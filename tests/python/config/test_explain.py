@@ -48,7 +48,7 @@ def test_nothing_is_said_twice() -> None:
 @pytest.mark.parametrize(
     ("words", "first", "among"),
     [
-        ("kalker", "contact.creep", "contact.creep.k_0"),
+        ("polach", "contact.creep", "contact.friction.kind"),
         ("contact.law", "contact.creep", "contact.normal"),
         ("wheel load", "wheel_slip_control", "train.axles.loads"),
     ],

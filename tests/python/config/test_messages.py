@@ -77,7 +77,7 @@ PRIMARY = 'between = ["front_frame", "wheelset_1"]\npoint = [10.78, 1.0, 0.46]'
         ("case", '"full_scale_rig"', '"ful_scale_rig"',
          "case.toml: support.use: 'ful_scale_rig'; no such file; allowed: a TOML file, or a support of the catalogue: "
          "contact_benchmark_rail, contact_benchmark_roller, curved_track_190, curved_track_300, curved_track_600, en_60e1_track, "
-         "flexible_track, full_scale_rig, uic60_track; "
+         "flexible_track, full_scale_rig, textbook_track, uic60_track; "
          "did you mean 'full_scale_rig'?"),
         ("case", 'material = "steel"', 'material = "my/steel.toml"',
          "case.toml: contact.material: 'my/steel.toml'; no such file; there is no folder 'my'"),

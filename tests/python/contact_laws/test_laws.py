@@ -10,7 +10,7 @@ from pydantic import BaseModel
 
 import rollerrig as rr
 from rollerrig import _core
-from rollerrig.assembly.laws import creep_law
+from rollerrig.assembly.laws import creep_law, linear_coefficients
 from rollerrig.config import ConfigError
 from rollerrig.config.schema.contact import (
     CREEP_LAWS,
@@ -22,6 +22,7 @@ from rollerrig.config.schema.contact import (
     kinds,
 )
 
+COEFFICIENTS = {"kind": "coefficients", "f11": "7 MN", "f22": "6 MN", "f23": "15 kN m", "f33": 15.0}
 POLACH = {"kind": "polach", "k_A": 0.3, "k_S": 0.1}
 FROM_PYTHON = {"table": {"table"}, "strip_theory": {"table"}}
 """Fields of a law that no configuration gives."""
@@ -70,7 +71,8 @@ def test_a_law_is_its_name_or_a_table() -> None:
 
 @pytest.mark.parametrize("law", CREEP_LAWS)
 def test_a_run_with_every_law_closes_its_energy(law: str) -> None:
-    changes: dict[str, object] = {"contact.creep": POLACH if law == "polach" else law, "time.duration": "0.3 s"}
+    given = {"polach": POLACH, "coefficients": COEFFICIENTS}
+    changes: dict[str, object] = {"contact.creep": given.get(law, law), "time.duration": "0.3 s"}
     run = rr.simulate(rr.load_case("bogie_rollers_traction").with_changes(changes))
     assert run.attrs["status"] == "ok"
     assert run.attrs["energy_relative_residual"] < 1e-6  # the audit's own limit
@@ -103,3 +105,28 @@ def test_falling_friction_and_a_soft_surface_reach_the_core() -> None:
     fallen = sliding(friction={"kind": "falling", "mu_0": 0.3, "A": 0.3, "B": 1e4})
     assert fallen == pytest.approx(sliding(friction=0.3 * 0.3), rel=1e-6)
     assert fallen > 1.05 * clean
+
+
+def test_a_factor_on_kalker_s_coefficients_is_a_factor_on_small_creepage() -> None:
+    """Slow traction on cylinders: creepage is inverse to the stiffness; coefficients as given have no such factor."""
+    torque = {"wheelset": "wheelset_1", "reacts_on": "front_frame", "table": [[0.0, 0.0], [0.1, 100.0], [1.0, 100.0]]}
+    base = rr.load_case("bogie_rollers_traction").with_changes(
+        {"vehicle.wheel.profile": "cylinder", "time.duration": "0.3 s", "axle_torque": [torque]}
+    )
+
+    def sliding(factor: float) -> float:
+        run = rr.simulate(base.with_changes({"contact.kalker_factor": factor}))
+        return float(abs(run["longitudinal_sliding"].sel(wheel="wheelset_1_left").isel(time=-1)))
+
+    assert sliding(0.5) == pytest.approx(2 * sliding(1.0), rel=5e-3)  # 1 % of the friction limit
+    with pytest.raises(
+        ConfigError, match=r"contact\.kalker_factor: 0\.5; allowed with contact\.creep = 'coefficients': 1"
+    ):
+        base.with_changes({"contact.creep": COEFFICIENTS, "contact.kalker_factor": 0.5})
+
+
+def test_reports_know_coefficients_as_given() -> None:
+    case = rr.load_case("wheelset_rollers").with_changes({"contact.creep": COEFFICIENTS, "contact.normal": "hertz"})
+    assert linear_coefficients(case.contact, 5e-3, 4e-3) == (7e6, 6e6, 15e3, 15.0)
+    with pytest.raises(ValueError, match="coefficients: they hold for the patch of a case"):
+        rr.creep(laws=["coefficients"])

@@ -493,7 +493,16 @@ def test_bad_input_leaves_nothing_behind(tmp_path: Path) -> None:
     assert not out.exists()
 
 
-@pytest.mark.parametrize("name", ["critical_speed_map", "stopping_distance_fidelity", "flange_force_misalignment"])
+@pytest.mark.parametrize(
+    "name",
+    [
+        "critical_speed_map",
+        "paper_critical_speed",
+        "paper_critical_speed_near",
+        "stopping_distance_fidelity",
+        "flange_force_misalignment",
+    ],
+)
 def test_a_plan_that_ships_is_whole_and_its_first_case_has_numbers(name: str) -> None:
 
     study = SweepStudy(load_plan(name))

@@ -20,12 +20,15 @@ struct ContactLaws {
   NormalDamping damping{};
   CreepLaw creep{};
   Friction friction{};
+  double kalker_factor{1.0};
   double creepage_regularisation_speed{0.1};
   RollerEffects roller{};  ///< which of the roller's differences from a rail count
   static constexpr auto fields() {
     return members(Member{"material", &ContactLaws::material}, Member{"normal", &ContactLaws::normal},
                    Member{"damping", &ContactLaws::damping, not_negative}, Member{"creep", &ContactLaws::creep},
                    Member{"friction", &ContactLaws::friction},
+                   Member{"kalker_factor", &ContactLaws::kalker_factor, "1",
+                          "what is left of Kalker's coefficients, those of creep laws without their own", positive},
                    Member{"creepage_regularisation_speed", &ContactLaws::creepage_regularisation_speed, "m/s",
                           "rolling speed below which creepage turns into viscous friction, V_s", not_negative},
                    Member{"roller", &ContactLaws::roller});
@@ -131,14 +134,21 @@ T inverse_rolling_speed(ContactLaws const& laws, T const& rolling_speed) {
   return 1.0 / sqrt(rolling_speed * rolling_speed + square(laws.creepage_regularisation_speed));
 }
 
+/// Eq. (22) of an ellipse between the surfaces of these laws.
+template <Scalar T>
+KalkerStiffness<T> kalker_stiffness(ContactLaws const& laws, T const& log_aspect, T const& a, T const& b,
+                                    T const& direction) {
+  return kalker_stiffness(laws.kalker->at(log_aspect), laws.kalker_factor * laws.material.shear_modulus, a, b,
+                          direction);
+}
+
 /// What the creep law is asked.
 ///
 /// @param adhesion  mu N [N]
 template <Scalar T>
 CreepQuery<T> creep_query(ContactLaws const& laws, NormalPatch<T> const& patch, Creepage<T> const& creepage,
                           T const& adhesion, T const& direction) {
-  auto const stiffness = kalker_stiffness(laws.kalker->at(patch.log_aspect), laws.material.shear_modulus, patch.a,
-                                          patch.b, direction);  // (22)
+  auto const stiffness = kalker_stiffness(laws, patch.log_aspect, patch.a, patch.b, direction);  // (22)
   return {creepage, stiffness, adhesion, patch.a, patch.b, patch.log_aspect, direction};
 }
 

@@ -111,6 +111,9 @@ class Contact(Table):
     creep: AnyCreep = optional(
         ExactTable(kind="table"), "law of the tangential force: its name, or a table with `kind` and parameters"
     )
+    kalker_factor: Annotated[float, Quantity("1", 0.01, 10.0)] = optional(
+        1.0, "factor on Kalker's coefficients, below 1 for rough or contaminated surfaces; not with `coefficients`"
+    )
     normal: AnyNormal = optional(
         Strips(kind="strips"), "law of the normal force: its name, or a table with `kind` and parameters"
     )
@@ -132,18 +135,25 @@ class Contact(Table):
     )
 
     @property
+    def creep_shear_modulus(self) -> float:
+        """Shear modulus of the surfaces in Kalker's coefficients [Pa]."""
+        return self.kalker_factor * self.material.shear_modulus
+
+    @property
     def flange_friction(self) -> float:
         """Coefficient of friction where flanges touch, at no slip [-]."""
         return self.friction.mu_0 if self.gauge_face_friction is None else self.gauge_face_friction
 
     @model_validator(mode="after")
-    def _strips_for_strip_theory(self) -> "Contact":
+    def _fits_creep(self) -> "Contact":
         if self.creep.kind == "strip_theory" and self.normal.kind != "strips":
             raise refused(
                 "creep",
                 f"allowed: strip_theory with contact.normal = 'strips', whose strips it follows; with '{self.normal.kind}' take "
                 "'table'",
             )
+        if self.creep.kind == "coefficients" and self.kalker_factor != 1.0:
+            raise refused("kalker_factor", "allowed with contact.creep = 'coefficients': 1; its coefficients are final")
         return self
 
 

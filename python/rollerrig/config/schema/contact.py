@@ -92,6 +92,24 @@ class KalkerLinear(Table):
     kind: Literal["kalker_linear"] = Field(description="Kalker's linear theory, (20)")
 
 
+class Coefficients(Table):
+    """Kalker's linear theory with coefficients of each patch as given, as textbooks state them."""
+
+    limitation: ClassVar[str] = (
+        "The creep force has coefficients as given, whatever the load and the size of the patch; friction, if at all, limits it "
+        "by a heuristic law."
+    )
+    kind: Literal["coefficients"] = Field(description="coefficients as given, of one wheel")
+    f11: Annotated[float, Quantity("N", 0.0, 1e12)] = Field(description="longitudinal coefficient")
+    f22: Annotated[float, Quantity("N", 0.0, 1e12)] = Field(description="lateral coefficient")
+    f23: Annotated[float, Quantity("N m", 0.0, 1e9)] = optional(0.0, "coefficient of lateral creepage and spin")
+    f33: Annotated[float, Quantity("N m^2", 0.0, 1e9)] = optional(0.0, "spin coefficient")
+    saturation: StrictBool = optional(
+        True,
+        "limit of friction by the cubic of Johnson and Vermeulen, (23), forces and moment alike; false: linear, without limit",
+    )
+
+
 class Fastsim(Table):
     """Kalker's algorithm FASTSIM."""
 
@@ -145,7 +163,7 @@ class StripTheory(Table):
 
 
 AnyCreep = Annotated[
-    KalkerSaturated | KalkerLinear | Fastsim | ModifiedFastsim | Polach | ExactTable | StripTheory,
+    KalkerSaturated | KalkerLinear | Coefficients | Fastsim | ModifiedFastsim | Polach | ExactTable | StripTheory,
     Discriminator("kind"),
     by_kind(),
 ]

@@ -18,6 +18,7 @@ namespace rollerrig {
 
 using CreepLaw = OneOf<KalkerSaturated,  // the paper's
                        KalkerLinear,     //
+                       Coefficients,     //
                        Fastsim,          //
                        ModifiedFastsim,  //
                        Polach,           //
