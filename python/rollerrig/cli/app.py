@@ -27,6 +27,7 @@ COMMANDS = (
     "scale",
     "envelope",
     "sweep",
+    "fit",
     "serve",
     "export_fmu",
     "export",

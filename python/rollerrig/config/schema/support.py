@@ -78,7 +78,7 @@ class Rig(Table):
     coupling: Literal["axle", "independent"] = optional(
         "axle", "axle: left and right turn as one; independent: each with half of the spin inertia"
     )
-    losses: RollerLosses | None = optional(None, "of bearings and air, per pair of rollers; absent: none")
+    losses: RollerLosses | None = optional(None, "torques of bearings and air, per pair of rollers; absent: none")
     mounting: Mounting | None = optional(None, "elastic support of the roller axles; absent: they only spin")
     restraint: Restraint | None = optional(
         None, "a coupler rod that holds a vehicle along the track which nothing else holds; absent: there is none"

@@ -1,0 +1,144 @@
+"""Measured signals from a file: columns of numbers with their units.
+
+    .csv, .mat, .nc, .parquet -> [read_log] -> Log: name of a column -> values, unit
+
+A heading is `name` or `name [unit]`; a table is separated by commas, by tabs, or by semicolons with decimal commas. A file that
+`rollerrig export` or `simulate` wrote has its columns by the same names.
+"""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from rollerrig.common.arrays import Array
+from rollerrig.common.input_files import LARGEST_TABLE, check_input, read_input
+from rollerrig.results.files import ResultsError
+from rollerrig.results.other_formats import table_columns
+
+GAP = 5.5
+"""A step of time that is so many times the median one is a gap."""
+
+
+@dataclass(frozen=True)
+class Log:
+    """Columns of a file of measured signals: name -> values, all of one length; name -> unit in its heading, "" for none."""
+
+    file: str
+    columns: Mapping[str, Array]
+    units: Mapping[str, str]
+
+
+def read_log(path: str | Path) -> Log:
+    """Read a file of measured signals.
+
+    Raises:
+        FileNotFoundError: no such file.
+        ResultsError: a file of another kind, damaged, or without columns of numbers.
+    """
+    if (kind := Path(path).suffix.lower()) not in READERS:
+        raise ResultsError(f"{path}: a file of measured signals ends in {', '.join(READERS)}")
+    try:
+        return log_of(READERS[kind](path), str(path))
+    except FileNotFoundError:
+        raise FileNotFoundError(f"{path}: no such file") from None
+    except ImportError:
+        raise ResultsError(f'{path}: needs pyarrow, which is not installed: pip install "rollerrig[parquet]"') from None
+    except Exception as error:  # whatever the libraries meet in a damaged file
+        reason = (str(error).splitlines() or [""])[0]
+        raise (
+            error if isinstance(error, ResultsError) else ResultsError(f"{path}: no table of numbers: {reason}")
+        ) from None
+
+
+def log_of(given: Mapping[str, Any], file: str) -> Log:
+    """Columns by their headings as a Log, called `file` in messages.
+
+    Raises:
+        ResultsError: there are none, a cell is no number, or they are of different lengths.
+    """
+    columns, units = {}, {}
+    for heading, values in given.items():
+        found = re.fullmatch(r"(.*?)\s*\[([^\[\]]*)\]", heading.strip())
+        name, unit = found.groups() if found else (heading.strip(), "")
+        if len(numbers := _numbers(name, np.asarray(values), file)):
+            columns[name], units[name] = numbers, unit
+    lengths = {len(values) for values in columns.values()}
+    if not lengths:
+        raise ResultsError(f"{file}: no column of numbers")
+    if len(lengths) > 1:
+        raise ResultsError(f"{file}: columns of different lengths, {', '.join(map(str, sorted(lengths)))}")
+    return Log(file, columns, units)
+
+
+def _numbers(name: str, values: Any, file: str) -> Array:
+    """Values as numbers, NaN where nothing stands; none of a column of texts."""
+    if values.dtype.kind in "fiub":
+        return np.asarray(values, dtype=np.float64)
+    numbers, wrong = np.full(len(values), np.nan), []
+    for row, text in enumerate(map(str, values)):
+        try:
+            numbers[row] = float(text or "nan")
+        except ValueError:
+            wrong.append(row)
+    if wrong and not np.isnan(numbers).all():
+        raise ResultsError(f"{file}: row {wrong[0] + 1}, column '{name}': '{values[wrong[0]]}' is no number")
+    return numbers[:0] if wrong else numbers
+
+
+def time_problem(time: Array) -> str:
+    """What is wrong with the times of a log, in words with the row (the first is 1); "" where they rise without a gap."""
+    steps = np.diff(time)
+    usual = float(np.median(steps)) if len(steps) else 0.0
+    if (steps <= 0.0).any():
+        row = int(np.argmax(steps <= 0.0)) + 1
+        what = "repeats" if steps[row - 1] == 0.0 else "falls behind"
+        return f"row {row + 1}, {time[row]:g} s, {what} the time before it, {time[row - 1]:g} s"
+    if (steps > GAP * usual).any():
+        row = int(np.argmax(steps > GAP * usual)) + 1
+        return f"a gap from {time[row - 1]:g} to {time[row]:g} s, where rows are {usual:g} s apart"
+    return ""
+
+
+def _csv(path: str | Path) -> Mapping[str, Any]:
+    text = read_input(path, LARGEST_TABLE).decode("utf-8-sig")
+    lines = [line for line in text.splitlines() if line.strip() and not line.startswith("#")]
+    separator = max(",;\t", key=(lines or [""])[0].count)
+    head, *rows = csv.reader(lines, delimiter=separator)
+    decimal = "," if separator == ";" else "."
+    return {name: [row[k].strip().replace(decimal, ".") for row in rows if k < len(row)] for k, name in enumerate(head)}
+
+
+def _mat(path: str | Path) -> Mapping[str, Any]:
+    from scipy.io import loadmat
+
+    content = loadmat(check_input(path, LARGEST_TABLE), squeeze_me=True)
+    arrays = {n: v for n, v in content.items() if isinstance(v, np.ndarray) and v.ndim == 1 and v.dtype.kind in "fiub"}
+    length = len(arrays["time"]) if "time" in arrays else max((len(values) for values in arrays.values()), default=0)
+    units = content.get("units")  # of a run that was exported
+    named = getattr(getattr(units, "dtype", None), "names", None) or ()
+    own = {name: f"{name} [{units[name].item()}]" for name in named if units is not None}
+    return {own.get(name, name): values for name, values in arrays.items() if len(values) == length}
+
+
+def _netcdf(path: str | Path) -> Mapping[str, Any]:
+    import xarray as xr
+
+    data = xr.load_dataset(check_input(path, LARGEST_TABLE), engine="h5netcdf")
+    return table_columns(data, "time" if "time" in data.coords else str(next(iter(data.coords))))
+
+
+def _parquet(path: str | Path) -> Mapping[str, Any]:
+    from pyarrow import parquet
+
+    table = parquet.read_table(check_input(path, LARGEST_TABLE))
+    return {name: table[name].to_numpy() for name in table.column_names}
+
+
+READERS = {".csv": _csv, ".mat": _mat, ".nc": _netcdf, ".parquet": _parquet}
