@@ -11,8 +11,6 @@ from matplotlib.figure import Figure
 from rollerrig.common.arrays import Array
 from rollerrig.plot.style import COLOURS, GREY, into_axes, panels
 
-MOST_POINTS = 400
-"""More measured points are drawn as a line."""
 EVEN = 1e-3
 """Steps of a log may differ by this part and still have a spectrum."""
 
@@ -29,18 +27,15 @@ def comparison(x: Array, measured: Array, fitted: Array, used: Array, along: str
         along: name of the abscissa with its unit.
         label: name of the values with their unit.
     """
-    order, few = np.argsort(x), len(x) <= MOST_POINTS
+    order, size = np.argsort(x), float(np.clip(60.0 / np.sqrt(len(x)), 1.0, 4.0))
+    held_back = np.logical_not(used)
     with panels([label, "fitted -\nmeasured"], along, 4.6) as (figure, axes):
-        for chosen, colour, name in (
-            (used, COLOURS[1], "measured"),
-            (np.logical_not(used), GREY, "measured, held back"),
-        ):
-            if chosen.any():
-                axes[0].plot(x[chosen], measured[chosen], "o" if few else ",", color=colour, markersize=3.0, label=name)
-                axes[1].plot(x[chosen], (fitted - measured)[chosen], "o" if few else ",", color=colour, markersize=3.0)
+        for rows, colour, name in ((used, COLOURS[1], "measured"), (held_back, GREY, "measured, held back")):
+            if rows.any():
+                axes[0].plot(x[rows], measured[rows], "o", color=colour, markersize=size, label=name)
+                axes[1].plot(x[rows], (fitted - measured)[rows], "o", color=colour, markersize=size)
         axes[0].plot(x[order], fitted[order], color=COLOURS[0], label="fitted")
         axes[1].axhline(0.0, color=COLOURS[0], linewidth=0.8)
-        axes[0].legend()
         return figure
 
 
@@ -50,7 +45,7 @@ def spectrum(time: Array, residual: Array, unit: str) -> Figure | None:
     Args:
         time: times of the rows [s].
         residual: fitted less measured values.
-        unit: of the residual.
+        unit: unit of the residual.
     """
     from scipy.signal import welch
 
@@ -58,7 +53,6 @@ def spectrum(time: Array, residual: Array, unit: str) -> Figure | None:
     if len(steps) < 16 or np.ptp(steps) > EVEN * steps.mean():
         return None
     frequency, power = welch(residual, 1.0 / steps.mean(), nperseg=min(len(residual), 512))
-    unit = "-" if unit == "1" else unit
-    with panels([f"density\n[{unit}/√Hz]"], "frequency [Hz]", 2.6) as (figure, axes):
+    with panels([f"density\n[{unit.replace('1', '-')}/√Hz]"], "frequency [Hz]", 2.6) as (figure, axes):
         axes[0].loglog(frequency[1:], np.sqrt(power[1:]), color=COLOURS[0])
         return figure

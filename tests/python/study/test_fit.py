@@ -12,6 +12,7 @@ import pytest
 import tomli_w
 
 import rollerrig as rr
+from rollerrig.analysis.equivalent_dead_time import predicted_dead_time
 from rollerrig.config.load.fit import WholeFit, resolve_fit
 from rollerrig.config.read import Document, catalog_file, read_document
 from rollerrig.results.logs import log_of, read_log, time_problem
@@ -145,6 +146,38 @@ def test_without_a_known_torque_only_losses_over_inertia_are_determined() -> Non
     channels = tuple(replace(c, measured=v) for c, v in zip(record.channels, exact, strict=True))
     found = search(whole, [replace(record, channels=channels)], [one.start for one in whole.free]).estimate
     assert any("roller_inertia" in words for words in found.undetermined)
+
+
+# ----------------------------------------------------------------------------------------------- dead time from a step
+
+
+def step_log() -> tuple[WholeFit, Record, list[np.ndarray]]:
+    raw = read_document("fit", "drive_lag").raw
+    output = {**raw["log"][0]["output"][0], "error": "5 N m"}
+    times = np.arange(0.0, 1.0, 2e-3)
+    whole = plan_of("drive_lag", log=[{**raw["log"][0], "output": [output]}])
+    return whole, *synthetic(whole, {"time": times, "torque": 0.0 * times})
+
+
+@pytest.mark.parametrize("count", [2, pytest.param(200, marks=pytest.mark.long)])
+def test_a_drive_s_bandwidth_is_within_its_own_interval(count: int) -> None:
+    """95 % are expected: 190 of 200 with a standard deviation of 3."""
+    assert inside(*step_log(), count)["bandwidth"] >= (1 if count == 2 else 180)
+
+
+def test_the_equivalent_dead_time_of_a_rig_is_found_from_its_step() -> None:
+    """Half a sample and the lag of the drive, 1/(2 pi f): (D17)."""
+    whole, record, _ = step_log()
+    true = record.case.with_changes({"rig_control.motor.bandwidth": "30 Hz"})
+    (measured,) = MODELS["run"].values(record, true)
+    noisy = measured + 5.0 * np.random.default_rng(1).normal(size=len(measured))
+    found = search(whole, [replace(record, channels=(replace(record.channels[0], measured=noisy),))], [50.0]).estimate
+    dead, low, high = (
+        predicted_dead_time(true.with_changes({"rig_control.motor.bandwidth": bandwidth})).total
+        for bandwidth in (found.values["bandwidth"], *found.intervals["bandwidth"][::-1])
+    )
+    assert low < 0.5e-3 + 1.0 / (2.0 * np.pi * 30.0) < high
+    assert dead == pytest.approx(0.5e-3 + 1.0 / (2.0 * np.pi * found.values["bandwidth"]), rel=1e-3)
 
 
 # -------------------------------------------------------------------------------------------------------------- refusals
