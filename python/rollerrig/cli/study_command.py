@@ -249,6 +249,7 @@ SPECIAL: dict[str, dict[str, Any]] = {
     "conicity": {"prepare": check_conicity, "refused": (ValueError,)},
     "creep": {"refused": (ValueError, RuntimeError)},
     "compare": {"prepare": check_compare},
+    "fit": {"refused": (FileNotFoundError, ValueError, RuntimeError)},
     "scale": {
         "prepare": prepare_scale,
         "switches": {"run": (RUN, False, "error_budget")},

@@ -93,16 +93,13 @@ def _numbers(name: str, values: Any, file: str) -> Array:
 
 
 def time_problem(time: Array) -> str:
-    """What is wrong with the times of a log, in words with the row (the first is 1); "" where they rise without a gap."""
+    """What is wrong with the times of a log, in words; "" where they rise without a gap."""
     steps = np.diff(time)
-    usual = float(np.median(steps)) if len(steps) else 0.0
-    if (steps <= 0.0).any():
-        row = int(np.argmax(steps <= 0.0)) + 1
-        what = "repeats" if steps[row - 1] == 0.0 else "falls behind"
-        return f"row {row + 1}, {time[row]:g} s, {what} the time before it, {time[row - 1]:g} s"
-    if (steps > GAP * usual).any():
-        row = int(np.argmax(steps > GAP * usual)) + 1
-        return f"a gap from {time[row - 1]:g} to {time[row]:g} s, where rows are {usual:g} s apart"
+    usual = float(np.median(steps))
+    for what, wrong in (("not later", steps <= 0.0), (f"a gap, rows are {usual:g} s apart", steps > GAP * usual)):
+        if wrong.any():
+            row = int(np.argmax(wrong))
+            return f"{time[row + 1]:g} s follows {time[row]:g} s: {what}"
     return ""
 
 

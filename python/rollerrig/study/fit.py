@@ -172,7 +172,7 @@ class FitStudy(Study[Fit]):
             if (follows := one["autocorrelation"] or 0.0) > FOLLOWS:
                 wider = number(math.sqrt((1.0 + follows) / max(1.0 - follows, 1e-6)), 2)
                 lines.append(
-                    f"{name}: residuals follow each other, correlation {follows:.2f}: intervals are {wider} times as wide."
+                    f"{name}: residuals follow each other, correlation {follows:.2f}: true intervals are {wider} times as wide."
                 )
         if results.found.estimate.known and results.found.estimate.deviation > WRONG:
             times = number(results.found.estimate.deviation, 3)

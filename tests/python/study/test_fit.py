@@ -10,9 +10,12 @@ from typing import Any
 import numpy as np
 import pytest
 import tomli_w
+from typer.testing import CliRunner
 
 import rollerrig as rr
 from rollerrig.analysis.equivalent_dead_time import predicted_dead_time
+from rollerrig.analysis.signals import low_pass
+from rollerrig.cli.app import build_app
 from rollerrig.config.load.fit import WholeFit, resolve_fit
 from rollerrig.config.read import Document, catalog_file, read_document
 from rollerrig.results.logs import log_of, read_log, time_problem
@@ -204,9 +207,9 @@ def refused(plan: Mapping[str, Any], *logs: Any) -> str:
 @pytest.mark.parametrize(
     ("change", "expected"),
     [
-        ({"time": np.r_[GOOD["time"][:50], GOOD["time"][50:] + 0.3]}, "time: a gap from 0.49 to 0.8 s, where rows are 0.01 s"),
-        ({"time": np.r_[GOOD["time"][:50], 0.49, GOOD["time"][51:]]}, "row 51, 0.49 s, repeats the time before it"),
-        ({"time": np.r_[GOOD["time"][:50], 0.3, GOOD["time"][51:]]}, "row 51, 0.3 s, falls behind the time before it, 0.49 s"),
+        ({"time": np.r_[GOOD["time"][:50], GOOD["time"][50:] + 0.3]}, "time: 0.8 s follows 0.49 s: a gap, rows are 0.01 s apart"),
+        ({"time": np.r_[GOOD["time"][:50], 0.49, GOOD["time"][51:]]}, "log 1: time: 0.49 s follows 0.49 s: not later"),
+        ({"time": np.r_[GOOD["time"][:50], 0.3, GOOD["time"][51:]]}, "log 1: time: 0.3 s follows 0.49 s: not later"),
         ({"y": np.r_[np.zeros(70), np.nan, np.zeros(29)]}, "log 1: y: nothing in row 71"),
         ({"y": None, "yy": np.zeros(100)}, "log 1: log[0].output[0].column: no column 'y'; allowed: time, yy; did you mean"),
         ({"y": None, "y [km/h]": np.zeros(100)}, "log 1: y: 'km/h'; allowed: a unit of what is compared, such as m"),
@@ -217,6 +220,13 @@ def refused(plan: Mapping[str, Any], *logs: Any) -> str:
 def test_a_log_with_a_mistake_is_refused_in_a_line(change: dict[str, Any], expected: str) -> None:
     columns = {name: values for name, values in {**GOOD, **change}.items() if values is not None}
     assert expected in refused(run_plan(), columns)
+
+
+def test_a_part_of_a_log_without_its_gap_is_taken() -> None:
+    whole = resolve_fit(Document({**run_plan(), "log": [{**run_plan()["log"][0], "begin": 0.8}]}, "plan", Path()))
+    gap = np.r_[GOOD["time"][:50], GOOD["time"][50:] + 0.3]
+    (record,) = records(whole, [log_of({**GOOD, "time": gap}, "log 1")])
+    assert record.x[[0, -1]] == pytest.approx([0.0, 0.49])
 
 
 @pytest.mark.parametrize(
@@ -340,6 +350,25 @@ def test_a_file_without_numbers_is_refused_in_a_line(tmp_path: Path, text: str, 
     assert "\n" not in str(error.value)
 
 
+@pytest.mark.parametrize(
+    ("log", "line"),
+    [
+        ("none.csv", "rollerrig: none.csv: no such file"),
+        ("log.txt", "rollerrig: log.txt: a file of measured signals ends in .csv, .mat, .nc, .parquet"),
+        ("log.csv", "rollerrig: log.csv: log[0].over: no column 'creepage'; allowed: time, y"),
+    ],
+)
+def test_the_command_refuses_a_log_in_a_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, log: str, line: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for name in ("log.csv", "log.txt"):
+        Path(name).write_text("time,y\n0,1\n0.1,2\n")
+    result = CliRunner().invoke(build_app(), ["fit", "creep_curve", log, "--out", "out"])
+    assert (result.exit_code, result.output.strip()) == (2, line)
+    assert not Path("out").exists()
+
+
 def test_the_fitted_case_says_where_its_numbers_come_from(tmp_path: Path) -> None:
     _, record, exact = creep_log()
     log = {"creepage": CREEPAGES, "traction_coefficient": exact[0], "traction_error": record.channels[0].error}
@@ -358,6 +387,38 @@ def test_the_fitted_case_says_where_its_numbers_come_from(tmp_path: Path) -> Non
     assert numbers["searches_at_the_same_end"] == 2
     assert FitStudy.quantities.unexplained(numbers) == []
     assert numbers["outputs"]["traction_coefficient"]["rms_held_back"] < 1e-5
+
+
+def test_several_logs_at_different_speeds_are_fitted_at_once() -> None:
+    """Friction falls with the slip velocity: two speeds tell its fall better than one."""
+    raw = read_document("fit", "creep_curve").raw
+    tables = [{**raw["log"][0], "changes": {"motion.speed": f"{speed} km/h"}} for speed in (36, 108)]
+    whole = plan_of("creep_curve", log=tables)
+    columns = {"creepage": CREEPAGES, "traction_coefficient": 0.0 * CREEPAGES, "traction_error": 0.0 * CREEPAGES + 0.01}
+    logs = [
+        {**columns, "traction_coefficient": MODELS["creep"].values(record, record.case)[0]}
+        for record in records(whole, [log_of(columns, "log")] * 2)
+    ]
+    both, one = (rr.fit({**raw, "log": tables[:n]}, logs[:n]) for n in (2, 1))
+    assert both.numbers["numbers"]["B"]["value"] == pytest.approx(0.5, rel=1e-4)
+    assert both.numbers["numbers"]["B"]["standard_error"] < 0.75 * one.numbers["numbers"]["B"]["standard_error"]
+    assert list(both.numbers["outputs"]) == ["traction_coefficient, log 1", "traction_coefficient, log 2"]
+    assert len(both.study._fitted_cases(both.results)) == 2  # type: ignore[attr-defined]
+
+
+def test_a_filtered_sensor_with_an_unknown_zero_gives_the_same_stiffness() -> None:
+    run = rr.simulate(rr.load_case("wheelset_rollers").with_changes({"time.duration": "1 s"}))
+    exact = run["lateral"].sel(body="wheelset_1")
+    seen = low_pass(exact, 15.0).to_numpy()[:-5] + 2e-3
+    key, log = "vehicle.element.primary_*.y.stiffness", {"time": run["time"].to_numpy()[:-5], "y [mm]": 1e3 * seen}
+    free = [{"key": key, "least": "2 MN/m", "most": "6 MN/m", "start": "5 MN/m"}]
+    right, wrong = (
+        rr.fit({**run_plan(error="0.01 mm", any_offset=True, **more), "free": free}, [log]).results.found.estimate
+        for more in ({"low_pass": "15 Hz"}, {})
+    )
+    assert right.values["stiffness"] == pytest.approx(3.884e6, rel=5e-3)
+    assert abs(wrong.values["stiffness"] / 3.884e6 - 1.0) > 0.02
+    assert wrong.deviation > 10.0 * right.deviation
 
 
 def test_errors_that_are_not_given_are_found() -> None:

@@ -109,12 +109,17 @@ def _run_outputs(case: Case) -> dict[str, str]:
 
 
 def _run_values(record: Record, case: Case) -> list[Array]:
+    run = whole_run(case)
+    if run.attrs["status"] not in COMPLETED or float(run["time"][-1]) < record.x[-1]:
+        raise UnusableRunError(f"{record.file}: {run.attrs['status_message']}")
+    return _sampled(record, run)
+
+
+def _sampled(record: Record, run: xr.Dataset) -> list[Array]:
+    """What a run, or its derivative by a number, has at the rows of a log: filtered as the measurement."""
     from scipy.interpolate import CubicSpline
 
-    run = whole_run(case)
     columns, time = _columns(run), run["time"].to_numpy()
-    if run.attrs["status"] not in COMPLETED or time[-1] < record.x[-1]:
-        raise UnusableRunError(f"{record.file}: {run.attrs['status_message']}")
     found = []
     for channel in record.channels:
         values = columns[channel.of][1]

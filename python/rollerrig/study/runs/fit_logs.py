@@ -76,18 +76,16 @@ class _Reader:
         x = self._column(name, "over", self._factor(name, log.unit, unit, "unit"))
         used = np.ones(len(x), dtype=bool)
         if isinstance(log, RunLog):
-            if problem := time_problem(x):
-                allowed = (
-                    "allowed: times that rise without a gap; cut it with `begin` and `end`, or make two logs of it"
-                )
-                _refuse(self.table.file, name, problem, allowed)
             begin = float(x[0]) if log.begin is None else log.begin
             used = (x >= begin) & (x <= (math.inf if log.end is None else log.end))
             if used.sum() < 2:
-                allowed = f"allowed: a part of the log with two rows or more; it has {x[0]:g} to {x[-1]:g} s"
+                allowed = f"allowed: a part of the log with two rows or more; it has {x.min():g} to {x.max():g} s"
                 _refuse(self.plan, f"{self.at}.begin", f"{begin:g} s", allowed)
+            if problem := time_problem(x[used]):
+                allowed = "allowed: times that rise without a gap; cut it with `begin` and `end`, or make it two logs"
+                _refuse(self.table.file, name, problem, allowed)
             x = x - begin
-            case = self._driven(case, x, log)
+            case = self._driven(case, x[used], used, log)
             case = case.with_changes({"time.duration": f"{float(x[used][-1]) + case.time.output_step!r} s"})
         outputs, fitted = MODELS[kind].outputs(case), self._fitted(int(used.sum()), held_back)
         channels = (
@@ -129,12 +127,12 @@ class _Reader:
             _refuse(self.plan, f"{place}.error", "0", "allowed: a positive standard deviation")
         return Channel(output.of, unit, measured, error, fitted, output.low_pass, output.any_offset)
 
-    def _driven(self, case: Case, x: Array, log: RunLog) -> Case:
+    def _driven(self, case: Case, x: Array, used: Array, log: RunLog) -> Case:
         """The case with the columns that drive it as tables over time."""
         changes: dict[str, object] = {}
         for number, given in enumerate(log.input):
             unit = given.unit or self.table.units.get(given.column, "")
-            values = given.factor * self._column(given.column, f"input[{number}].column")
+            values = given.factor * self._column(given.column, f"input[{number}].column", 1.0, used)
             slope = np.diff(values) / np.diff(x)
             corner = np.r_[True, slope[1:] != slope[:-1], True]  # a run stops at each row of a table
             rows = zip(x[corner].tolist(), values[corner].tolist(), strict=True)
