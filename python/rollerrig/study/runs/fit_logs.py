@@ -9,7 +9,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import NoReturn
+from typing import Any, NoReturn
 
 import numpy as np
 
@@ -74,7 +74,7 @@ class _Reader:
         log, kind = self.log, str(getattr(self.log, "kind", ""))
         name, unit = log.over or MODELS[kind].abscissa[0], MODELS[kind].abscissa[1]
         x = self._column(name, "over", self._factor(name, log.unit, unit, "unit"))
-        used = np.ones(len(x), dtype=bool)
+        used: Any = np.ones(len(x), dtype=bool)
         if isinstance(log, RunLog):
             begin = float(x[0]) if log.begin is None else log.begin
             used = (x >= begin) & (x <= (math.inf if log.end is None else log.end))
