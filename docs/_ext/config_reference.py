@@ -16,19 +16,19 @@ Schema = dict[str, Any]
 
 def write_reference(app: Sphinx) -> None:
     """Write the tables that reference/configuration.md includes."""
-    from rollerrig.config import Case, Plan, Programme
+    from rollerrig.config import Case, FitPlan, Plan, Programme
 
     target = Path(app.srcdir) / "reference" / "generated" / "configuration.md"
-    text = "\n".join(reference(Case.model_json_schema(), Programme.model_json_schema(), Plan.model_json_schema()))
+    text = "\n".join(reference(*(root.model_json_schema() for root in (Case, Programme, Plan, FitPlan))))
     target.parent.mkdir(exist_ok=True)
     if not target.is_file() or target.read_text() != text:  # an unchanged file keeps its date: no rebuild
         target.write_text(text)
 
 
-def reference(case: Schema, programme: Schema, plan: Schema) -> list[str]:
+def reference(case: Schema, programme: Schema, plan: Schema, fit: Schema) -> list[str]:
     """The whole reference as lines of MyST Markdown: one section per kind of file, one table per TOML table."""
     tables: dict[str, Schema] = {"Case": case, **case["$defs"], "Programme": programme, **programme["$defs"]}
-    tables |= {"Plan": plan, **plan["$defs"]}
+    tables |= {"Plan": plan, **plan["$defs"], "FitPlan": fit, **fit["$defs"]}
     profiles = list(references(tables["Wheel"]["properties"]["profile"]))
     sections = {
         "Case file": ["Case"],
@@ -38,6 +38,7 @@ def reference(case: Schema, programme: Schema, plan: Schema) -> list[str]:
         "Materials": ["Material"],
         "Programme file": ["Programme"],
         "Plan file": ["Plan"],
+        "Plan of a fit": ["FitPlan"],
     }
     roots = {name for names in sections.values() for name in names}
     written: set[str] = set()

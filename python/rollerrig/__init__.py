@@ -5,7 +5,7 @@
                       -> linearize -> control.StateSpace
     run -> wheel_forces -> Y, Q, Y/Q, wear number
                       -> envelope, sweep -> xarray.Dataset
-    response, adhesion, wsp, control, lateral, compare, scale -> Outcome -> write(folder)
+    response, adhesion, wsp, control, lateral, compare, scale, fit -> Outcome -> write(folder)
 
 Every command of the command line is a function here, under the same name; `plot` draws what they return. Names are loaded when
 first used, so that `import rollerrig` costs nothing. No public object has the name of a module.
@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from rollerrig.cli.commands import control as control
     from rollerrig.cli.commands import creep as creep
     from rollerrig.cli.commands import envelope as envelope
+    from rollerrig.cli.commands import fit as fit
     from rollerrig.cli.commands import lateral as lateral
     from rollerrig.cli.commands import limit_cycle as limit_cycle
     from rollerrig.cli.commands import paper as paper
@@ -76,7 +77,7 @@ _NAMES = {
     "assembly.model": "assemble",
     "catalog": "catalog_entries catalog_text",
     "catalog.starting_case": "starting_case",
-    "cli.commands": "adhesion compare conicity contact control creep envelope lateral limit_cycle paper "
+    "cli.commands": "adhesion compare conicity contact control creep envelope fit lateral limit_cycle paper "
     "reconstruct response scale sweep wsp",
     "config": "Case ConfigError explain json_schema load_case",
     "contact_analysis.profile_curve": "profile",

@@ -19,11 +19,12 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
-from scipy.optimize import least_squares
 
 from rollerrig import _core, load_case, simulate
 from rollerrig.analysis.axle_traction import axle_traction
+from rollerrig.analysis.estimation import estimate
 from rollerrig.assembly.laws import creep_law
+from rollerrig.common.free_number import FreeNumber
 from rollerrig.contact_analysis.traction_curve import LoadedWheel, traction_coefficient
 
 Array = NDArray[np.float64]
@@ -146,11 +147,10 @@ def fit(law: str, without: int | None = None) -> tuple[dict[str, float], dict[st
     def deviation(values: Array) -> Array:
         return ((coefficient(law, numbers(values), measured.creepage) - measured.mean) / measured.error)[used]
 
-    start, low, high = np.array([START[name] for name in names]).T
-    tries = [np.clip(start * factor, low, 0.99 * high) for factor in (1.0, 0.6, 1.4)]
-    found = min((least_squares(deviation, x, bounds=(low, high), x_scale=start) for x in tries), key=lambda f: f.cost)
-    covariance = np.linalg.pinv(found.jac.T @ found.jac)
-    return numbers(found.x), dict(zip(names, map(float, np.sqrt(np.diag(covariance))), strict=True))
+    free = [FreeNumber(name, *START[name][1:]) for name in names]
+    tries = [[factor * START[name][0] for name in names] for factor in (1.0, 0.6, 1.4)]
+    found = min((estimate(free, deviation, start) for start in tries), key=lambda one: one.cost)
+    return numbers(np.array(list(found.values.values()))), found.errors
 
 
 @functools.cache

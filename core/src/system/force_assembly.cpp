@@ -37,6 +37,16 @@ void ForceAssembly<T>::apply_weight(std::size_t b) const {
   if (body.in_moving_frame) w_.wrench[b].force = T(-weight) * w_.frame[b].up;
 }
 
+/// Bearings and air around a body that spins; what holds them is the ground.
+template <Scalar T>
+void ForceAssembly<T>::apply_loss(std::size_t b) const {
+  Body const& body = model_.bodies[b];
+  auto const& m = w_.motion[b];
+  T const torque = body.loss(m.omega_body.y);
+  w_.wrench[b].moment -= torque * m.R.ey;
+  w_.power[dissipated_elements] += torque * m.omega_body.y;
+}
+
 template <Scalar T>
 void ForceAssembly<T>::apply_element(std::size_t index) const {
   ForceElement const& e = model_.elements[index];
@@ -119,6 +129,8 @@ void ForceAssembly<T>::accelerate(T const& t, Selection const* selection) const 
   for (auto& creep : w_.axle_creep) creep = {};
   for (std::size_t b = 0; b < bodies; ++b)
     if (selected(b)) apply_weight(b);
+  for (std::size_t b = 0; b < bodies; ++b)
+    if (selected(b) && model_.bodies[b].has_losses()) apply_loss(b);
   for (std::size_t i = 0; i < model_.elements.size(); ++i)
     if (!selection || selection->element[i]) apply_element(i);
   apply_contacts(t, selection);

@@ -14,7 +14,7 @@ from rollerrig import _core
 from rollerrig.assembly.laws import Support, contact_laws, direction_law
 from rollerrig.assembly.model_parts import AxleActuators, WheelInfo, static_loads
 from rollerrig.config import Case, Foundation, Restraint, Rig, Track, Vehicle
-from rollerrig.config.schema.support import NOWHERE, RAIL_CURVES, RailHeads, rail_heads, rail_layout
+from rollerrig.config.schema.support import NOWHERE, RAIL_CURVES, RailHeads, RollerLosses, rail_heads, rail_layout
 from rollerrig.config.schema.track import rails_of_run
 from rollerrig.config.schema.vehicle import DIRECTIONS, Body, Element
 from rollerrig.config.validate.check_track import distance_run, foremost_wheelset
@@ -254,6 +254,7 @@ class Assembly:
         axisymmetric: bool = False,
         speed_controlled_radius: float = 0.0,
         in_moving_frame: bool = True,
+        losses: tuple[float, float, float] = (0.0, 0.0, 0.0),
     ) -> int:
         self.bodies.append(name)
         self.positions[name] = position
@@ -267,6 +268,9 @@ class Assembly:
             locked=locked,
             speed_controlled_radius=speed_controlled_radius,
             in_moving_frame=in_moving_frame,
+            loss_constant=losses[0],
+            loss_linear=losses[1],
+            loss_quadratic=losses[2],
         )
         return self.builder.add_body(body)
 
@@ -304,8 +308,17 @@ class Assembly:
             ixx, iyy, izz = rig.roller_inertia
             mass, inertia = share * rig.roller_mass, (share * ixx, share * iyy, share * izz)
             position = (x, y, -rig.roller_radius)
+            torques = rig.losses or RollerLosses()
+            losses = (share * torques.constant, share * torques.linear, share * torques.quadratic)
             index = self._add_body(
-                name, mass, inertia, position, locked, axisymmetric=True, speed_controlled_radius=controlled
+                name,
+                mass,
+                inertia,
+                position,
+                locked,
+                axisymmetric=True,
+                speed_controlled_radius=controlled,
+                losses=losses,
             )
             self.rollers.append(name)
             for wheel_side in ("left", "right") if side == "" else (side[1:],):

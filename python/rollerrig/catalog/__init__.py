@@ -18,7 +18,7 @@ def catalog_entries() -> list[tuple[CatalogKind, str, str]]:
 
     Example:
         >>> sorted({kind for kind, _, _ in catalog_entries()})
-        ['case', 'material', 'plan', 'profile', 'programme', 'support', 'vehicle']
+        ['case', 'fit', 'material', 'plan', 'profile', 'programme', 'support', 'vehicle']
     """
     return [
         (kind, name, str(tomllib.loads(catalog_file(kind, name).read_text("utf-8"))["description"]))

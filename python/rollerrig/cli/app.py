@@ -25,6 +25,7 @@ COMMANDS = (
     "scale",
     "envelope",
     "sweep",
+    "fit",
     "serve",
     "export_fmu",
     "export",

@@ -52,11 +52,11 @@ def explain(
 
 def schema(
     kind: Annotated[
-        Literal["case", "vehicle", "support", "material", "profile", "programme", "plan"],
+        Literal["case", "vehicle", "support", "material", "profile", "programme", "plan", "fit"],
         typer.Argument(help="Kind of file.", metavar="KIND"),
     ] = "case",
 ) -> None:
-    """Print the JSON Schema of a kind of file (case, vehicle, support, material, profile, programme, plan), for editors."""
+    """Print the JSON Schema of a kind of file (case, vehicle, support, material, profile, programme, plan, fit), for editors."""
     from rollerrig.config import json_schema
 
     typer.echo(json.dumps(json_schema(kind), indent=1, ensure_ascii=False))
@@ -73,7 +73,8 @@ def check(
 ) -> None:
     """Validate a file; of a case, print the assembled model, its static wheel loads and masses."""
     from rollerrig.cli.describe import describe_case, describe_part
-    from rollerrig.config import Case, Plan, code_of, load_any, load_plan
+    from rollerrig.config import Case, FitPlan, Plan, code_of, load_any, load_plan
+    from rollerrig.config.load.fit import load_fit
 
     kind, part = load_any(file, allow_code=allow_code)
     if isinstance(part, Plan):
@@ -81,6 +82,12 @@ def check(
 
         whole = load_plan(file, allow_code=allow_code)
         lines = [*code_lines(whole.code), *SweepStudy(whole, many=True).described()]
+    elif isinstance(part, FitPlan):
+        fit = load_fit(file, allow_code=allow_code)
+        sought = (
+            f"{one.key}: {one.start:g} {one.quantity.unit}, from {one.least:g} to {one.most:g}" for one in fit.free
+        )
+        lines = [*code_lines(fit.code), f"{part.name}: {part.description or part.case}", *sought]
     elif isinstance(part, Case):
         lines = [*code_lines(code_of(part)), *describe_case(part, run_code=allow_code)]
     else:

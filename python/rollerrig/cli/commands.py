@@ -73,6 +73,7 @@ _TORQUES = (
 _ADHESIONS = "adhesions of the reproduced rail, in the same forms; 0.02 to 0.36 if absent."
 _LOADS = "axle loads over the case's own, in the same forms; 0.6,1,1.4 if absent."
 _SUPPORTS = "supports, with commas: rig, track, names of the catalogue or files."
+_FIT_CHANGES = "another value for a key of the plan's case: KEY=VALUE, as in a TOML file; again for more."
 _KEEP = "what the model does not scale: gravity, material, clock, drives, with commas; 'none': ideal similitude."
 _CHANGES = "what the model has of its own, at its own scale: KEY=VALUE, as in a TOML file."
 
@@ -678,6 +679,52 @@ def sweep(
     return found.results.data
 
 
+def fit(
+    plan: Mapping[str, Any] | str,
+    logs: Sequence[str | Path | Mapping[str, Any]],
+    *,
+    changes: Annotated[Mapping[str, object] | None, Option("change", meaning=_FIT_CHANGES)] = None,
+    allow_code: Switch = False,
+    processes: OneProcess = 1,
+    progress: Progress | None = None,
+) -> Outcome[Any]:
+    """Numbers of a case from measured logs: estimates with intervals, what the logs do not determine, the fitted case.
+
+    Args:
+        plan: plan of a fit: a name of the catalogue or a TOML file.
+        logs: files of measured signals (.csv, .mat, .nc, .parquet), one for each [[log]] of the plan.
+        changes: of the plan's case: dotted key -> value.
+        allow_code: also take controllers from outside the folder of the case that names them.
+        processes: searches at a time.
+        progress: called with the fraction done and a short text.
+
+    From Python a plan may also be its tables, and a log its columns: heading -> values.
+
+    Raises:
+        ConfigError: all mistakes of plan and logs, found before the first run; a free key that changes nothing.
+        FileNotFoundError: a log that is not there.
+        ResultsError: a file that is no log.
+
+    Example:
+        >>> import rollerrig as rr
+        >>> points = {"creepage [%]": [0.5, 1.1, 2.9, 6.0, 14.1], "traction_coefficient": [0.25, 0.288, 0.304, 0.297, 0.241]}
+        >>> found = rr.fit("creep_curve", [{**points, "traction_error": [0.005] * 5}])
+        >>> {name: round(one["value"], 1) for name, one in found.numbers["numbers"].items()}
+        {'mu_0': 0.4, 'B': 0.5, 'k_S': 0.4}
+    """
+    from rollerrig.config.load.fit import load_fit, resolve_fit
+    from rollerrig.config.read import Document
+    from rollerrig.results.logs import log_of
+    from rollerrig.study.fit import FitStudy
+    from rollerrig.study.runs.fit_logs import records
+
+    options: dict[str, Any] = {"allow_code": allow_code, "changes": changes}
+    tables = Document(dict(plan), "plan", Path()) if isinstance(plan, Mapping) else None
+    whole = load_fit(str(plan), **options) if tables is None else resolve_fit(tables, **options)
+    given = [log_of(one, f"log {k + 1}") if isinstance(one, Mapping) else one for k, one in enumerate(logs)]
+    return _outcome(FitStudy(whole, records(whole, given)), processes, progress)
+
+
 def compare(
     vehicle: str,
     on: Annotated[Sequence[str], Option(commas=True, meaning=_SUPPORTS)] = ("rig", "track"),
@@ -736,6 +783,6 @@ def paper(*, quick: Switch = False, processes: Processes = 1, progress: Progress
 
 
 _FUNCTIONS = (paper, run, stability, response, compare, curving, adhesion, wsp, reconstruct, control, lateral, scale, envelope,
-              creep, conicity)  # fmt: skip
+              creep, conicity, fit)  # fmt: skip
 STUDIES = {function.__name__: parameters(function) for function in _FUNCTIONS}
 """Function that is a command -> its arguments."""

@@ -54,7 +54,10 @@ def study_command(
     shared = [("change", Changes, None), ("allow_code", AllowCode, False)] if of_case else []
     last = [one for one in (*shared, ("force", Force, False)) if one[0] not in {parameter.name for parameter in own}]
     named = [
-        _parameter(one.name, Annotated[str, typer.Argument(metavar=one.name.upper(), help=_text(one.meaning))])
+        _parameter(
+            one.name,
+            Annotated[ARGUMENTS.get(one.kind, str), typer.Argument(metavar=one.name.upper(), help=_text(one.meaning))],
+        )
         for one in first
     ]
     found = [*named, _parameter("out", Out), *own, *(_parameter(*one) for one in last)]
@@ -102,6 +105,8 @@ def _text(meaning: str) -> str:
 FORMS = {"bool": bool, "int": int, "float": float, "float | None": float, "tuple[float, float]": float,
          "Sequence[str]": list[str], "Mapping[str, object] | None": list[str]}  # fmt: skip
 """Type of an argument -> of its options, where that is no text."""
+ARGUMENTS: dict[str, Any] = {"Sequence[str | Path | Mapping[str, Any]]": list[str]}
+"""Type of an argument without a name -> on the command line, where it is not one text."""
 
 
 def _options(one: Parameter) -> Iterator[inspect.Parameter]:
@@ -251,6 +256,7 @@ SPECIAL: dict[str, dict[str, Any]] = {
     "creep": {"refused": (ValueError, RuntimeError)},
     "compare": {"prepare": check_compare},
     "wsp": {"prepare": prepare_wsp},
+    "fit": {"refused": (FileNotFoundError, ValueError, RuntimeError)},
     "scale": {
         "prepare": prepare_scale,
         "switches": {"run": (RUN, False, "error_budget")},

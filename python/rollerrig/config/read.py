@@ -13,7 +13,7 @@ from typing import Any, Literal
 from rollerrig.common.input_files import LARGEST_TEXT, read_input
 from rollerrig.config.errors import ConfigError, ConfigProblem, nearest
 
-CatalogKind = Literal["vehicle", "support", "profile", "material", "case", "programme", "plan"]
+CatalogKind = Literal["vehicle", "support", "profile", "material", "case", "programme", "plan", "fit"]
 
 CATALOG_FOLDER = Path(__file__).parents[1] / "catalog"
 

@@ -19,6 +19,7 @@ _HOME = {
     "LateralStudy": "lateral",
     "EnvelopeStudy": "envelope",
     "SweepStudy": "sweep",
+    "FitStudy": "fit",
     "ScaleStudy": "scale",
     "CreepStudy": "creep",
     "ConicityStudy": "conicity",

@@ -296,3 +296,18 @@ TEST_CASE("body motion holds for a scalar with no implicit conversions") {
   auto const a = accelerations(frame, m, Wrench<ExplicitReal>{}, ExplicitReal(0.0), unused);
   CHECK(std::isfinite(a[coord_yaw].x));
 }
+
+TEST_CASE("losses of an axle brake its spin, grow as they are said to, and let it rest") {
+  Body axle;
+  axle.loss_constant = 20.0, axle.loss_linear = 2.0, axle.loss_quadratic = 0.5;
+  CHECK(axle.loss(10.0) == doctest::Approx(20.0 + 2.0 * 10.0 + 0.5 * 100.0).epsilon(1e-6));
+  CHECK(axle.loss(-10.0) == -axle.loss(10.0));
+  CHECK(axle.loss(0.0) == 0.0);
+  CHECK(axle.loss(0.1) == doctest::Approx(20.0 + 0.2 + 0.005).epsilon(6e-3));  // the constant part is 0.5 % less there
+  using D = Dual<1>;
+  for (double w : {-30.0, -0.005, 0.0, 0.02, 12.0})
+    CHECK(axle.loss(D::variable(w, 0)).d[0] ==
+          doctest::Approx((axle.loss(w + 1e-5) - axle.loss(w - 1e-5)) / 2e-5).epsilon(1e-5));
+  CHECK(axle.loss(ExplicitReal(10.0)).x == axle.loss(10.0));
+  CHECK_FALSE(Body{}.has_losses());
+}

@@ -19,7 +19,7 @@ def test_an_entry_copied_to_a_file_is_the_same(kind: str, name: str, tmp_path: P
     assert found_kind == kind
     assert entry.name == name
     assert entry.description
-    assert kind in ("case", "plan") or getattr(entry, "source", "")
+    assert kind in ("case", "plan", "fit") or getattr(entry, "source", "")
     (tmp_path / "copy.toml").write_text(catalog_text(name))
     assert load_any(tmp_path / "copy.toml") == (kind, entry)
 

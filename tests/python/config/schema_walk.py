@@ -172,6 +172,7 @@ def whole_cases() -> dict[str, Raw]:
         "yaw": {"stiffness": 1e8},
         "misalignment": [1e-3],
     }
+    brake["support"]["data"]["losses"] = {"constant": 10.0}
     brake["support"]["data"]["restraint"] = {"height": 1.0, "stiffness": 1e7}
     brake["rig_control"]["drive_command"] = {"kind": "lead", "ahead": 1e-3}
     kalman = plain(load_case("adhesion_brake"))

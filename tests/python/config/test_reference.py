@@ -13,7 +13,7 @@ from jsonschema import Draft202012Validator
 from pydantic import BaseModel
 
 from rollerrig.catalog import KINDS, catalog_file, catalog_names
-from rollerrig.config import Case, Plan, Programme, explain, json_schema, load_case
+from rollerrig.config import Case, FitPlan, Plan, Programme, explain, json_schema, load_case
 from rollerrig.config.read import schema_file
 from rollerrig.config.schema.base import Table
 from rollerrig.config.write.explain import key_places
@@ -43,7 +43,7 @@ def test_the_reference_of_the_documentation_names_every_key() -> None:
     assert spec.loader
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
-    lines = module.reference(Case.model_json_schema(), Programme.model_json_schema(), Plan.model_json_schema())
+    lines = module.reference(*(root.model_json_schema() for root in (Case, Programme, Plan, FitPlan)))
     text = "\n".join(lines)
     for place in key_places():
         assert f"| `{place.key.rpartition('.')[2]}` |" in text, place.key

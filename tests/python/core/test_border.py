@@ -201,7 +201,7 @@ def test_what_was_checked_cannot_be_changed_afterwards() -> None:
         law.mu_0 = -1.0
     body = _core.Body(
         mass=1.0, inertia=(1.0, 1.0, 1.0), position=(0.0, 0.0, 0.0), axisymmetric=False, locked=[False] * 6,
-        speed_controlled_radius=0.0, in_moving_frame=True,
+        speed_controlled_radius=0.0, in_moving_frame=True, loss_constant=0.0, loss_linear=0.0, loss_quadratic=0.0,
     )  # fmt: skip
     body.inertia[0] = -1.0  # of a copy
     assert body.inertia[0] == 1.0

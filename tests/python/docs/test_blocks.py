@@ -101,13 +101,14 @@ def whole(raw: dict[str, Any]) -> tuple[str, dict[str, Any]]:
         "support": "uic60_track",
         "programme": "slide_protection_stops",
         "plan": "",
+        "fit": "",
     }
     for kind, name in starts.items():
         schema = json_schema(kind)  # type: ignore[arg-type]
         tables = [schema] if "properties" in schema else [schema["$defs"][name] for name in ("Rig", "Track")]
         if not raw.keys() <= {key for table in tables for key in table["properties"]}:
             continue
-        if kind == "plan":
+        if kind in ("plan", "fit"):
             return kind, raw
         if kind == "case":
             return kind, raw if raw.keys() & {"base", "time"} else {"base": base_of(raw), **raw}

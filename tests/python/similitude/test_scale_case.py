@@ -24,8 +24,8 @@ NO_DIMENSION = ("window", "seed")
 """Whole numbers that count."""
 
 
-OF_NO_CASE = ("rollerrig.config.schema.programme", "rollerrig.config.schema.plan")
-"""Their tables are no part of a case: nobody scales a test programme or the plan of a sweep."""
+OF_NO_CASE = ("rollerrig.config.schema.programme", "rollerrig.config.schema.plan", "rollerrig.config.schema.fit")
+"""Their tables are no part of a case: nobody scales a test programme or the plan of a sweep or fit."""
 
 
 def tables(root: type[BaseModel] = Table) -> Iterator[type[BaseModel]]:

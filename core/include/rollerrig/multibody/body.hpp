@@ -24,6 +24,7 @@ struct Body {
   std::array<bool, 6> locked{};  ///< per Coordinate
   double speed_controlled_radius{0.0};
   bool in_moving_frame{true};  ///< on a track: moves with the vehicle; false: a piece of the track itself
+  double loss_constant{0.0}, loss_linear{0.0}, loss_quadratic{0.0};  ///< of an axle that only turns against the ground
 
   static constexpr auto fields() {
     using P = Body;
@@ -34,7 +35,12 @@ struct Body {
         Member{"axisymmetric", &P::axisymmetric}, Member{"locked", &P::locked},
         Member{"speed_controlled_radius", &P::speed_controlled_radius, "m",
                "radius V over pitch rate of a roller whose pitch rate is prescribed; 0: it is free", not_negative},
-        Member{"in_moving_frame", &P::in_moving_frame});
+        Member{"in_moving_frame", &P::in_moving_frame},
+        Member{"loss_constant", &P::loss_constant, "N m", "torque against the spin that bearings take at any speed",
+               not_negative},
+        Member{"loss_linear", &P::loss_linear, "N m s/rad", "torque that grows with it", not_negative},
+        Member{"loss_quadratic", &P::loss_quadratic, "N m s^2/rad^2", "torque that grows with its square: ventilation",
+               not_negative});
   }
 
   /// A roller on rigid bearings: its frame coincides with the world's.
@@ -47,6 +53,17 @@ struct Body {
   /// @param acceleration  dV/dt [m/s^2]
   double prescribed_pitch(double acceleration) const {
     return speed_controlled() ? -acceleration / speed_controlled_radius : 0.0;
+  }
+  bool has_losses() const { return loss_constant != 0.0 || loss_linear != 0.0 || loss_quadratic != 0.0; }
+  /// Torque of bearings and air against the spin [N m]: M = M_0 w/|w| + M_1 w + M_2 w |w|; below 0.01 rad/s the
+  /// constant part is viscous drag, so that a body comes to rest.
+  ///
+  /// @param rate  w [rad/s]
+  template <Scalar T>
+  T loss(T const& rate) const {
+    using std::sqrt;
+    T const size = sqrt(rate * rate + T(1e-4));
+    return rate * (T(loss_constant) / size + T(loss_linear) + T(loss_quadratic) * size);
   }
 };
 

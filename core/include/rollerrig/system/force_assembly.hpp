@@ -52,6 +52,7 @@ class ForceAssembly {
   }
 
   void apply_weight(std::size_t body) const;
+  void apply_loss(std::size_t body) const;
   void apply_element(std::size_t index) const;
   void find_patches(T const& t, std::vector<int> const& group, Selection const* selection) const;
   /// A spot of a roller comes round under each wheel at the same time.

@@ -17,9 +17,11 @@ from rollerrig.config.load.case import (
     load_support,
     load_vehicle,
 )
+from rollerrig.config.load.fit import resolve_fit
 from rollerrig.config.load.plan import resolve_plan
 from rollerrig.config.read import CatalogKind, catalog_names, read_document
 from rollerrig.config.schema.contact import Material
+from rollerrig.config.schema.fit import FitPlan
 from rollerrig.config.schema.plan import Plan
 from rollerrig.config.schema.profile import ProfileSpec
 from rollerrig.config.schema.programme import Programme
@@ -37,7 +39,7 @@ LOADERS: dict[CatalogKind, Callable[[str | Path], Part]] = {
 }
 
 
-def load_any(source: str | Path, *, allow_code: bool = False) -> tuple[CatalogKind, Case | Part | Plan]:
+def load_any(source: str | Path, *, allow_code: bool = False) -> tuple[CatalogKind, Case | Part | Plan | FitPlan]:
     """Read a catalogue entry or file of any kind and say which it is by its keys.
 
     Args:
@@ -55,4 +57,6 @@ def load_any(source: str | Path, *, allow_code: bool = False) -> tuple[CatalogKi
         return kind, LOADERS[kind](source)
     if kind == "plan":
         return kind, resolve_plan(document, allow_code=allow_code).plan
+    if kind == "fit":
+        return kind, resolve_fit(document, allow_code=allow_code).plan
     return kind, build_case(document, own_folder=document.folder, allow_code=allow_code)

@@ -167,6 +167,8 @@ def _not_a_case(source: str | Path, kind: CatalogKind) -> ConfigProblem:
     needed = f"needed: a case that uses it, e.g. a copy of `rollerrig catalog show bogie_track` with this {kind} in it"
     if kind == "plan":
         needed = f"needed: a case; the plan is run by `rollerrig sweep {source}`"
+    if kind == "fit":
+        needed = f"needed: a case; the plan is run by `rollerrig fit {source} LOG`"
     if kind == "programme":
         needed = f"needed: a case; the programme is run by `rollerrig wsp CASE --programme {source}`"
     return ConfigProblem(str(source), "", f"a {kind}, not a case", needed)
@@ -223,8 +225,8 @@ def load_profile(source: str | Path, kind: Literal["wheel", "rail"] | None = Non
 
 def kind_of(raw: Mapping[str, Any]) -> CatalogKind:
     """What a document is meant to be; a case if nothing tells."""
-    if "vary" in raw:
-        return "plan"
+    if raw.keys() & {"vary", "free"}:
+        return "plan" if "vary" in raw else "fit"
     if raw.keys() & {BASE, "vehicle", "motion", "time"}:
         return "case"
     if raw.keys() & {"stop", "limit"}:

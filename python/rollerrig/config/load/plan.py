@@ -81,7 +81,7 @@ def resolve_plan(
     case = build_case(found, own_folder=found.folder, allow_code=allow_code)
     own = {key: relative_to(document.folder, key, value) for key, value in leaves(plan.changes)}
     plan, code = _with_code(plan, own, document, allow=allow_code)
-    case = _changed(case, own, document.file)
+    case = changed_by_plan(case, own, document.file)
     whole = plan_of_case(plan, case.with_changes(changes) if changes else case, document.file)
     return replace(whole, varied_code=code)
 
@@ -124,11 +124,12 @@ def plan_of_case(plan: Plan, case: Case, file: str) -> WholePlan:
     return WholePlan(plan, case, file, quantities)
 
 
-def _changed(case: Case, changes: Mapping[str, object], file: str) -> Case:
+def changed_by_plan(case: Case, changes: Mapping[str, object], file: str, at: str = "changes") -> Case:
+    """The case with what a plan changes at its key `at`, which the messages of a ConfigError name."""
     try:
         return case.with_changes(changes) if changes else case
     except ConfigError as error:
-        raise ConfigError([replace(p, file=file, key=f"changes.{p.key}") for p in error.problems]) from None
+        raise ConfigError([replace(p, file=file, key=f"{at}.{p.key}") for p in error.problems]) from None
 
 
 def varied_keys(plan: Plan, case: Case, file: str) -> tuple[tuple[Quantity | None, ...], Problems]:
@@ -142,11 +143,10 @@ def varied_keys(plan: Plan, case: Case, file: str) -> tuple[tuple[Quantity | Non
         if variation.label in names[:number]:
             allowed = "allowed: each name once; give this one a `name` of its own"
             problems.append(ConfigProblem(file, f"{at}.name", show_value(variation.label), allowed))
-        found = _quantity_at(case, raw, variation.key, file)
+        found = value_at(case, raw, variation.key, file)
         if isinstance(found, ConfigProblem):
             problems.append(replace(found, key=f"{at}.key", value=show_value(variation.key)))
-            found = None
-        quantities.append(found)
+        quantities.append(None if isinstance(found, ConfigProblem) else found[0])
     return tuple(quantities), problems
 
 
@@ -161,8 +161,8 @@ def numbers_below(case: Case, key: str) -> list[str]:
     return [f"{key}.{name}" for name, field in fields if quantity_of(field.annotation, field.metadata)]
 
 
-def _quantity_at(case: Case, raw: dict[str, Any], key: str, file: str) -> Quantity | ConfigProblem | None:
-    """What stands at a dotted key of a case."""
+def value_at(case: Case, raw: dict[str, Any], key: str, file: str) -> tuple[Quantity | None, Any] | ConfigProblem:
+    """What stands at a dotted key of a case, whose plain tables are `raw`: its quantity and value; with `*` the first of all."""
     path = parts_of(whole_key(key))
     if "*" in key:
         matching = matching_paths(raw, path, key, file)
@@ -182,7 +182,7 @@ def _quantity_at(case: Case, raw: dict[str, Any], key: str, file: str) -> Quanti
             field = type(holder).model_fields[part]
             quantity = quantity_of(field.annotation, field.metadata)
         holder = choices[part]
-    return None if isinstance(holder, BaseModel | dict) else quantity
+    return (None if isinstance(holder, BaseModel | dict) else quantity), holder
 
 
 def _inside(holder: Any) -> dict[str, Any]:

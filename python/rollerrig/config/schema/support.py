@@ -49,6 +49,14 @@ class Spot(Table):
     sides: Literal["both", "left", "right"] = optional("both", "which rollers have it")
 
 
+class RollerLosses(Table):
+    """Torque against the spin of a pair of rollers with their axle: constant + linear * w + quadratic * w^2."""
+
+    constant: Annotated[float, Quantity("N m", 0.0, 1e6)] = optional(0.0, "bearings and seals, at any speed")
+    linear: Annotated[float, Quantity("N m s/rad", 0.0, 1e6)] = optional(0.0, "grease and oil, per angular speed")
+    quadratic: Annotated[float, Quantity("N m s^2/rad^2", 0.0, 1e6)] = optional(0.0, "ventilation, per its square")
+
+
 class Rig(Table):
     """A roller rig: under each wheelset a pair of rollers on one axis, parallel to y, under the wheelset's axle."""
 
@@ -70,6 +78,7 @@ class Rig(Table):
     coupling: Literal["axle", "independent"] = optional(
         "axle", "axle: left and right turn as one; independent: each with half of the spin inertia"
     )
+    losses: RollerLosses | None = optional(None, "torques of bearings and air, per pair of rollers; absent: none")
     mounting: Mounting | None = optional(None, "elastic support of the roller axles; absent: they only spin")
     restraint: Restraint | None = optional(
         None, "a coupler rod that holds a vehicle along the track which nothing else holds; absent: there is none"

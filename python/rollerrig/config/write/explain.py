@@ -18,6 +18,7 @@ from rollerrig.config.errors import nearest
 from rollerrig.config.read import CatalogKind, catalog_file, catalog_names
 from rollerrig.config.schema.base import INSTEAD_OF, OrShort, by_kind, quantity_of
 from rollerrig.config.schema.case import CaseTables, SupportChoice, VehicleChoice
+from rollerrig.config.schema.fit import FitPlan
 from rollerrig.config.schema.plan import Plan
 from rollerrig.config.schema.programme import Programme
 from rollerrig.config.schema.units import Quantity
@@ -27,6 +28,7 @@ _ROOTS: tuple[tuple[str, type[BaseModel]], ...] = (
     ("case", CaseTables),
     ("programme", Programme),
     ("plan", Plan),
+    ("fit", FitPlan),
 )
 _MOST_CASES = 4
 _MOST_GUESSES = 4
@@ -67,7 +69,7 @@ class KeyPlace:
 
 @cache
 def key_places() -> tuple[KeyPlace, ...]:
-    """Every key of a case, a programme and a plan; those of `vehicle.data` and `support.data` as `vehicle` and `support`."""
+    """Every key of a case, programme, plan and fit; those of `vehicle.data` and `support.data` as `vehicle` and `support`."""
     return tuple(place for file, root in _ROOTS for place in _places(root, "", file, frozenset()))
 
 

@@ -14,6 +14,7 @@ from rollerrig.config.read import CatalogKind
 from rollerrig.config.schema.base import INSTEAD_OF, USUAL_KIND
 from rollerrig.config.schema.case import CaseTables
 from rollerrig.config.schema.contact import Material
+from rollerrig.config.schema.fit import FitPlan
 from rollerrig.config.schema.plan import Plan
 from rollerrig.config.schema.profile import ProfileRoot
 from rollerrig.config.schema.programme import Programme
@@ -31,6 +32,7 @@ _ROOTS: dict[CatalogKind, type[BaseModel]] = {
     "profile": ProfileRoot,
     "programme": Programme,
     "plan": Plan,
+    "fit": FitPlan,
 }
 
 _NOT_CHANGED = {"use", "data", "changes", "cut"}

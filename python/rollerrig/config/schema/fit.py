@@ -1,0 +1,135 @@
+"""A plan of a fit: a case, its free numbers, and what columns of measured logs are compared with."""
+
+from typing import Annotated, Any, Literal
+
+from pydantic import BeforeValidator, Discriminator, Field, model_validator
+
+from rollerrig.config.schema.base import Table, by_kind, optional, refused
+from rollerrig.config.schema.plan import Lognormal, Normal, Value
+from rollerrig.config.schema.units import Quantity
+from rollerrig.config.schema.vehicle import Name
+
+AnyPrior = Annotated[Normal | Lognormal, Discriminator("kind")]
+Part = Annotated[float, Quantity("1", 0.0, 0.9)]
+
+
+class FreeKey(Table):
+    """A number of the case that is sought."""
+
+    key: str = Field(min_length=1, description="dotted key of the case; with `*` all that match get the same value")
+    name: Name | None = optional(None, "in results; absent: the end of the key")
+    least: Value = Field(description="lower end of its range")
+    most: Value = Field(description="upper end of its range")
+    start: Value | None = optional(None, "where the search begins; absent: the case's own value")
+    scale: Literal["linear", "logarithmic"] = optional("linear", "whether the number or its logarithm is sought")
+    prior: AnyPrior | None = optional(None, "what was known before: one more measurement; absent: nothing")
+
+    @property
+    def label(self) -> str:
+        """Its name in results."""
+        return self.name or next(part for part in reversed(self.key.split(".")) if not part.isdecimal()).strip("*[]_")
+
+
+class Output(Table):
+    """A measured column, and what it is compared with."""
+
+    of: str = Field(min_length=1, description="output of the model, as `rollerrig export` calls it: wheelset_1.lateral")
+    column: str | None = optional(None, "column of the log; absent: one of the output's name")
+    unit: str | None = optional(
+        None, "unit of the column; absent: what its heading says in brackets, else the output's"
+    )
+    error: Value | None = optional(
+        None, "standard deviation of one measured value; absent: found from what the fit leaves"
+    )
+    error_column: str | None = optional(None, "column with the standard deviation of each value, in its place")
+    low_pass: Annotated[float, Quantity("Hz", 1e-3, 1e6)] | None = optional(
+        None, "cut-off of the measurement's filter, put on the run likewise, without phase; absent: none"
+    )
+    any_offset: bool = optional(False, "whether the sensor's zero is unknown: only changes count")
+
+    @model_validator(mode="after")
+    def _one_error(self) -> "Output":
+        if self.error is not None and self.error_column is not None:
+            raise refused("error", "allowed: one of `error` and `error_column`")
+        return self
+
+
+class Input(Table):
+    """A measured column that drives the run."""
+
+    key: str = Field(min_length=1, description="dotted key of a table over time, such as motion.torque_table")
+    column: str = Field(min_length=1, description="column of the log")
+    unit: str | None = optional(None, "unit of the column; absent: what its heading says in brackets, else SI")
+    factor: Annotated[float, Quantity("1", -1e6, 1e6)] = optional(1.0, "factor of the values: a gear ratio, or -1")
+
+
+class Log(Table):
+    """What every kind of log has."""
+
+    case: str | None = optional(None, "another case than the plan's: a name of the catalogue, or a file")
+    changes: dict[str, Any] = optional({}, "changes of the case for this log: dotted key -> value")
+    over: str | None = optional(
+        None, "column of times, speeds or creepages; absent: the one called time, speed or creepage, as the kind is"
+    )
+    unit: str | None = optional(None, "unit of that column; absent: what its heading says in brackets, else SI")
+    output: tuple[Output, ...] = Field(min_length=1, max_length=50, description="what is compared")
+
+
+class RunLog(Log):
+    """Signals over time, compared with a run of the case."""
+
+    kind: Literal["run"] = Field(description="signals over time, compared with a run")
+    begin: Annotated[float, Quantity("s", -1e9, 1e9)] | None = optional(
+        None, "time of the log at which the run begins; absent: the first"
+    )
+    end: Annotated[float, Quantity("s", -1e9, 1e9)] | None = optional(None, "last time used; absent: the last")
+    input: tuple[Input, ...] = Field(default=(), max_length=20, description="columns that drive the run")
+
+
+class ModesLog(Log):
+    """Frequency and damping over speed, compared with the modes of the case: no runs."""
+
+    kind: Literal["modes"] = Field(description="frequency and damping of hunting over speed, compared with modes")
+
+
+class CreepLog(Log):
+    """Traction coefficient over creepage, compared with the case's creep law on one wheel: no runs."""
+
+    kind: Literal["creep"] = Field(
+        description="traction coefficient over creepage (slip velocity over the vehicle's speed), compared with the creep law"
+    )
+    a_over_b: Annotated[float, Quantity("1", 0.01, 100.0)] | None = optional(
+        None, "semi-axis of the contact patch along the rail over that across; absent: that of the case at rest"
+    )
+
+
+AnyLog = Annotated[RunLog | ModesLog | CreepLog, Discriminator("kind"), by_kind("run")]
+
+
+def _one_or_more(value: Any) -> Any:
+    return [value] if isinstance(value, dict) else value
+
+
+class FitPlan(Table):
+    """A case, its free numbers, and logs to fit them to."""
+
+    name: Name = Field(description="name of the plan")
+    description: str = optional("", "one line about it")
+    case: str = Field(min_length=1, description="the case: a name of the catalogue, or a file")
+    changes: dict[str, Any] = optional({}, "changes of the case for all logs: dotted key -> value")
+    free: tuple[FreeKey, ...] = Field(min_length=1, max_length=50, description="what is sought")
+    log: Annotated[tuple[AnyLog, ...], BeforeValidator(_one_or_more)] = Field(
+        min_length=1,
+        max_length=100,
+        description="how the logs are read, one after the other; a single one serves for all",
+    )
+    loss: Literal["linear", "soft_l1", "huber", "cauchy"] = optional(
+        "linear", "what a deviation counts; with the others a few wrong points do not pull"
+    )
+    held_back: Part = optional(
+        0.0, "part of each log that is kept for checking: the end of runs, rows spread over other logs"
+    )
+    starts: Annotated[int, Field(ge=1, le=100)] = optional(
+        1, "searches from so many places: from the case's own values, and spread over the ranges"
+    )
+    seed: Annotated[int, Field(ge=0, lt=2**32)] = optional(1, "seed of those places")

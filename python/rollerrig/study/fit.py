@@ -1,0 +1,265 @@
+"""A fit: numbers of a case from measured logs, with intervals, and what the logs do not determine.
+
+WholeFit, logs -> [FitStudy] -> estimates, correlations, residuals, part held back; fitted.toml, estimates.csv, log_1.csv
+"""
+
+from __future__ import annotations
+
+import math
+import tomllib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from rollerrig.common.formatting import number
+from rollerrig.config import Case
+from rollerrig.config.load.fit import WholeFit
+from rollerrig.plot import fit as figures
+from rollerrig.study.frame import Content, Study
+from rollerrig.study.jobs import Done, Round, job
+from rollerrig.study.quantities import Numbers
+from rollerrig.study.report import Block, Picture, Section, Table, Text
+from rollerrig.study.runs.fit import MODELS, Channel, Found, Record, search, starts
+
+SAME = 1e-3
+"""Searches whose sums of squares differ by this part ended at the same place."""
+TOGETHER = 0.95
+"""Correlation from which two numbers are reported as going together."""
+FOLLOWS = 0.5
+"""Correlation of a residual with the one before, from which intervals are reported as too narrow."""
+WRONG = 2.0
+"""What is left over the errors that were given, from which model or errors are reported as wrong."""
+
+
+@dataclass(frozen=True)
+class Compared:
+    """One channel beside what the fitted case gives; `residual`: fitted less measured, in so far as it counts."""
+
+    name: str
+    record: Record
+    channel: Channel
+    values: Any
+    error: Any
+    residual: Any
+
+    def rms(self, rows: Any) -> float:
+        """R.m.s. of the residual in some rows; NaN of none."""
+        return float(np.sqrt(np.mean(self.residual[rows] ** 2))) if rows.any() else math.nan
+
+    @property
+    def autocorrelation(self) -> float:
+        """Correlation of a residual of a run with the one before; NaN for other logs."""
+        left = self.residual[self.channel.fitted]
+        if self.record.kind != "run" or len(left) < 3 or not np.ptp(left) > 0.0:
+            return math.nan
+        return float(np.corrcoef(left[1:], left[:-1])[0, 1])
+
+
+@dataclass(frozen=True)
+class Fit:
+    """The best of the searches, its channels, and the costs of all searches, rising."""
+
+    found: Found
+    compared: tuple[Compared, ...]
+    costs: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class FitStudy(Study[Fit]):
+    """Free numbers of a case, fitted to logs."""
+
+    whole: WholeFit
+    records: tuple[Record, ...]
+
+    command = "fit"
+    writes = ("fitted*.toml", "estimates.csv", "log_*.csv")
+    resumable = False
+    assumes = (
+        "Intervals of 95 % are those of a linear model about the estimate, for independent errors of the measurement: "
+        "an error of the model itself is not in them.",
+    )
+
+    @property
+    def title(self) -> str:
+        return f"Fit {self.whole.plan.name}: {self.whole.plan.description or self.whole.cases[0].name}"
+
+    def cases(self) -> Mapping[str, Case]:
+        return {case.name: case for case in self.whole.cases}
+
+    def plan(self) -> dict[str, Any]:
+        cases = [tomllib.loads(case.to_toml()) for case in self.whole.cases]
+        return {"plan": self.whole.plan.model_dump(mode="json", exclude_none=True), "case": cases}
+
+    def rounds(self, done: Done) -> Iterator[Round]:
+        jobs = (job(search, self.whole, self.records, start) for start in starts(self.whole))
+        yield {f"search {k + 1}": one for k, one in enumerate(jobs)}
+
+    def collect(self, done: Done) -> Fit | None:
+        if not done:
+            return None
+        best: Found = min(done.values(), key=lambda found: float(found.estimate.cost))
+        compared = []
+        for k, (record, values, errors) in enumerate(zip(self.records, best.values, best.errors, strict=True)):
+            for one, v, e in zip(record.channels, values, errors, strict=True):
+                name = f"{one.of}, log {k + 1}" if len(self.records) > 1 else one.of
+                compared.append(Compared(name, record, one, v, e, one.counted(v - one.measured)))
+        return Fit(best, tuple(compared), tuple(sorted(float(found.estimate.cost) for found in done.values())))
+
+    # --------------------------------------------------------------------------------------------------- numbers
+
+    def numbers(self, results: Fit) -> dict[str, Any]:
+        found, fitted = results.found.estimate, [one.channel.fitted for one in results.compared]
+        names = list(found.values)
+        return {
+            "plan": self.whole.plan.name,
+            "logs": [record.file for record in self.records],
+            "loss": self.whole.plan.loss,
+            "points": sum(int(rows.sum()) for rows in fitted),
+            "points_held_back": sum(len(rows) - int(rows.sum()) for rows in fitted),
+            "degrees_of_freedom": found.degrees_of_freedom,
+            "deviation": found.deviation,
+            "searches": len(results.costs),
+            "searches_at_the_same_end": sum(
+                1 for cost in results.costs if cost - results.costs[0] <= SAME * (1.0 + results.costs[0])
+            ),
+            "numbers": {
+                one.name: {
+                    "key": one.key,
+                    "unit": one.quantity.unit,
+                    "value": found.values[one.name],
+                    "standard_error": found.errors[one.name],
+                    "lower": found.intervals[one.name][0],
+                    "upper": found.intervals[one.name][1],
+                    "start": one.start,
+                    "least": one.least,
+                    "most": one.most,
+                    "at_an_end": one.name in found.at_an_end,
+                }
+                for one in self.whole.free
+            },
+            "correlations": {
+                a: {b: found.correlations[i, j] for j, b in enumerate(names) if j != i} for i, a in enumerate(names)
+            },
+            "singular_values": found.singular_values,
+            "undetermined": found.undetermined,
+            "outputs": {
+                one.name: {
+                    "unit": one.channel.unit,
+                    "error": float(np.mean(one.error)),
+                    "rms": one.rms(one.channel.fitted),
+                    "rms_held_back": one.rms(np.logical_not(one.channel.fitted)),
+                    "autocorrelation": one.autocorrelation,
+                }
+                for one in results.compared
+            },
+        }
+
+    def summary(self, results: Fit, numbers: Numbers) -> list[str]:
+        lines, names = [], list(numbers["numbers"])
+        for name, one in numbers["numbers"].items():
+            end = "; at an end of its range" if one["at_an_end"] else ""
+            ends = _with_unit(f"{number(one['lower'])} to {number(one['upper'])}", one["unit"])
+            lines.append(f"{name}: {_with_unit(number(one['value']), one['unit'])}, 95 % from {ends}{end}.")
+        lines += [f"Not determined: {one}." for one in numbers["undetermined"]]
+        for a, b in ((a, b) for k, a in enumerate(names) for b in names[k + 1 :]):
+            if abs(value := numbers["correlations"][a][b]) > TOGETHER:
+                lines.append(f"{a} and {b} go together: correlation {value:+.3f}.")
+        for name, one in numbers["outputs"].items():
+            held = "" if one["rms_held_back"] is None else f", of the part held back {number(one['rms_held_back'], 3)}"
+            lines.append(f"{name}: r.m.s. of what is left {_with_unit(number(one['rms'], 3) + held, one['unit'])}.")
+            if (follows := one["autocorrelation"] or 0.0) > FOLLOWS:
+                wider = number(math.sqrt((1.0 + follows) / max(1.0 - follows, 1e-6)), 2)
+                lines.append(
+                    f"{name}: residuals follow each other, correlation {follows:.2f}: true intervals are {wider} times as wide."
+                )
+        if results.found.estimate.known and results.found.estimate.deviation > WRONG:
+            times = number(results.found.estimate.deviation, 3)
+            lines.append(f"What is left is {times} times the errors that were given: the model, or they, are wrong.")
+        if numbers["searches"] > 1:
+            lines.append(
+                f"{numbers['searches_at_the_same_end']} of {numbers['searches']} searches ended at this place."
+            )
+        return lines
+
+    # ----------------------------------------------------------------------------------------------------- files
+
+    def files(self, results: Fit, numbers: Numbers) -> Mapping[str, Content]:
+        names = ("key", "unit", "value", "standard_error", "lower", "upper", "start", "least", "most")
+        found: dict[str, Content] = {"estimates.csv": self.quantities.csv(numbers["numbers"].values(), names)}
+        texts = self._fitted_cases(results)
+        for k, text in enumerate(texts):
+            found[f"fitted_{k + 1}.toml" if len(texts) > 1 else "fitted.toml"] = text
+        for k, record in enumerate(self.records):
+            columns = {_heading(*MODELS[record.kind].abscissa): record.x}
+            for one in (one for one in results.compared if one.record is record):
+                for word, values in (("measured", one.channel.measured), ("fitted", one.values)):
+                    columns[_heading(f"{one.channel.of} {word}", one.channel.unit)] = values
+                columns[f"{one.channel.of} used"] = one.channel.fitted.astype(int)
+            found[f"log_{k + 1}.csv"] = columns
+        return found
+
+    def _fitted_cases(self, results: Fit) -> list[str]:
+        """Each case of the plan with the estimates; its first lines say where they come from."""
+        found, logs = results.found.estimate, ", ".join(record.file for record in self.records)
+        head = [f"# Fitted by `rollerrig fit`, plan {self.whole.plan.name}, to {logs}; all else is as in the plan."]
+        for one in self.whole.free:
+            low, high = found.intervals[one.name]
+            ends = _with_unit(f"{low:.6g} to {high:.6g}", one.quantity.unit)
+            head.append(
+                f"# {one.key} = {found.values[one.name]:.6g}, 95 % from {ends}{', with its prior' * (one.prior is not None)}"
+            )
+        head += [f"# Not determined: {one}." for one in found.undetermined]
+        changes = {one.key: one.quantity.as_written(float(f"{found.values[one.name]:.9g}")) for one in self.whole.free}
+        texts = dict.fromkeys(case.with_changes(changes).to_short_toml() for case in self.whole.cases)
+        return ["\n".join([*head, "", text]) for text in texts]
+
+    def sections(self, results: Fit, numbers: Numbers) -> list[Section]:
+        free, found = numbers["numbers"], results.found.estimate
+        shown = ("key", "value", "standard_error", "lower", "upper", "unit", "start", "least", "most", "at_an_end")
+        rows = [[a, *(number(row.get(b, 1.0), 3) for b in free)] for a, row in numbers["correlations"].items()]
+        parts = [
+            [number(size, 3), *(number(float(part), 2) for part in row)]
+            for size, row in zip(numbers["singular_values"], found.combinations, strict=True)
+        ]
+        caption = (
+            "Combinations over the ranges, the best known first; 1 over the singular value: its standard deviation."
+        )
+        sections = [
+            Section("Estimates", [
+                self.quantities.table(free, shown, "Estimates; lower and upper: interval of 95 %.", "number"),
+                Table(("", *free), rows, "Correlations of the estimates."),
+            ]),
+            Section("What the data determine", [
+                *(Text(f"Not determined: {one}.") for one in numbers["undetermined"]),
+                Table(("singular value", *free), parts, caption),
+            ]),
+            Section("What is left", [self.quantities.table(numbers["outputs"], "outputs.*", head="output")]),
+        ]  # fmt: skip
+        for k, one in enumerate(results.compared):
+            along, label = _heading(*MODELS[one.record.kind].abscissa), _heading(one.channel.of, one.channel.unit)
+            fitted = one.channel.measured + one.residual
+            picture = figures.comparison(one.record.x, one.channel.measured, fitted, one.channel.fitted, along, label)
+            blocks: list[Block] = [
+                Picture(
+                    f"output_{k + 1}", picture, f"{one.name}: measured and fitted, and what is left; grey: held back."
+                )
+            ]
+            spectrum = (
+                figures.spectrum(one.record.x, one.residual, one.channel.unit) if one.record.kind == "run" else None
+            )
+            if spectrum is not None:
+                text = f"{one.name}: spectrum of what is left; flat: noise alone."
+                blocks.append(Picture(f"spectrum_{k + 1}", spectrum, text))
+            sections.append(Section(one.name, blocks))
+        return sections
+
+
+def _with_unit(text: str, unit: str) -> str:
+    return text if unit == "1" else f"{text} {unit}"
+
+
+def _heading(name: str, unit: str) -> str:
+    """Heading of a column."""
+    return name if unit == "1" else f"{name} [{unit}]"

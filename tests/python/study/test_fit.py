@@ -1,0 +1,446 @@
+"""Fits to logs: numbers recovered from synthetic measurements within their own intervals, and what is refused before a run."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import tomli_w
+from typer.testing import CliRunner
+
+import rollerrig as rr
+from rollerrig.analysis.equivalent_dead_time import predicted_dead_time
+from rollerrig.analysis.signals import low_pass
+from rollerrig.cli.app import build_app
+from rollerrig.config.load.fit import WholeFit, resolve_fit
+from rollerrig.config.read import Document, catalog_file, read_document
+from rollerrig.results.logs import log_of, read_log, time_problem
+from rollerrig.study.fit import FitStudy
+from rollerrig.study.runs.fit import MODELS, Record, search
+from rollerrig.study.runs.fit_logs import records
+
+CREEPAGES = np.geomspace(0.004, 0.2, 13)
+BINS = Path(__file__).parents[2] / "validation" / "data" / "eurosprinter_bins.csv"
+
+
+def plan_of(name: str, **changes: Any) -> WholeFit:
+    """A plan of the catalogue."""
+    document = read_document("fit", name)
+    return resolve_fit(Document({**document.raw, **changes}, document.file, document.folder))
+
+
+def synthetic(whole: WholeFit, columns: Mapping[str, Any]) -> tuple[Record, list[np.ndarray]]:
+    """The record of a log whose measured values are without noise those of the case at its start."""
+    (record,) = records(whole, [log_of(columns, "log.csv")])
+    exact = MODELS[record.kind].values(record, record.case)
+    return record, exact
+
+
+def trial(
+    whole: WholeFit, record: Record, exact: Sequence[np.ndarray], seed: int, start: Sequence[float]
+) -> dict[str, Any]:
+    """Whether each number of one noisy log is within its own interval."""
+    rng = np.random.default_rng(seed)
+    noisy = [
+        replace(channel, measured=values + channel.error * rng.normal(size=len(values)))
+        for channel, values in zip(record.channels, exact, strict=True)
+    ]
+    found = search(whole, [replace(record, channels=tuple(noisy))], start).estimate
+    ends = {one.name: found.intervals[one.name] for one in whole.free}
+    return {one.name: ends[one.name][0] <= one.start <= ends[one.name][1] for one in whole.free}
+
+
+def inside(whole: WholeFit, record: Record, exact: Sequence[np.ndarray], count: int) -> dict[str, int]:
+    """How often each number is within its own interval; the search begins at the truth, where it ends is its own."""
+    trials = [trial(whole, record, exact, seed, [one.start for one in whole.free]) for seed in range(count)]
+    return {name: sum(one[name] for one in trials) for name in trials[0]}
+
+
+# -------------------------------------------------------------------------------------------------- adhesion from a curve
+
+
+def creep_log(error: float = 0.006) -> tuple[WholeFit, Record, list[np.ndarray]]:
+    whole = plan_of("creep_curve")
+    zeros, errors = np.zeros(len(CREEPAGES)), np.full(len(CREEPAGES), error)
+    columns = {"creepage": CREEPAGES, "traction_coefficient": zeros, "traction_error": errors}
+    return whole, *synthetic(whole, columns)
+
+
+@pytest.mark.parametrize("count", [8, pytest.param(200, marks=pytest.mark.long)])
+def test_an_adhesion_law_is_within_its_own_interval(count: int) -> None:
+    """95 % are expected: 190 of 200 with a standard deviation of 3."""
+    found = inside(*creep_log(), count)
+    least = 6 if count == 8 else 180
+    assert min(found.values()) >= least, found
+
+
+def test_the_measured_points_of_a_locomotive_give_the_condition_of_the_catalogue() -> None:
+    log = {"kind": "creep", "over": "creepage_mean", "unit": "%", "a_over_b": 0.5, "output": [
+        {"of": "traction_coefficient", "column": "traction_mean", "error_column": "traction_se"}]}  # fmt: skip
+    plan = {**read_document("fit", "creep_curve").raw, "log": [log]}
+    found = rr.fit(plan, [BINS]).results.found.estimate
+    for name, expected in {"mu_0": 0.358, "B": 0.56, "k_S": 0.38}.items():  # docs/measured.md
+        assert found.values[name] == pytest.approx(expected, abs=0.5 * found.errors[name])
+    assert found.undetermined == []
+    free = [*plan["free"], {"key": "adhesion.rail.friction.A", "least": 0.0, "most": 1.0}]
+    wider = rr.fit({**plan, "free": free}, [BINS])
+    number = {one.name: k for k, one in enumerate(wider.results.found.estimate.free)}
+    assert abs(wider.results.found.estimate.correlations[number["A"], number["B"]]) > 0.95
+    assert "go together" in wider.summary
+
+
+# ------------------------------------------------------------------------------------------------ suspension from hunting
+
+
+def hunting_log() -> tuple[WholeFit, Record, list[np.ndarray]]:
+    raw = read_document("fit", "hunting_decay").raw
+    outputs = [{"of": "hunting_frequency", "error": "0.03 Hz"}, {"of": "hunting_damping", "error": 0.005}]
+    whole = plan_of("hunting_decay", log=[{**raw["log"][0], "output": outputs}])
+    speeds = np.array([100.0, 130.0, 160.0])
+    columns = {"speed [km/h]": speeds, "hunting_frequency": 0.0 * speeds, "hunting_damping": 0.0 * speeds}
+    return whole, *synthetic(whole, columns)
+
+
+def test_a_suspension_is_found_from_its_hunting() -> None:
+    whole, record, exact = hunting_log()
+    channels = tuple(replace(c, measured=v) for c, v in zip(record.channels, exact, strict=True))
+    found = search(whole, [replace(record, channels=channels)], [2e7, 6e6]).estimate
+    for one in whole.free:
+        assert found.values[one.name] == pytest.approx(one.start, rel=1e-3)
+    assert all(0.0 < found.errors[one.name] < 0.3 * one.start for one in whole.free)
+
+
+@pytest.mark.long
+def test_a_suspension_is_within_its_own_interval() -> None:
+    """Of 60 trials 57 are expected, with a standard deviation of 1.7."""
+    assert min(inside(*hunting_log(), 60).values()) >= 53
+
+
+# --------------------------------------------------------------------------------------- inertia and losses of the rollers
+
+TIMES = np.arange(0.0, 420.0, 1.0)
+DRIVING = np.where((TIMES > 10.0) & (TIMES < 60.0), 300.0, 0.0)
+
+
+def coast_down(*without: str, torque: np.ndarray = DRIVING) -> tuple[WholeFit, Record, list[np.ndarray]]:
+    raw = read_document("fit", "coast_down").raw
+    output = {**raw["log"][0]["output"][0], "error": "0.1 km/h"}
+    free = [one for one in raw["free"] if one.get("name") not in without]
+    whole = plan_of("coast_down", free=free, log=[{**raw["log"][0], "output": [output]}])
+    return whole, *synthetic(whole, {"time": TIMES, "speed [km/h]": 0.0 * TIMES, "torque [N m]": torque})
+
+
+def test_inertia_and_losses_are_within_their_own_intervals() -> None:
+    found = inside(*coast_down(), 1)
+    assert sum(found.values()) >= 4, found
+
+
+@pytest.mark.long
+def test_inertia_and_losses_are_within_their_own_intervals_in_95_of_100_trials() -> None:
+    assert min(inside(*coast_down(), 40).values()) >= 34
+
+
+def test_without_a_known_torque_only_losses_over_inertia_are_determined() -> None:
+    whole, record, exact = coast_down(torque=0.0 * TIMES)
+    channels = tuple(replace(c, measured=v) for c, v in zip(record.channels, exact, strict=True))
+    found = search(whole, [replace(record, channels=channels)], [one.start for one in whole.free]).estimate
+    assert any("roller_inertia" in words for words in found.undetermined)
+
+
+# ----------------------------------------------------------------------------------------------- dead time from a step
+
+
+def step_log() -> tuple[WholeFit, Record, list[np.ndarray]]:
+    raw = read_document("fit", "drive_lag").raw
+    output = {**raw["log"][0]["output"][0], "error": "5 N m"}
+    times = np.arange(0.0, 1.0, 2e-3)
+    whole = plan_of("drive_lag", log=[{**raw["log"][0], "output": [output]}])
+    return whole, *synthetic(whole, {"time": times, "torque": 0.0 * times})
+
+
+@pytest.mark.parametrize("count", [2, pytest.param(200, marks=pytest.mark.long)])
+def test_a_drive_s_bandwidth_is_within_its_own_interval(count: int) -> None:
+    """95 % are expected: 190 of 200 with a standard deviation of 3."""
+    assert inside(*step_log(), count)["bandwidth"] >= (1 if count == 2 else 180)
+
+
+def test_the_equivalent_dead_time_of_a_rig_is_found_from_its_step() -> None:
+    """Half a sample and the lag of the drive, 1/(2 pi f): (D17)."""
+    whole, record, _ = step_log()
+    true = record.case.with_changes({"rig_control.motor.bandwidth": "30 Hz"})
+    (measured,) = MODELS["run"].values(record, true)
+    noisy = measured + 5.0 * np.random.default_rng(1).normal(size=len(measured))
+    found = search(whole, [replace(record, channels=(replace(record.channels[0], measured=noisy),))], [50.0]).estimate
+    dead, low, high = (
+        predicted_dead_time(true.with_changes({"rig_control.motor.bandwidth": bandwidth})).total
+        for bandwidth in (found.values["bandwidth"], *found.intervals["bandwidth"][::-1])
+    )
+    assert low < 0.5e-3 + 1.0 / (2.0 * np.pi * 30.0) < high
+    assert dead == pytest.approx(0.5e-3 + 1.0 / (2.0 * np.pi * found.values["bandwidth"]), rel=1e-3)
+
+
+# -------------------------------------------------------------------------------------------------------------- refusals
+
+GOOD = {"time": np.arange(0.0, 1.0, 0.01), "y": np.zeros(100)}
+
+
+def run_plan(**output: Any) -> dict[str, Any]:
+    return {
+        "name": "plan",
+        "case": "wheelset_rollers",
+        "free": [{"key": "contact.friction.mu_0", "least": 0.1, "most": 0.6}],
+        "log": [{"output": [{"of": "wheelset_1.lateral", "column": "y", **output}]}],
+    }
+
+
+def refused(plan: Mapping[str, Any], *logs: Any) -> str:
+    with pytest.raises(rr.ConfigError) as error:
+        rr.fit(plan, logs)
+    assert len(error.value.problems) == 1, error.value
+    return str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("change", "expected"),
+    [
+        ({"time": np.r_[GOOD["time"][:50], GOOD["time"][50:] + 0.3]}, "time: 0.8 s follows 0.49 s: a gap, rows are 0.01 s apart"),
+        ({"time": np.r_[GOOD["time"][:50], 0.49, GOOD["time"][51:]]}, "log 1: time: 0.49 s follows 0.49 s: not later"),
+        ({"time": np.r_[GOOD["time"][:50], 0.3, GOOD["time"][51:]]}, "log 1: time: 0.3 s follows 0.49 s: not later"),
+        ({"y": np.r_[np.zeros(70), np.nan, np.zeros(29)]}, "log 1: y: nothing in row 71"),
+        ({"y": None, "yy": np.zeros(100)}, "log 1: log[0].output[0].column: no column 'y'; allowed: time, yy; did you mean"),
+        ({"y": None, "y [km/h]": np.zeros(100)}, "log 1: y: 'km/h'; allowed: a unit of what is compared, such as m"),
+        ({"y": None, "y [blips]": np.zeros(100)}, "log 1: y: 'blips'"),
+    ],
+    ids=["gap", "repeated", "falling", "empty", "no_column", "unit", "no_unit"],
+)  # fmt: skip
+def test_a_log_with_a_mistake_is_refused_in_a_line(change: dict[str, Any], expected: str) -> None:
+    columns = {name: values for name, values in {**GOOD, **change}.items() if values is not None}
+    assert expected in refused(run_plan(), columns)
+
+
+def test_a_part_of_a_log_without_its_gap_is_taken() -> None:
+    whole = resolve_fit(Document({**run_plan(), "log": [{**run_plan()["log"][0], "begin": 0.8}]}, "plan", Path()))
+    gap = np.r_[GOOD["time"][:50], GOOD["time"][50:] + 0.3]
+    (record,) = records(whole, [log_of({**GOOD, "time": gap}, "log 1")])
+    assert record.x[[0, -1]] == pytest.approx([0.0, 0.49])
+
+
+@pytest.mark.parametrize(
+    ("output", "expected"),
+    [
+        ({"of": "wheelset_1.latera"}, "plan: log[0].output[0].of: 'wheelset_1.latera'"),
+        ({"unit": "N"}, "plan: log[0].output[0].unit: 'N'; allowed: a unit of what is compared, such as m"),
+        ({"error": "1 N"}, "plan: log[0].output[0].error: '1 N'"),
+        ({"error": "0 mm"}, "a positive standard deviation"),
+        ({"low_pass": "400 Hz"}, "plan: log[0].output[0].low_pass: 400.0; a filter at 400 Hz needs an output_step"),
+        ({"error": "1 mm", "error_column": "y"}, "allowed: one of `error` and `error_column`"),
+    ],
+    ids=["of", "unit", "error_unit", "zero", "filter", "both"],
+)
+def test_an_output_with_a_mistake_is_refused_in_a_line(output: dict[str, Any], expected: str) -> None:
+    assert expected in refused(run_plan(**output), GOOD)
+
+
+@pytest.mark.parametrize(
+    ("free", "expected"),
+    [
+        ({"key": "contact.frition.mu_0"}, "plan: free[0].key: 'contact.frition.mu_0'"),
+        ({"key": "contact.friction"}, "needed: the key of a number; its numbers are contact.friction.mu_0"),
+        ({"most": 0.05}, "plan: free[0].most: 0.05; allowed: more than `least`, 0.1"),
+        ({"least": 0.4}, "allowed: a range with the start in it, 0.3 1"),
+        ({"least": "0.1 m"}, "plan: free[0].least: '0.1 m'"),
+        ({"key": "support.losses.linear"}, "give the key a `start`"),
+        ({"prior": {"kind": "lognormal", "median": 0.3, "deviation": 0.1}}, "plan: free[0].prior.kind: 'lognormal'"),
+    ],
+    ids=["key", "no_number", "most", "start", "unit", "absent", "prior"],
+)
+def test_a_free_key_with_a_mistake_is_refused_in_a_line(free: dict[str, Any], expected: str) -> None:
+    plan = run_plan()
+    assert expected in refused({**plan, "free": [{**plan["free"][0], **free}]}, GOOD)
+
+
+def test_twenty_free_keys_and_ten_points_are_refused() -> None:
+    keys = [
+        f"vehicle.element.{name}.{d}.stiffness"
+        for name in ("primary_1_left", "primary_1_right", "primary_2_left")
+        for d in "xyz"
+    ]
+    keys += [
+        f"vehicle.body.{name}.inertia.{k}" for name in ("wheelset_1", "front_frame", "car_body") for k in range(3)
+    ] + ["gravity", "motion.speed"]
+    free = [{"key": key, "name": f"n{k}", "least": 0.0, "most": 1.0} for k, key in enumerate(keys)]
+    case = rr.load_case("bogie_rollers_constant")
+    for one in free:
+        value = float(plain_value(case, one["key"]))
+        one |= {"least": 0.5 * value, "most": 1.5 * value}
+    free[-1] |= {"least": "50 km/h", "most": "300 km/h"}
+    ten = {name: values[:10] for name, values in GOOD.items()}
+    line = refused({**run_plan(), "case": "bogie_rollers_constant", "free": free}, ten)
+    assert (
+        line
+        == "plan: free: 20 keys without a prior; allowed: fewer free keys than points, 10; a `prior` counts as a point"
+    )
+
+
+def plain_value(case: rr.Case, key: str) -> Any:
+    from rollerrig.config.load.plan import value_at
+
+    found = value_at(case, {}, key, "case")
+    assert isinstance(found, tuple)
+    return found[1]
+
+
+def test_a_free_key_that_changes_nothing_is_refused() -> None:
+    plan = {**read_document("fit", "creep_curve").raw}
+    plan["free"] = [*plan["free"], {"key": "vehicle.body.car_body.mass", "least": "40 t", "most": "60 t"}]
+    columns = {
+        "creepage": CREEPAGES,
+        "traction_coefficient": 0.3 + 0.0 * CREEPAGES,
+        "traction_error": 0.01 + 0.0 * CREEPAGES,
+    }
+    line = refused(plan, columns)
+    assert line.startswith("plan: free[3].key: 'vehicle.body.car_body.mass'; allowed: keys that some output depends on")
+
+
+def test_as_many_logs_as_tables_are_needed() -> None:
+    assert "plan: log: 0 logs; needed: at least one log" in refused(run_plan())
+    two = {**run_plan(), "log": [run_plan()["log"][0]] * 2}
+    assert "plan: log: 1 logs; needed: as many logs as tables [[log]], 2" in refused(two, GOOD)
+
+
+# ----------------------------------------------------------------------------------------------------------------- files
+
+
+@pytest.mark.parametrize("kind", ["csv", "mat", "nc", "parquet"])
+def test_a_run_is_read_again_as_a_log(tmp_path: Path, kind: str) -> None:
+    run = rr.simulate(rr.load_case("wheelset_rollers").with_changes({"time.duration": "0.05 s"}))
+    path = tmp_path / f"run.{kind}"
+    rr.save_run(run, path) if kind == "nc" else rr.export(run, path)
+    log = read_log(path)
+    name = "distance" if kind == "mat" else "wheelset_1.lateral"
+    own = run["distance"] if kind == "mat" else run["lateral"].sel(body="wheelset_1")
+    assert log.units[name] == "m"
+    np.testing.assert_array_equal(log.columns[name], own.to_numpy())
+    assert time_problem(log.columns["time"]) == ""
+
+
+def test_a_table_with_semicolons_and_decimal_commas_is_read(tmp_path: Path) -> None:
+    (tmp_path / "log.csv").write_text("# from a rig\ntime [s];speed [km/h];note\n0,0;1,5;on\n0,1;2,5;off\n")
+    log = read_log(tmp_path / "log.csv")
+    assert log.columns["speed"].tolist() == [1.5, 2.5]
+    assert log.units == {"time": "s", "speed": "km/h"}
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("time,y\n0,1\n0.1,oops\n", "row 2, column 'y': 'oops' is no number"),
+        ("a\nb\n", "no column of numbers"),
+        ("", "no table of numbers"),
+    ],
+)
+def test_a_file_without_numbers_is_refused_in_a_line(tmp_path: Path, text: str, expected: str) -> None:
+    (tmp_path / "log.csv").write_text(text)
+    with pytest.raises(rr.ResultsError, match=expected) as error:
+        read_log(tmp_path / "log.csv")
+    assert "\n" not in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("log", "line"),
+    [
+        ("none.csv", "rollerrig: none.csv: no such file"),
+        ("log.txt", "rollerrig: log.txt: a file of measured signals ends in .csv, .mat, .nc, .parquet"),
+        ("log.csv", "rollerrig: log.csv: log[0].over: no column 'creepage'; allowed: time, y"),
+    ],
+)
+def test_the_command_refuses_a_log_in_a_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, log: str, line: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for name in ("log.csv", "log.txt"):
+        Path(name).write_text("time,y\n0,1\n0.1,2\n")
+    result = CliRunner().invoke(build_app(), ["fit", "creep_curve", log, "--out", "out"])
+    assert (result.exit_code, result.output.strip()) == (2, line)
+    assert not Path("out").exists()
+
+
+def test_the_fitted_case_says_where_its_numbers_come_from(tmp_path: Path) -> None:
+    _, record, exact = creep_log()
+    log = {"creepage": CREEPAGES, "traction_coefficient": exact[0], "traction_error": record.channels[0].error}
+    plan = {**read_document("fit", "creep_curve").raw, "held_back": 0.2, "starts": 2}
+    outcome = rr.fit(plan, [log])
+    written = {path.name for path in outcome.write(tmp_path)}
+    assert {"fitted.toml", "estimates.csv", "log_1.csv", "summary.json", "report.html"} <= written
+    text = (tmp_path / "fitted.toml").read_text()
+    first, second, *_ = text.splitlines()
+    assert first == "# Fitted by `rollerrig fit`, plan creep_curve, to log 1; all else is as in the plan."
+    assert second.startswith("# adhesion.rail.friction.mu_0 = 0.35, 95 % from")
+    case = rr.load_case(tmp_path / "fitted.toml")
+    assert case.adhesion.rail.k_S == pytest.approx(0.3, rel=1e-4)
+    numbers = outcome.numbers
+    assert (numbers["points"], numbers["points_held_back"]) == (10, 3)
+    assert numbers["searches_at_the_same_end"] == 2
+    assert FitStudy.quantities.unexplained(numbers) == []
+    assert numbers["outputs"]["traction_coefficient"]["rms_held_back"] < 1e-5
+
+
+def test_several_logs_at_different_speeds_are_fitted_at_once() -> None:
+    """Friction falls with the slip velocity: two speeds tell its fall better than one."""
+    raw = read_document("fit", "creep_curve").raw
+    tables = [{**raw["log"][0], "changes": {"motion.speed": f"{speed} km/h"}} for speed in (36, 108)]
+    whole = plan_of("creep_curve", log=tables)
+    columns = {"creepage": CREEPAGES, "traction_coefficient": 0.0 * CREEPAGES, "traction_error": 0.0 * CREEPAGES + 0.01}
+    logs = [
+        {**columns, "traction_coefficient": MODELS["creep"].values(record, record.case)[0]}
+        for record in records(whole, [log_of(columns, "log")] * 2)
+    ]
+    both, one = (rr.fit({**raw, "log": tables[:n]}, logs[:n]) for n in (2, 1))
+    assert both.numbers["numbers"]["B"]["value"] == pytest.approx(0.5, rel=1e-4)
+    assert both.numbers["numbers"]["B"]["standard_error"] < 0.75 * one.numbers["numbers"]["B"]["standard_error"]
+    assert list(both.numbers["outputs"]) == ["traction_coefficient, log 1", "traction_coefficient, log 2"]
+    assert len(both.study._fitted_cases(both.results)) == 2  # type: ignore[attr-defined]
+
+
+def test_a_filtered_sensor_with_an_unknown_zero_gives_the_same_stiffness() -> None:
+    run = rr.simulate(rr.load_case("wheelset_rollers").with_changes({"time.duration": "1 s"}))
+    exact = run["lateral"].sel(body="wheelset_1")
+    seen = low_pass(exact, 15.0).to_numpy()[:-5] + 2e-3
+    key, log = "vehicle.element.primary_*.y.stiffness", {"time": run["time"].to_numpy()[:-5], "y [mm]": 1e3 * seen}
+    free = [{"key": key, "least": "2 MN/m", "most": "6 MN/m", "start": "5 MN/m"}]
+    right, wrong = (
+        rr.fit({**run_plan(error="0.01 mm", any_offset=True, **more), "free": free}, [log]).results.found.estimate
+        for more in ({"low_pass": "15 Hz"}, {})
+    )
+    assert right.values["stiffness"] == pytest.approx(3.884e6, rel=5e-3)
+    assert abs(wrong.values["stiffness"] / 3.884e6 - 1.0) > 0.02
+    assert wrong.deviation > 10.0 * right.deviation
+
+
+def test_errors_that_are_not_given_are_found() -> None:
+    """Two outputs of different size and noise: each gets its own standard deviation."""
+    times = np.arange(0.0, 1.0, 0.01)
+    run = rr.simulate(rr.load_case("wheelset_rollers").with_changes({"time.duration": "1 s"}))
+    rng = np.random.default_rng(2)
+    log = {"time": times}
+    outputs = []
+    for name, noise in (("lateral", 1e-5), ("yaw", 1e-6)):
+        exact = np.interp(times, run["time"], run[name].sel(body="wheelset_1"))
+        log[name] = exact + noise * rng.normal(size=len(times))
+        outputs.append({"of": f"wheelset_1.{name}", "column": name})
+    free = [{"key": "vehicle.element.primary_*.y.stiffness", "least": "2 MN/m", "most": "6 MN/m"}]
+    found = rr.fit({**run_plan(), "free": free, "log": [{"output": outputs}]}, [log])
+    for name, noise in (("lateral", 1e-5), ("yaw", 1e-6)):
+        assert found.numbers["outputs"][f"wheelset_1.{name}"]["error"] == pytest.approx(noise, rel=0.25)
+    low, high = found.results.found.estimate.intervals["stiffness"]
+    assert low < 3.884e6 < high
+
+
+def test_every_plan_of_the_catalogue_is_one() -> None:
+    for path in sorted(catalog_file("fit", "creep_curve").parent.glob("*.toml")):
+        assert resolve_fit(read_document("fit", path.stem)).plan.name == path.stem
+        assert tomli_w.dumps(read_document("fit", path.stem).raw)
