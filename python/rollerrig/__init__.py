@@ -60,7 +60,6 @@ if TYPE_CHECKING:
     from rollerrig.results import save_run as save_run
     from rollerrig.results.in_words import summary as summary
     from rollerrig.simulation.run import simulate as simulate
-    from rollerrig.simulation.sensitivity import Sensitivity as Sensitivity
     from rollerrig.simulation.sensitivity import sensitivity as sensitivity
     from rollerrig.simulation.starting_state import StartError as StartError
     from rollerrig.study.limit_cycles import critical_speed as critical_speed
@@ -89,7 +88,7 @@ _NAMES = {
     "results": "OutputError ResultsError RunInfo cite export load_run save_run",
     "results.in_words": "summary",
     "simulation.run": "simulate",
-    "simulation.sensitivity": "Sensitivity sensitivity",
+    "simulation.sensitivity": "sensitivity",
     "simulation.starting_state": "StartError",
     "study.limit_cycles": "critical_speed",
     "viewer": "view",

@@ -37,7 +37,7 @@ TOLERANCE = 1e-5
 """Error of one step of the derivatives, over the largest one of a displacement by the same number until then [1]."""
 
 _SLICES = 100
-"""Of a run, for its progress and Ctrl-C."""
+"""Slices of a run, for its progress and Ctrl-C."""
 
 _SWITCHING = ("slide_protection", "wheel_slip_control", "brake_unit", "sanding")
 """Tables of a case whose blocks switch: what they do has no derivative."""

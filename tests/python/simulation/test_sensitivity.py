@@ -9,7 +9,7 @@ import pytest
 
 import rollerrig as rr
 from rollerrig.config import Case, ConfigError
-from rollerrig.simulation.sensitivity import changed_case, changed_cases
+from rollerrig.simulation.sensitivity import Sensitivity, changed_case, changed_cases
 
 FINE = {
     "time.relative_tolerance": 1e-9,
@@ -34,7 +34,7 @@ def of_whole_runs(case: Case, key: str, outputs: Sequence[str]) -> dict[str, np.
     return {name: (4 * narrow[name] - wide[name]) / 3 for name in outputs}
 
 
-def require_equal(case: Case, keys: Sequence[str], outputs: Sequence[str]) -> rr.Sensitivity:
+def require_equal(case: Case, keys: Sequence[str], outputs: Sequence[str]) -> Sensitivity:
     found = rr.sensitivity(case, keys, outputs, tolerance=1e-6)
     for k, key in enumerate(keys):
         wanted = of_whole_runs(case, key, outputs)
