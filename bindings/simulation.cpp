@@ -22,6 +22,7 @@
 #include "rollerrig/simulate/linear_model.hpp"
 #include "rollerrig/simulate/recorder.hpp"
 #include "rollerrig/simulate/run_table.hpp"
+#include "rollerrig/simulate/tangent_run.hpp"
 #include "rollerrig/system/equilibrium.hpp"
 
 using namespace nb::literals;
@@ -275,6 +276,7 @@ class Simulation {
     return rows;
   }
 
+  Driver& driver() { return driver_; }
   Dynamics& dynamics() { return driver_.plant(); }
   Dynamics const& dynamics() const { return driver_.plant(); }
   double time() const { return driver_.time(); }
@@ -318,6 +320,55 @@ class Simulation {
   std::pair<Vector, Table> kept_;  ///< arrays that the readings stand in
   bool taken_{false};
 };
+
+void make_tangent_run(TangentRun* self, Simulation& run,
+                      std::vector<std::tuple<Simulation*, Simulation*, double>> const& changed,
+                      Matrix const& directions, double tolerance, std::vector<double> breakpoints) {
+  check_value(directions, finite_number, "TangentRun", "directions");
+  check_value(tolerance, positive, "TangentRun", "tolerance");
+  check_value(breakpoints, finite_number, "TangentRun", "breakpoints");
+  std::vector<ChangedRuns> runs;
+  for (auto const& [above, below, half_width] : changed) {
+    check_value(half_width, positive, "TangentRun", "changed");
+    runs.push_back({&above->driver(), &below->driver(), half_width});
+  }
+  using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+  Eigen::MatrixXd const columns =
+      Eigen::Map<RowMajor const>(directions.data(), static_cast<Eigen::Index>(directions.shape(0)),
+                                 static_cast<Eigen::Index>(directions.shape(1)));
+  new (self) TangentRun(run.driver(), std::move(runs), columns, tolerance, std::move(breakpoints));
+}
+
+void bind_tangent_run(nb::module_& m) {
+  nb::class_<TangentRun>(m, "TangentRun",
+                         "Derivatives of the states and outputs of a simulation that has begun, by numbers that other "
+                         "simulations have above and below it, and along directions of its starting state.")
+      .def("__init__", &make_tangent_run, "run"_a, "changed"_a, "directions"_a, "tolerance"_a, "breakpoints"_a,
+           nb::keep_alive<1, 2>(), nb::keep_alive<1, 3>())
+      .def(
+          "advance",
+          [](TangentRun& self, double t) {
+            check_value(t, finite_number, "advance", "t");
+            nb::gil_scoped_release other_threads_may_run;
+            return static_cast<int>(self.advance(t));
+          },
+          "t"_a, "Advances the simulation to a time [s]; returns its status.")
+      .def(
+          "take_outputs",
+          [](TangentRun& self) {
+            nb::list outputs;
+            for (TangentRun::Output& output : self.take_outputs())
+              outputs.append(nb::make_tuple(
+                  output.t, owned_array<nb::ndim<1>>(std::move(output.row), {self.width()}),
+                  owned_array<nb::ndim<2>>(std::move(output.derivatives), {self.numbers(), self.width()})));
+            return outputs;
+          },
+          "What has been recorded since the last call: time [s], row, and its derivatives, one row per changed number.")
+      .def_prop_ro("time", &TangentRun::time)
+      .def_prop_ro(
+          "tangents", [](TangentRun const& self) { return table(self.tangents()); }, nb::rv_policy::move,
+          "Derivatives of the states: (states, numbers and directions).");
+}
 
 nb::list field_list(std::span<Field const> fields) {
   nb::list list;
@@ -393,6 +444,7 @@ void bind_simulation(nb::module_& m) {
           "Per body the quadrature that is the angle it has turned; -1: none is.")
       .def_prop_ro("coordinate_index", [](Simulation& s) { return s.dynamics().map().coordinate; })
       .def_prop_ro("rate_index", [](Simulation& s) { return s.dynamics().map().rate; });
+  bind_tangent_run(m);
   nb::list readings;
   for (auto const name : Recorder::reading_fields()) readings.append(std::string(name));
   m.attr("reading_fields") = readings;

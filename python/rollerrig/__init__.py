@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from rollerrig.analysis.linear_bench import linearize as linearize
     from rollerrig.analysis.mode_table import stability as stability
     from rollerrig.analysis.runs_together import compare_runs as compare_runs
+    from rollerrig.analysis.stability_sensitivity import stability_sensitivity as stability_sensitivity
     from rollerrig.analysis.wheel_rail_forces import wheel_forces as wheel_forces
     from rollerrig.assembly.model import assemble as assemble
     from rollerrig.catalog import catalog_entries as catalog_entries
@@ -61,6 +62,7 @@ if TYPE_CHECKING:
     from rollerrig.results import save_run as save_run
     from rollerrig.results.in_words import summary as summary
     from rollerrig.simulation.run import simulate as simulate
+    from rollerrig.simulation.sensitivity import sensitivity as sensitivity
     from rollerrig.simulation.starting_state import StartError as StartError
     from rollerrig.study.limit_cycles import critical_speed as critical_speed
     from rollerrig.viewer import view as view
@@ -73,6 +75,7 @@ _NAMES = {
     "analysis.linear_bench": "linearize",
     "analysis.mode_table": "stability",
     "analysis.runs_together": "compare_runs",
+    "analysis.stability_sensitivity": "stability_sensitivity",
     "analysis.wheel_rail_forces": "wheel_forces",
     "assembly.model": "assemble",
     "catalog": "catalog_entries catalog_text",
@@ -87,6 +90,7 @@ _NAMES = {
     "results": "OutputError ResultsError RunInfo cite export load_run save_run",
     "results.in_words": "summary",
     "simulation.run": "simulate",
+    "simulation.sensitivity": "sensitivity",
     "simulation.starting_state": "StartError",
     "study.limit_cycles": "critical_speed",
     "viewer": "view",

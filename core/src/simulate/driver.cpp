@@ -168,6 +168,12 @@ double Driver::next_sample() const {
 }
 
 Status Driver::pass_sample(double const* x, double const* z) {
+  Status const status = reach_sample(x, z);
+  if (status == Status::ok) act_on_sample();
+  return status;
+}
+
+Status Driver::reach_sample(double const* x, double const* z) {
   double const t = next_sample();
   plant_.evaluate(t, x, inputs_);
   if (acted_) {
@@ -175,12 +181,15 @@ Status Driver::pass_sample(double const* x, double const* z) {
     if (Status const status = system_->advance(plant_, ++step_); status != Status::ok) return status_ = status;
   }
   if (!std::exchange(sampled_, true)) system_->sample(plant_, step_, z);
+  return Status::ok;
+}
+
+void Driver::act_on_sample() {
   system_->answer(step_);
   system_->ask_machines(step_);
   system_->ask_nobody();
   system_->act(plant_, step_, inputs_);
   acted_ = true;
-  return Status::ok;
 }
 
 void Driver::hold_torque(bool of_roller, std::size_t index, double value, double from) {

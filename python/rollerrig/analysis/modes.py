@@ -63,15 +63,16 @@ class Linearisation:
 class Lineariser:
     """One assembled model, linearised at any number of speeds.
 
-    Each speed starts from the equilibrium of the one before: neighbouring speeds in order are fastest.
+    Each speed starts from the equilibrium of the one before, the first one from a state `near` it: neighbouring speeds in order
+    are fastest.
     """
 
-    def __init__(self, case: Case) -> None:
+    def __init__(self, case: Case, near: Array | None = None) -> None:
         self.case = at_speed(case)
         self.model = assemble(self.case)
         simulation = _core.Simulation(self.model.core)
         self._inertia = _inertias(self.model)
-        self._near: Array | None = None
+        self._near = near
         driven = {simulation.rate_index[self.model.body_index(name)][4] for name in self.model.rollers}
         self._kept = np.array([i for i in range(simulation.state_count) if i not in driven])
         row_of = {int(state_index): row for row, state_index in enumerate(self._kept)}

@@ -69,6 +69,9 @@ class Driver {
   /// Where another program integrates: at each instant of sampling, in the states it found, what happens between two steps of a
   /// run. The inputs then hold to the next.
   Status pass_sample(double const* x, double const* z);
+  /// Its two halves: up to where the instant may be recorded, and what acts from then on.
+  Status reach_sample(double const* x, double const* z);
+  void act_on_sample();
   double next_sample() const;  ///< [s]; infinite: nothing is sampled
   /// From now on advance() answers for external controllers with the caller's commands, where otherwise it returns.
   void answer_for_controllers() { answers_ = true; }

@@ -1,0 +1,126 @@
+"""Derivatives of runs against Richardson-extrapolated central differences of whole runs: hunting, curving, traction."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+
+import rollerrig as rr
+from rollerrig.config import Case, ConfigError
+from rollerrig.simulation.sensitivity import Sensitivity, changed_case, changed_cases
+
+FINE = {
+    "time.relative_tolerance": 1e-9,
+    "time.absolute_tolerance": 1e-12,
+    "time.step": "0.2 ms",
+    "time.output_step": "10 ms",
+}
+"""Steps of runs whose differences are good to about 1e-6."""
+TOLERANCE = 1e-5
+"""Over the largest derivative of the output."""
+
+
+def of_whole_runs(case: Case, key: str, outputs: Sequence[str]) -> dict[str, np.ndarray]:
+    """From four runs: central differences of 0.02 % and half of it, extrapolated; wider ones reach over knots of profiles."""
+    value, _ = changed_cases(case, key)
+
+    def difference(part: float) -> dict[str, np.ndarray]:
+        above, below = (rr.simulate(changed_case(case, key, value * (1 + sign * part))) for sign in (1, -1))
+        return {name: (above[name].values - below[name].values) / (2 * part * value) for name in outputs}
+
+    wide, narrow = difference(2e-4), difference(1e-4)
+    return {name: (4 * narrow[name] - wide[name]) / 3 for name in outputs}
+
+
+def require_equal(case: Case, keys: Sequence[str], outputs: Sequence[str]) -> Sensitivity:
+    found = rr.sensitivity(case, keys, outputs, tolerance=1e-6)
+    for k, key in enumerate(keys):
+        wanted = of_whole_runs(case, key, outputs)
+        for name in outputs:
+            off = np.abs(found.derivatives[name].values[k] - wanted[name]).max()
+            assert off < TOLERANCE * np.abs(wanted[name]).max(), (key, name, off / np.abs(wanted[name]).max())
+    return found
+
+
+def test_hunting_on_rollers() -> None:
+    case = rr.load_case("bogie_rollers_constant").with_changes({**FINE, "time.duration": "0.1 s"})
+    require_equal(case, ["vehicle.element.primary_*.x.stiffness"], ["lateral", "yaw"])
+
+
+def test_numbers_of_every_kind() -> None:
+    """A spring, friction, the radius of the rollers, which enters by geometry, and the speed; until forces in contact jump."""
+    case = rr.load_case("bogie_rollers_constant").with_changes({**FINE, "time.duration": "30 ms"})
+    keys = ["vehicle.element.primary_*.x.stiffness", "contact.friction.mu_0", "support.roller_radius", "motion.speed"]
+    found = require_equal(case, keys, ["lateral", "yaw"])
+    run = rr.simulate(case)
+    assert np.array_equal(found.run["lateral"], run["lateral"]), "the run is that of simulate()"
+    assert found.derivatives["lateral"].dims == ("parameter", "time", "body")
+    assert list(found.derivatives["parameter"].values) == keys
+    assert found.values == pytest.approx([31.391e6, 0.3, 0.725, 150 / 3.6])
+
+
+def test_curving() -> None:
+    curve = {"kind": "curve", "length": 500.0, "radius": 600.0, "direction": "left", "cant": 0.11}
+    changes = {"support.segment": [curve], "disturbance": [{"body": "wheelset_1", "lateral": "0.5 mm"}]}
+    case = rr.load_case("vehicle_curve").with_changes({**FINE, **changes, "time.duration": "0.05 s"})
+    require_equal(case, ["vehicle.element.primary_*.y.stiffness"], ["lateral", "yaw"])
+
+
+def test_traction_on_free_rollers() -> None:
+    """A torque whose table has corners: what it is there is a number, too."""
+    torque = {"wheelset": "wheelset_1", "table": [[0.0, 0.0], [0.03, 0.0], [0.08, 2000.0], [10.0, 2000.0]]}
+    case = rr.load_case("bogie_rollers_traction").with_changes(
+        {**FINE, "time.step": None, "axle_torque": [torque], "time.duration": "0.1 s"}
+    )
+    require_equal(case, ["axle_torque.0.table.2.1"], ["pitch_rate", "longitudinal_creepage"])
+
+
+def test_sampled_controllers_and_motors() -> None:
+    changes = {"wheel_slip_control": None, "traction.demand": [[0.0, 0.0], [0.05, 5000.0], [10.0, 5000.0]]}
+    case = rr.load_case("locomotive_traction").with_changes({**FINE, **changes, "time.duration": "0.1 s"})
+    require_equal(
+        case, ["traction.motor.bandwidth", "rig_control.estimator.bandwidth"], ["roller_torque", "train_speed"]
+    )
+
+
+def test_a_number_that_changes_nothing_has_no_derivative() -> None:
+    case = rr.load_case("wheelset_rollers").with_changes({"time.duration": "20 ms"})
+    found = rr.sensitivity(case, ["support.roller_inertia.1"], ["lateral"])
+    assert not found.derivatives["lateral"].values.any()
+
+
+@pytest.mark.parametrize(
+    ("key", "message"),
+    [
+        ("vehicle.body.wheelset_1.weight", "vehicle.body.wheelset_1.weight: there is no such number"),
+        ("vehicle.body.wheelset_*.kind", "vehicle.body.wheelset_*.kind: is no number"),
+        ("vehicle.element.primary_*.*.stiffness", "stands for 1.22e+06, 3.884e+06, 3.1391e+07; allowed: keys of equal"),
+        ("support.profile.inclination", ""),
+        ("vehicle.body.front_frame.position.1", "is 0; allowed: a number that is not 0"),
+    ],
+)
+def test_keys_that_are_no_numbers_are_refused(key: str, message: str) -> None:
+    case = rr.load_case("bogie_rollers_constant")
+    if not message:
+        assert changed_cases(case, key)[0] == 0.025
+        return
+    with pytest.raises(ConfigError) as problem:
+        changed_cases(case, key)
+    assert message in str(problem.value)
+
+
+def test_what_switches_is_refused_by_name() -> None:
+    with pytest.raises(ConfigError, match="wheel_slip_control: switches, or counts"):
+        rr.sensitivity("locomotive_traction", [], ["lateral"])
+    encoder = rr.load_case("eurosprinter_traction").with_changes(
+        {"sensors.vehicle": {"kind": "encoder", "counts": 100}}
+    )
+    with pytest.raises(ConfigError, match=r"sensors\.vehicle: switches, or counts"):
+        rr.sensitivity(encoder, [], ["lateral"])
+
+
+def test_an_unknown_output_is_refused() -> None:
+    with pytest.raises(ValueError, match="outputs: 'latral'; did you mean 'lateral'"):
+        rr.sensitivity("wheelset_rollers", ["contact.friction.mu_0"], ["latral"])
