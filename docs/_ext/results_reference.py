@@ -79,7 +79,11 @@ def reference() -> list[str]:
         *described("Attributes of a run", "attribute", run.attrs, ATTRIBUTES),
         *described("Counters of the contacts", "counter", json.loads(run.attrs["contact_counters"]), COUNTERS),
         *columns({column: meaning for _, column, _, meaning in _VARIABLES.values()}),
-        *(line for study in STUDIES for line in keys(f"rollerrig {study.command}", study.quantities.described())),
+        *(
+            line
+            for study in STUDIES
+            for line in keys(f"rollerrig {study.command}".replace("_", " --"), study.quantities.described())
+        ),
     ]
 
 

@@ -136,6 +136,9 @@ def add_axisymmetric(builder: _core.ModelBuilder, height: float) -> int:
             locked=[False] * 6,
             speed_controlled_radius=0.0,
             in_moving_frame=True,
+            loss_constant=0.0,
+            loss_linear=0.0,
+            loss_quadratic=0.0,
         )
     )
 

@@ -369,6 +369,10 @@ void ModelBuilder::set_irregularity(Irregularity const& irregularity) {
     need(curve.start == 0.0, what + " must start at 0");
     need(std::abs(curve.end() - irregularity.period) <= 1e-9 * irregularity.period,
          what + " must have period / step pieces");
+    constexpr Range displacement{0.0, 10.0, "within 10 m", false, false, true};
+    for (auto const& c : curve.pieces)
+      for (double const s : {0.0, curve.step})
+        check_value(c[0] + s * (c[1] + s * (c[2] + s * c[3])), displacement, what, "displacements");
   };
   need_curve_of(irregularity.left_y, "left_y");
   need_curve_of(irregularity.left_z, "left_z");

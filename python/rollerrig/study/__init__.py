@@ -15,6 +15,8 @@ _HOME = {
     "CurvingStudy": "curving",
     "AdhesionStudy": "adhesion",
     "WspStudy": "wsp",
+    "ProtectionComparison": "protection_comparison",
+    "ReconstructionStudy": "reconstruction",
     "ControlStudy": "control",
     "LateralStudy": "lateral",
     "EnvelopeStudy": "envelope",

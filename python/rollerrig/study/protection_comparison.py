@@ -23,7 +23,7 @@ from rollerrig.plot.wsp import Ends, means_with_intervals
 from rollerrig.study.ensemble import CONFIDENCE, Estimate, difference, stepped
 from rollerrig.study.frame import Content, Study
 from rollerrig.study.jobs import Done, Round
-from rollerrig.study.quantities import Numbers, Quantities
+from rollerrig.study.quantities import Numbers
 from rollerrig.study.report import Block, Mark, Picture, Section, Table, Text
 from rollerrig.study.runs.wsp import MEASURES, OVER_DRY, SUPPORTS, StopTests, Support, dry_faults, faults, rig_faults
 from rollerrig.study.wsp import ON, QUANTITIES, Results, WspStudy, label
@@ -99,9 +99,8 @@ class ProtectionComparison(Study[Mapping[System, Results]]):
     starts: int = 0
     quick: bool = False
 
-    command = "wsp"
+    command = "wsp_against"
     heading = "{case.name} and {against.name}: two systems of wheel slide protection"
-    quantities = Quantities("wsp_against")
     writes = ("tests_*.csv", "signals_*.csv")
     irrelevant = ("description", "source")
 

@@ -111,8 +111,8 @@ def test_where_no_axle_slides_nothing_is_found(case: Case, log: StopLog) -> None
         (("train_speed [m/s]", "speed [m/s]"), r"no column 'train_speed \[m/s\]'; there are time"),
         (("train_speed [m/s]", "train_speed"), r"train_speed has no unit; write 'train_speed \[m/s\]'"),
         (("train_speed [m/s]", "train_speed [bar]"), r"train_speed \[bar\] is no unit of it"),
-        (("\n0.1,", "\n0.05,"), "time: row 3, 0.05 s, repeats the time before it"),
-        (("\n0.1,", "\n0.9,"), "time: a gap|falls behind"),
+        (("\n0.1,", "\n0.05,"), "time: 0.05 s follows 0.05 s: not later"),
+        (("\n0.1,", "\n0.9,"), "time: 0.15 s follows 0.9 s: not later"),
     ],
 )
 def test_a_log_that_is_none_is_refused_in_a_line(

@@ -155,7 +155,7 @@ def _unknown(key: str) -> str:
     holding = [name for name in holding if name.rpartition(".")[2] in words] or holding
     if not holding and (rows := search(words)):
         return "\n".join([f"no key is called '{key}'; these speak of it:", *rows])
-    if not holding and (guess := nearest(key, keys) or meant(last, lasts)):
+    if not holding and (guess := ("." in key and nearest(key, keys)) or meant(last, lasts)):
         ending = [name for name in keys if name == guess or name.endswith(f".{guess}")]
         holding = ending if len(ending) <= _MOST_GUESSES else [guess]
     hint = f"; did you mean {_listed(holding)}?" if holding else ""

@@ -169,6 +169,7 @@ class Examples:
             _core.FromTimeSanding(begin=1.0, end=2.0),
             _core.KalkerSaturated(saturate_spin_moment=True),
             _core.KalkerLinear(),
+            _core.Coefficients(f11=1e7, f22=9e6, f23=1.5e4, f33=20.0, saturation=True),
             _core.Fastsim(),
             _core.Hertz(merging_criterion=0.01),
             _core.ModifiedFastsim(k_0=0.7, k_inf=0.1, beta=0.8),
@@ -536,8 +537,19 @@ class Examples:
             "Simulation.statistics": Call(fresh("statistics"), {}),
             "Simulation.counters": Call(fresh("counters"), {}),
             "Simulation.contact_losses": Call(fresh("contact_losses"), {}),
+            "TangentRun": Call(
+                self.tangent, {"directions": np.ones((len(x), 1)), "tolerance": 1e-3, "breakpoints": [0.01]}
+            ),
+            "TangentRun.advance": Call(lambda **given: self.tangent().advance(**given), {"t": 2e-3}),
+            "TangentRun.take_outputs": Call(lambda: self.tangent().take_outputs(), {}),
             "status_sentence": Call(_core.status_sentence, {"status": 0}),
         }
+
+    def tangent(self, **given: Any) -> Any:
+        """Derivatives beside a run of one wheelset, by a number that two others have."""
+        run, above, below = (self.simulation(started=True) for _ in range(3))
+        options = {"directions": np.zeros((0, 0)), "tolerance": 1e-3, "breakpoints": []} | given
+        return _core.TangentRun(run=run, changed=[(above, below, 1e-5)], **options)
 
 
 def public_names() -> Iterator[str]:
