@@ -3,6 +3,7 @@
 #include <string_view>
 #include <tuple>
 
+#include "rollerrig/fields.hpp"
 #include "rollerrig/mechatronics/axle_torque/torque_sample.hpp"
 
 namespace rollerrig {
