@@ -238,7 +238,7 @@ class FitStudy(Study[Fit]):
             Section("What is left", [self.quantities.table(numbers["outputs"], "outputs.*", head="output")]),
         ]  # fmt: skip
         for k, one in enumerate(results.compared):
-            along, label = _heading(*MODELS[one.record.kind].abscissa), _heading(one.channel.of, one.channel.unit)
+            along, label = _axis(*MODELS[one.record.kind].abscissa), _axis(one.channel.of, one.channel.unit)
             fitted = one.channel.measured + one.residual
             picture = figures.comparison(one.record.x, one.channel.measured, fitted, one.channel.fitted, along, label)
             blocks: list[Block] = [
@@ -258,6 +258,11 @@ class FitStudy(Study[Fit]):
 
 def _with_unit(text: str, unit: str) -> str:
     return text if unit == "1" else f"{text} {unit}"
+
+
+def _axis(name: str, unit: str) -> str:
+    """Label of an axis."""
+    return f"{name.replace('_', ' ')} [{'-' if unit == '1' else unit}]"
 
 
 def _heading(name: str, unit: str) -> str:
