@@ -257,6 +257,7 @@ SPECIAL: dict[str, dict[str, Any]] = {
     "compare": {"prepare": check_compare},
     "wsp": {"prepare": prepare_wsp},
     "fit": {"refused": (FileNotFoundError, ValueError, RuntimeError)},
+    "reconstruct": {"refused": (FileNotFoundError, ValueError)},
     "scale": {
         "prepare": prepare_scale,
         "switches": {"run": (RUN, False, "error_budget")},

@@ -10,6 +10,7 @@ import xarray as xr
 
 from rollerrig import ConfigError, ResultsError, load_case, simulate
 from rollerrig.analysis.adhesion_reconstruction import StopLog, check_case, read_stop, reconstruct
+from rollerrig.cli.app import main
 from rollerrig.config import Case
 from rollerrig.results import export
 from rollerrig.study.frame import Outcome
@@ -130,6 +131,22 @@ def test_a_log_that_is_none_is_refused_in_a_line(
     file.write_text(file.read_text().replace(*change, 1))
     with pytest.raises(ResultsError, match=message):
         read_stop(file, case)
+
+
+@pytest.mark.parametrize(("name", "said"), [("none.csv", "no such file"), ("stop.csv", "no column 'time [s]'")])
+def test_the_command_refuses_a_log_in_a_line(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], name: str, said: str
+) -> None:
+    (tmp_path / "stop.csv").write_text("t,v\n0,1\n1,1\n")
+    monkeypatch.setattr(
+        "sys.argv", ["rollerrig", "reconstruct", "adhesion_brake", str(tmp_path / name), "--out", str(tmp_path / "x")]
+    )
+    with pytest.raises(SystemExit) as end:
+        main()
+    assert end.value.code == 2
+    error = capsys.readouterr().err
+    assert error.count("\n") == 1
+    assert said in error
 
 
 def test_a_case_whose_pressures_do_not_say_the_force_is_refused(case: Case) -> None:
