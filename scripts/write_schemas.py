@@ -6,12 +6,14 @@ longer that of the models.
 """
 
 import json
+from pathlib import Path
 
 from rollerrig.catalog import KINDS
 from rollerrig.config import json_schema
-from rollerrig.config.read import schema_file
+
+SCHEMAS = Path(__file__).parents[1] / "python" / "rollerrig" / "catalog" / "schema"
 
 for kind in KINDS:
-    schema_file(kind).write_text(
+    (SCHEMAS / f"{kind}.json").write_text(
         json.dumps(json_schema(kind), separators=(",", ": "), ensure_ascii=False) + "\n", encoding="utf-8"
     )
