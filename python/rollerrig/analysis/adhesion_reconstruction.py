@@ -11,7 +11,7 @@ of the creep curve the force hardly depends on friction. docs/theory/adhesion.md
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -158,7 +158,7 @@ def reconstruct(case: Case, log: StopLog, piece: float) -> xr.Dataset:
         of_piece = [_friction(case, wheel, own, np.flatnonzero(at == i)) for i in range(len(edges))]
         found.append([one[0] for one in of_piece])
         used.append([one[1] for one in of_piece])
-    frictions, middles = np.array(found).T, edges + 0.5 * piece
+    frictions, adhesion, middles = np.array(found).T, np.array(used).T, edges + 0.5 * piece
     slid = np.isfinite(frictions).any(axis=1)
     if not slid.any():
         raise ResultsError(
@@ -166,12 +166,12 @@ def reconstruct(case: Case, log: StopLog, piece: float) -> xr.Dataset:
         )
     first, last = np.flatnonzero(slid)[[0, -1]]
     kept = slice(first, last + 1)
-    mean = np.interp(middles, middles[slid], np.nanmean(frictions[slid] / _shares(frictions), axis=1))
+    mean = np.interp(middles, middles[slid], np.nanmean((frictions / _loads(frictions, adhesion))[slid], axis=1))
     return xr.Dataset(
         {
             "friction": variable(("distance",), mean[kept], "1", "friction of the rail at no slip"),
             "friction_of_axle": variable(("distance", "axle"), frictions[kept], "1", "the same from one axle alone"),
-            "used_adhesion": variable(("distance", "axle"), np.array(used).T[kept], "1", "creep force over axle load"),
+            "used_adhesion": variable(("distance", "axle"), adhesion[kept], "1", "creep force over axle load"),
             "measured": variable(("distance",), slid[kept].astype(float), "1", "1: an axle slid there"),
         },
         coords={"distance": middles[kept], "axle": list(log.axles)},
@@ -179,10 +179,16 @@ def reconstruct(case: Case, log: StopLog, piece: float) -> xr.Dataset:
     )
 
 
-def _shares(frictions: Array) -> Array:
-    """What each axle finds over the mean of all, where all of them slid: braking moves load from one to another."""
-    whole = frictions[np.isfinite(frictions).all(axis=1)]
-    return np.mean(whole / whole.mean(axis=1, keepdims=True), axis=0) if len(whole) else np.ones(frictions.shape[1])
+def _loads(frictions: Array, adhesion: Array) -> Array:
+    """Load of each axle over its static one, shape (piece, axle): braking moves it in proportion to what all axles use.
+
+    By how much, is what the axles find apart from each other where all of them slide.
+    """
+    braking = np.mean(adhesion, axis=1, keepdims=True)
+    whole = np.isfinite(frictions).all(axis=1)
+    apart = frictions[whole] / frictions[whole].mean(axis=1, keepdims=True) - 1.0
+    moved = np.sum(braking[whole] * apart, axis=0) / max(float(np.sum(braking[whole] ** 2)), 1e-12)
+    return np.asarray(1.0 + np.nan_to_num(braking) * moved)
 
 
 def _wheel(case: Case, rest: xr.Dataset, axle: str) -> LoadedWheel:
@@ -214,24 +220,26 @@ def _used(case: Case, log: StopLog, k: int, inertia: float, wheel: LoadedWheel) 
 
 
 def _friction(case: Case, wheel: LoadedWheel, own: dict[str, Array], rows: NDArray[np.intp]) -> tuple[float, float]:
-    """Friction at no slip with which the creep law gives the mean of what an axle uses in some rows, (A23), and that mean."""
-    rows = rows[(own["speed"][rows] > LEAST_SPEED) & (own["slip"][rows] > LEAST_SLIP)]
+    """Friction at no slip with which the creep law gives what an axle uses while it slides, (A23), and what it uses in all rows."""
+    rows = rows[own["speed"][rows] > LEAST_SPEED]
+    in_all = float(own["used"][rows].mean()) if len(rows) else np.nan
+    rows = rows[own["slip"][rows] > LEAST_SLIP]
     if len(rows) < LEAST_SAMPLES:
-        return np.nan, np.nan
+        return np.nan, in_all
     used = float(own["used"][rows].mean())
     curve = np.log(np.mean([_curve(case, wheel, own["speed"][i], own["slip"][i]) for i in rows], axis=0))
     if not np.exp(curve[0]) < used < np.exp(curve[-1]):
-        return np.nan, used
+        return np.nan, in_all
     friction = float(np.exp(np.interp(np.log(used), curve, np.log(FRICTIONS))))
     k = int(np.clip(np.searchsorted(FRICTIONS, friction), 1, len(FRICTIONS) - 1))
     elasticity = (curve[k] - curve[k - 1]) / np.log(FRICTIONS[k] / FRICTIONS[k - 1])
-    return (friction if elasticity > LEAST_ELASTICITY else np.nan), used
+    return (friction if elasticity > LEAST_ELASTICITY else np.nan), in_all
 
 
 def _curve(case: Case, wheel: LoadedWheel, speed: float, slip: float) -> Array:
     """Traction coefficient at a slip with each of FRICTIONS."""
     rail = case.adhesion.rail  # type: ignore[union-attr]
-    moving = LoadedWheel(**{**vars(wheel), "speed": speed})
+    moving = replace(wheel, speed=speed)
     law = core_law(case.contact.creep)
     found = [
         traction_coefficient(

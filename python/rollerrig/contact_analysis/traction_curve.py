@@ -7,6 +7,7 @@ also its k_A and k_S (docs/theory/adhesion.md).
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -36,7 +37,7 @@ class LoadedWheel:
     shear_modulus: float
     poisson_ratio: float
 
-    @property
+    @cached_property
     def semi_axes(self) -> tuple[float, float]:
         """Semi-axes a, b of Hertz' ellipse [m]: the wheel's radius along, across it the curvature that gives a/b."""
 
