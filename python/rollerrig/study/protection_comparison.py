@@ -26,7 +26,7 @@ from rollerrig.study.jobs import Done, Round
 from rollerrig.study.quantities import Numbers
 from rollerrig.study.report import Block, Mark, Picture, Section, Table, Text
 from rollerrig.study.runs.wsp import MEASURES, OVER_DRY, SUPPORTS, StopTests, Support, dry_faults, faults, rig_faults
-from rollerrig.study.wsp import ON, QUANTITIES, Results, WspStudy, label
+from rollerrig.study.wsp import ON, Results, WspStudy, label, quantity_of
 
 Better = Literal["first", "second", "neither", "not decided"]
 System = Literal["first", "second"]
@@ -280,17 +280,9 @@ def _findings(numbers: Numbers) -> Iterator[str]:
         yield f"Not decided in {', '.join(places)}: {why}."
 
 
-def _unit(criterion: str) -> tuple[float, str]:
-    """Factor from the SI unit to that of tables, and that unit."""
-    name, to_si = MEASURES[criterion]
-    quantity = QUANTITIES[f"stops.*.*.{name}.mean"]
-    unit = "" if quantity.shown_unit == "1" else quantity.shown_unit.replace("^2", "²")
-    return quantity.in_shown_unit(1.0 / to_si), unit
-
-
 def _shown(criterion: str, one: Numbers) -> str:
     """The difference with its interval."""
-    factor, unit = _unit(criterion)
+    _, factor, unit = quantity_of(criterion)
     if one["difference"] is None:
         return "–"
     text = f"{factor * one['difference']:+.3g}"
@@ -303,7 +295,7 @@ def _table(numbers: Numbers, on: Support) -> Table:
     rows = []
     for stop, own in numbers["stops"].items():
         for criterion, one in own[on].items():
-            factor, _ = _unit(criterion)
+            _, factor, _ = quantity_of(criterion)
             means = ("–" if one[system] is None else number(factor * one[system], 3) for system in SYSTEMS)
             effect, needed = one["effect"], one["tests_needed"]
             rows.append((

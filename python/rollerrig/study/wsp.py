@@ -348,8 +348,8 @@ def _findings(numbers: Numbers, limits: int) -> Iterator[str]:
         )
 
 
-def _quantity(criterion: str) -> tuple[Quantity, float, str]:
-    """What a criterion is set for, the factor from the SI unit to that of tables, and that unit."""
+def quantity_of(criterion: str) -> tuple[Quantity, float, str]:
+    """What a criterion is set for, the factor from its SI unit to that of tables, and that unit."""
     name, to_si = MEASURES[criterion]
     quantity = QUANTITIES[f"stops.*.*.{name}.mean"]
     unit = "" if quantity.shown_unit == "1" else quantity.shown_unit.replace("^2", "²")
@@ -358,14 +358,14 @@ def _quantity(criterion: str) -> tuple[Quantity, float, str]:
 
 def label(criterion: str) -> str:
     """What a criterion is called."""
-    return _quantity(criterion)[0].label
+    return quantity_of(criterion)[0].label
 
 
 def value_text(name: str, one: Numbers) -> str:
     """Mean of a criterion, its interval, and the worst test where each counts."""
     if one["mean"] is None:
         return "–"
-    _, factor, unit = _quantity(name)
+    _, factor, unit = quantity_of(name)
     text = number(factor * one["mean"], 3)
     if one["low"] is not None and one["high"] is not None and one["low"] != one["high"]:
         text += f" ({number(factor * one['low'], 3)} … {number(factor * one['high'], 3)})"
@@ -376,7 +376,7 @@ def value_text(name: str, one: Numbers) -> str:
 
 def limit_text(name: str, one: Numbers) -> str:
     """A limit."""
-    _, factor, unit = _quantity(name)
+    _, factor, unit = quantity_of(name)
     each = " in each test" if CRITERIA[name].every else ""  # type: ignore[index]
     return f"{one['kind']} {number(factor * one['limit'], 3)} {unit}".rstrip() + each
 
