@@ -44,6 +44,12 @@ swing of its bogie and the errors of measured speeds are no small part of it."""
 LEAST_SAMPLES = 3
 """Samples of a sliding axle that a piece of the way needs."""
 
+UNBRAKED = 1e4
+"""Pressure up to which no pad presses yet [Pa]."""
+
+RADIUS_ERROR = 0.01
+"""By how much axles may turn faster or slower than the train before they are braked [-]: their slip would be wrong by it."""
+
 FRICTIONS = np.geomspace(0.01, 0.9, 12)
 """Friction at no slip at which the creep curve is computed [-]; in between its logarithm is interpolated."""
 
@@ -144,8 +150,9 @@ def reconstruct(case: Case, log: StopLog, piece: float) -> xr.Dataset:
         where an axle did not slide; `measured`, 1 where one did.
 
     Raises:
-        ResultsError: no axle slid long enough.
+        ResultsError: no axle slid long enough; before the brake acts an axle does not roll with the train.
     """
+    _check_radius(case, log)
     rest = equilibrium_dataset(assemble(case)).isel(time=0)
     inertia = {body.name: body.inertia[1] for body in wheelsets(case)}
     ahead = {body.name: body.position[0] for body in RunInfo.of(rest).wheelsets}  # of the origin of distances
@@ -177,6 +184,26 @@ def reconstruct(case: Case, log: StopLog, piece: float) -> xr.Dataset:
         coords={"distance": middles[kept], "axle": list(log.axles)},
         attrs={"piece_m": piece},
     )
+
+
+def unbraked(log: StopLog) -> NDArray[np.intp]:
+    """Rows at the beginning in which no axle is braked."""
+    return np.flatnonzero(np.cumsum((log.pressure > UNBRAKED).any(axis=1) | (log.train_speed < LEAST_SPEED)) == 0)
+
+
+def _check_radius(case: Case, log: StopLog) -> None:
+    """Refuse a log in which an unbraked axle does not run with the train: a wrong radius would be taken for a slide."""
+    rows, radius = unbraked(log), case.vehicle.data.wheel.radius
+    if len(rows) < LEAST_SAMPLES:
+        return
+    for axle, speed in zip(log.axles, log.axle_speed[rows].T, strict=True):
+        slower = 1.0 - float(np.median(radius * speed / log.train_speed[rows]))
+        if abs(slower) > RADIUS_ERROR:
+            raise ResultsError(
+                f"{log.file}: {axle}: before the brake acts its circumference runs {100 * abs(slower):.2g} % "
+                f"{'slower' if slower > 0 else 'faster'} than the train, at most {100 * RADIUS_ERROR:g} % is allowed; "
+                f"vehicle.wheel.radius is {radius:g} m, by the log it is {radius / (1.0 - slower):.4g} m"
+            )
 
 
 def _loads(frictions: Array, adhesion: Array) -> Array:
@@ -220,7 +247,7 @@ def _used(case: Case, log: StopLog, k: int, inertia: float, wheel: LoadedWheel) 
 
 
 def _friction(case: Case, wheel: LoadedWheel, own: dict[str, Array], rows: NDArray[np.intp]) -> tuple[float, float]:
-    """Friction at no slip with which the creep law gives what an axle uses while it slides, (A23), and what it uses in all rows."""
+    """Friction at no slip with which the creep law gives what an axle uses while it slides, (A23), and its use in all rows."""
     rows = rows[own["speed"][rows] > LEAST_SPEED]
     in_all = float(own["used"][rows].mean()) if len(rows) else np.nan
     rows = rows[own["slip"][rows] > LEAST_SLIP]

@@ -14,7 +14,14 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from rollerrig.analysis.adhesion_reconstruction import StopLog, check_case, reconstruct, with_map
+from rollerrig.analysis.adhesion_reconstruction import (
+    LEAST_SAMPLES,
+    StopLog,
+    check_case,
+    reconstruct,
+    unbraked,
+    with_map,
+)
 from rollerrig.analysis.slide_statistics import rms, wheel_radius
 from rollerrig.common.formatting import number
 from rollerrig.config import Case, Rig
@@ -114,6 +121,10 @@ class ReconstructionStudy(Study[xr.Dataset]):
         return float(self.log.time[np.argmax(mean > BEGINS * mean.max())] - self.log.time[0])
 
     def summary(self, results: xr.Dataset, numbers: Numbers) -> list[str]:
+        unchecked = [] if len(unbraked(self.log)) >= LEAST_SAMPLES else [
+            "The log begins with the brake on: whether the wheels have the radius of the case could not be checked, and an error "
+            "of it would be taken for slip."
+        ]  # fmt: skip
         rail = self.rail["distance"].to_numpy() + np.array([-0.5, 0.5])[:, None] * self.piece
         return [
             f"The rail has a friction at no slip of {number(numbers['friction_mean'], 3)} on average, from "
@@ -125,6 +136,7 @@ class ReconstructionStudy(Study[xr.Dataset]):
             f"differ by {number(numbers['speed_difference_rms_kmh'], 2)} km/h RMS.",
             f"The brake's demand is that of the case, after {number(numbers['demand_begins_s'], 2)} s; in the log the cylinders "
             f"begin to fill at {number(numbers['pressure_begins_s'], 2)} s.",
+            *unchecked,
         ]
 
     def files(self, results: xr.Dataset, numbers: Numbers) -> Mapping[str, Content]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -97,6 +98,20 @@ def test_friction_of_random_rails(tmp_path: Path) -> None:
     assert np.median(errors) < 0.004
     assert np.percentile(errors, 95) < 0.014
     assert max(errors) < 0.042
+
+
+def test_a_wrong_radius_of_the_wheels_is_no_slide(case: Case, log: StopLog) -> None:
+    """4 % would be a slip of every sample: a dry rail would pass for one as slippery as the brake needs."""
+    still = {name: np.concatenate([value[:1].repeat(10, axis=0), value])
+             for name in ("train_speed", "axle_speed", "pressure") for value in (getattr(log, name),)}  # fmt: skip
+    still["pressure"][:10] = 0.0
+    before = replace(log, time=np.concatenate([log.time[0] + np.arange(-10, 0) * 0.05, log.time]), **still)
+    with pytest.raises(
+        ResultsError, match=r"wheelset_2: before the brake acts its circumference runs 4 % slower .*by the log"
+    ):
+        reconstruct(case, replace(before, axle_speed=before.axle_speed * [1.0, 0.96]), 10.0)
+    found = reconstruct(case, replace(before, axle_speed=before.axle_speed * [0.995, 1.005]), 10.0)
+    np.testing.assert_allclose(found["friction"].mean(), reconstruct(case, before, 10.0)["friction"].mean(), rtol=0.01)
 
 
 def test_noise_of_measured_speeds_hardly_counts(case: Case, log: StopLog) -> None:
