@@ -34,6 +34,9 @@ LEAST_SHARE = 0.5
 LARGEST_OFFSET = 0.1
 """A wheelset further along from the axis of its roller than this part of the sum of both radii has rolled off it [1]."""
 
+LARGEST_START = 1e5
+"""Largest coordinate and velocity of a start that the core takes [m, rad, m/s, rad/s]."""
+
 
 @dataclass(frozen=True)
 class Drift:
@@ -158,7 +161,7 @@ def starting_state(model: AssembledModel, *, may_drift: bool = False) -> Array:
 
     Raises:
         ConfigError: a disturbance moves a coordinate that is locked; nothing holds the vehicle on its rollers.
-        StartError: no equilibrium was found, or no support for a disturbed body.
+        StartError: no equilibrium was found, or no support for a disturbed body, or the start is beyond what the core takes.
     """
     start = _core.starting_state(model.start_core, 0.0, disturbances(model))
     if start["found"] == "no_equilibrium":
@@ -168,7 +171,10 @@ def starting_state(model: AssembledModel, *, may_drift: bool = False) -> Array:
     if start["found"] == "no_support":
         body = model.bodies[start["body"]]
         raise StartError(f"{model.case.name}: disturbance: {body} finds no support at its offset; use a smaller offset")
-    return np.asarray(start["x"])
+    state = np.asarray(start["x"])
+    if (largest := float(np.abs(state).max())) > LARGEST_START:
+        raise _out_of_reach(model, int(np.abs(state).argmax()), largest)
+    return state
 
 
 def _no_equilibrium(model: AssembledModel, residual: float) -> StartError:
@@ -178,6 +184,16 @@ def _no_equilibrium(model: AssembledModel, residual: float) -> StartError:
         f"{case.name}: no equilibrium at {case.motion.speed * 3.6:g} km/h{where}: {residual:.3g} N or N m remain "
         "unbalanced after Newton's method; do all wheels meet their rail or roller (gauge, back_to_back, profiles), "
         "do springs or locks carry every body, are the torques at time 0 within friction?"
+    )
+
+
+def _out_of_reach(model: AssembledModel, index: int, value: float) -> StartError:
+    simulation = _core.Simulation(model.start_core)
+    rows = zip(model.bodies, simulation.coordinate_index, simulation.rate_index, strict=True)
+    body = next((name for name, *own in rows if any(index in each for each in own)), "an actuator")
+    return StartError(
+        f"{model.case.name}: {body} would start with {value:.3g} m, rad, m/s or rad/s, allowed is at most {LARGEST_START:g}; "
+        "is a wheel or roller too small for the speed, or a constant torque too large for the friction?"
     )
 
 

@@ -180,6 +180,12 @@ def test_an_impossible_torque_has_no_equilibrium() -> None:
         rr.simulate(case)
 
 
+def test_a_start_that_spins_absurdly_fast_is_refused() -> None:
+    case = rr.load_case("bogie_rollers_constant").with_changes({"contact.friction.mu_0": 3e-7})
+    with pytest.raises(rr.StartError, match=r"wheelset_1 would start with 1\.4.e\+06 .*too large for the friction"):
+        rr.simulate(case)
+
+
 def test_results_that_do_not_fit_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(simulation_module, "SURELY_THERE", 1e3)
     monkeypatch.setattr(simulation_module, "available_memory", lambda: 1e5)
