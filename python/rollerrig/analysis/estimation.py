@@ -5,11 +5,13 @@
 Each number is sought over its range as u from 0 to 1, straight or logarithmic; a prior is one more residual.
 
     residuals r_i over their standard deviations, J = dr/du      covariance of u = s² (JᵀJ)⁻¹
-    s = 1 where deviations were given, else the r.m.s. of what is left, √(Σ r² / (n - p))
+    s = 1 where deviations were given and fit what is left, else the r.m.s. of that, √(Σ r² / (n - p))
     J = U S Vᵀ                                                    the combination V_k has the standard deviation s/S_k
 
-A number that may be anywhere in its range has 1/√12 of the range as its standard deviation: a combination that the data do not
-know better than that is not determined. Source: G. A. F. Seber, C. J. Wild, Nonlinear Regression (1989), ch. 2 and 5.
+Residuals that follow each other, with a correlation ρ from one to the next, count as fewer: their rows of J are divided by
+√((1 + ρ)/(1 - ρ)), as of the mean of an autoregressive series. A number that may be anywhere in its range has 1/√12 of the range
+as its standard deviation: a combination that the data do not know better than that is not determined.
+Source: G. A. F. Seber, C. J. Wild, Nonlinear Regression (1989), ch. 2, 5 and 6.
 """
 
 from __future__ import annotations
@@ -35,6 +37,10 @@ UNKNOWN = 1.0 / math.sqrt(12.0)
 """Standard deviation of what may be anywhere in a range, over that range."""
 PART = 0.3
 """Numbers with less of a combination are not named with it."""
+CHANCE = 1e-3
+"""Probability below which given standard deviations do not fit what is left."""
+CLEAR = 3.0
+"""Standard deviations of a correlation by chance, 1/√n, from which residuals follow each other."""
 EDGE = 1e-3
 """An estimate so near to an end of its range, over the range, is decided by it."""
 
@@ -53,6 +59,7 @@ class Estimate:
         degrees_of_freedom: residuals less free numbers.
         cost: half the sum of squares, of a robust loss its sum.
         known: whether standard deviations of the data were given.
+        scale: s.
     """
 
     free: tuple[FreeNumber, ...]
@@ -64,6 +71,7 @@ class Estimate:
     degrees_of_freedom: int
     cost: float
     known: bool
+    scale: float
 
     @cached_property
     def values(self) -> dict[str, float]:
@@ -101,7 +109,7 @@ class Estimate:
     @property
     def undetermined(self) -> list[str]:
         """Combinations that the data do not know better than their ranges, in words."""
-        found, scale = [], 1.0 if self.known else self.deviation
+        found, scale = [], self.scale
         for size, row in zip(self.singular_values.tolist(), self.combinations, strict=True):
             parts = sorted((-abs(part), one.name) for one, part in zip(self.free, row, strict=True) if abs(part) > PART)
             if size * UNKNOWN <= scale:
@@ -110,6 +118,19 @@ class Estimate:
                 )
                 found.append(f"{' with '.join(name for _, name in parts)}: {spread}, singular value {number(size, 2)}")
         return found
+
+
+def correlation(series: Array) -> float:
+    """Correlation of each residual with the one before; NaN of less than three or of none."""
+    if len(series) < 3 or not np.ptp(series) > 0.0:
+        return math.nan
+    return float(np.corrcoef(series[1:], series[:-1])[0, 1])
+
+
+def widening(series: Array) -> float:
+    """Factor on standard errors for residuals that follow each other by more than chance."""
+    follows = correlation(series)
+    return math.sqrt((1.0 + follows) / max(1.0 - follows, 1e-6)) if follows > CLEAR / math.sqrt(len(series)) else 1.0
 
 
 @one_blas_thread()
@@ -121,6 +142,7 @@ def estimate(
     jacobian: Function | None = None,
     loss: Loss = "linear",
     known: bool = True,
+    widenings: Function = np.ones_like,
 ) -> Estimate:
     """The values that make the sum of squares of the residuals least.
 
@@ -130,12 +152,15 @@ def estimate(
         start: values to begin from.
         jacobian: values -> derivatives of the residuals by the values, shape (n, free); None: by differences.
         loss: what a residual counts; other than linear, few wrong points do not pull.
-        known: whether the standard deviations are those of the data; else what is left says how large they are.
+        known: whether the standard deviations are those of the data; else, or where that cannot be, what is left says how large
+            they are.
+        widenings: residuals that are left -> factor of each on its standard deviation, because they follow each other.
 
     Raises:
         ValueError: fewer residuals than free numbers.
     """
     from scipy.optimize import least_squares
+    from scipy.stats import chi2
 
     prior = [(k, *one.prior) for k, one in enumerate(free) if one.prior is not None]
     of_prior = np.array([[free[k].width / spread * (k == j) for j in range(len(free))] for k, _, spread in prior])
@@ -160,12 +185,15 @@ def estimate(
     rows, left = len(best.fun) - len(prior), len(best.fun) - len(free)
     if left < 0:
         raise ValueError(f"{rows} points cannot determine {len(free)} numbers")
+    at_end[:rows] /= widenings(best.fun[:rows])[:, None]
     deviation = math.sqrt(2.0 * float(best.cost) / left) if left else math.nan
+    fits = known and not left * deviation**2 > chi2.isf(CHANCE, max(left, 1))
+    scale = 1.0 if fits else deviation
     sizes, rotation = _combinations(at_end)
-    spread = (1.0 if known else deviation) / np.maximum(sizes, 1e-6)  # what nothing determines: to a million ranges
+    spread = scale / np.maximum(sizes, 1e-6)  # what nothing determines: to a million ranges
     covariance = (rotation.T * spread**2) @ rotation
     of_data = _combinations(at_end[:rows])
-    return Estimate(tuple(free), best.x, covariance, *of_data, deviation, left, float(best.cost), known)
+    return Estimate(tuple(free), best.x, covariance, *of_data, deviation, left, float(best.cost), known, scale)
 
 
 def _combinations(jacobian: Array) -> tuple[Array, Array]:

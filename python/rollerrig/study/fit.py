@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 
+from rollerrig.analysis.estimation import correlation, widening
 from rollerrig.common.formatting import number
 from rollerrig.config import Case
 from rollerrig.config.load.fit import WholeFit
@@ -27,10 +28,6 @@ SAME = 1e-3
 """Searches whose sums of squares differ by this part ended at the same place."""
 TOGETHER = 0.95
 """Correlation from which two numbers are reported as going together."""
-FOLLOWS = 0.5
-"""Correlation of a residual with the one before, from which intervals are reported as too narrow."""
-WRONG = 2.0
-"""What is left over the errors that were given, from which model or errors are reported as wrong."""
 
 
 @dataclass(frozen=True)
@@ -51,10 +48,12 @@ class Compared:
     @property
     def autocorrelation(self) -> float:
         """Correlation of a residual of a run with the one before; NaN for other logs."""
-        left = self.residual[self.channel.fitted]
-        if self.record.kind != "run" or len(left) < 3 or not np.ptp(left) > 0.0:
-            return math.nan
-        return float(np.corrcoef(left[1:], left[:-1])[0, 1])
+        return correlation(self.residual[self.channel.fitted]) if self.record.kind == "run" else math.nan
+
+    @property
+    def widening(self) -> float:
+        """Factor of that on the standard errors."""
+        return widening(self.residual[self.channel.fitted]) if self.record.kind == "run" else 1.0
 
 
 @dataclass(frozen=True)
@@ -77,8 +76,8 @@ class FitStudy(Study[Fit]):
     writes = ("fitted*.toml", "estimates.csv", "log_*.csv")
     resumable = False
     assumes = (
-        "Intervals of 95 % are those of a linear model about the estimate, for independent errors of the measurement: "
-        "an error of the model itself is not in them.",
+        "Intervals of 95 % are those of a linear model about the estimate. Residuals that follow each other, or are larger than "
+        "the errors that were given, widen them; else an error of the model itself is not in them.",
     )
 
     @property
@@ -151,6 +150,7 @@ class FitStudy(Study[Fit]):
                     "rms": one.rms(one.channel.fitted),
                     "rms_held_back": one.rms(np.logical_not(one.channel.fitted)),
                     "autocorrelation": one.autocorrelation,
+                    "widening": one.widening,
                 }
                 for one in results.compared
             },
@@ -169,14 +169,17 @@ class FitStudy(Study[Fit]):
         for name, one in numbers["outputs"].items():
             held = "" if one["rms_held_back"] is None else f", of the part held back {number(one['rms_held_back'], 3)}"
             lines.append(f"{name}: r.m.s. of what is left {_with_unit(number(one['rms'], 3) + held, one['unit'])}.")
-            if (follows := one["autocorrelation"] or 0.0) > FOLLOWS:
-                wider = number(math.sqrt((1.0 + follows) / max(1.0 - follows, 1e-6)), 2)
+            if one["widening"] > 1.0:
+                follows, times = number(one["autocorrelation"], 2), number(one["widening"], 2)
                 lines.append(
-                    f"{name}: residuals follow each other, correlation {follows:.2f}: true intervals are {wider} times as wide."
+                    f"{name}: residuals follow each other, correlation {follows}: intervals are widened {times} times for it; "
+                    "the model or a filter may be wrong."
                 )
-        if results.found.estimate.known and results.found.estimate.deviation > WRONG:
+        if results.found.estimate.known and results.found.estimate.scale > 1.0:
             times = number(results.found.estimate.deviation, 3)
-            lines.append(f"What is left is {times} times the errors that were given: the model, or they, are wrong.")
+            lines.append(
+                f"What is left is {times} times the errors that were given: the model, or they, are wrong; intervals are widened."
+            )
         if numbers["searches"] > 1:
             lines.append(
                 f"{numbers['searches_at_the_same_end']} of {numbers['searches']} searches ended at this place."

@@ -144,6 +144,20 @@ def test_inertia_and_losses_are_within_their_own_intervals_in_95_of_100_trials()
     assert min(inside(*coast_down(), 40).values()) >= 34
 
 
+def test_a_model_that_lacks_something_widens_the_intervals() -> None:
+    """A shoe drags from 200 to 300 s, which the model does not know: the truth stays within."""
+    whole, record, (exact,) = coast_down()
+    dragging = (
+        exact - 0.01 * np.clip(TIMES - 200.0, 0.0, 100.0) + np.random.default_rng(1).normal(0.0, 0.03, len(TIMES))
+    )
+    channel = replace(record.channels[0], measured=dragging)
+    found = search(whole, [replace(record, channels=(channel,))], [one.start for one in whole.free]).estimate
+    for one in whole.free:
+        low, high = found.intervals[one.name]
+        assert low <= one.start <= high, one.name
+    assert found.scale == pytest.approx(found.deviation) != 1.0
+
+
 def test_without_a_known_torque_only_losses_over_inertia_are_determined() -> None:
     whole, record, exact = coast_down(torque=0.0 * TIMES)
     channels = tuple(replace(c, measured=v) for c, v in zip(record.channels, exact, strict=True))

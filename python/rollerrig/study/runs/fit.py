@@ -16,7 +16,7 @@ from functools import lru_cache
 import numpy as np
 import xarray as xr
 
-from rollerrig.analysis.estimation import Estimate, estimate
+from rollerrig.analysis.estimation import Estimate, estimate, widening
 from rollerrig.analysis.signals import low_pass
 from rollerrig.assembly.laws import core_law
 from rollerrig.common.arrays import Array
@@ -236,6 +236,13 @@ class _Comparison:
         ]
         return np.concatenate(rows)
 
+    def widenings(self, residuals: Array) -> Array:
+        """Factor of each residual on its standard deviation: those of a run follow each other."""
+        channels = [(record.kind, one.fitted.sum()) for record in self._records for one in record.channels]
+        series = np.split(residuals, np.cumsum([count for _, count in channels])[:-1])
+        factors = [widening(one) if kind == "run" else 1.0 for (kind, _), one in zip(channels, series, strict=True)]
+        return np.repeat(factors, [count for _, count in channels])
+
     def _channels(self, found: Values) -> Iterable[tuple[Array, Channel, Array]]:
         for own, record, errors in zip(found, self._records, self.errors, strict=True):
             yield from zip(own, record.channels, errors, strict=True)
@@ -299,7 +306,13 @@ def search(
     known = all(np.isfinite(channel.error).all() for record in records for channel in record.channels)
     for _ in range(1 if known else REWEIGHTINGS):
         found = estimate(
-            free, comparison.residuals, at, jacobian=comparison.jacobian, loss=whole.plan.loss, known=known
+            free,
+            comparison.residuals,
+            at,
+            jacobian=comparison.jacobian,
+            loss=whole.plan.loss,
+            known=known,
+            widenings=comparison.widenings,
         )
         at = np.array(list(found.values.values()))
         if known or comparison.reweight(at) < SETTLED:
