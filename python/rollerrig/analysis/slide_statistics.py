@@ -15,7 +15,7 @@ flat's ends are left out. On the rig no wheel slides so: the estimate is what th
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -107,50 +107,45 @@ WINDOW = 0.25  # [s]
 PERCENTILE = 95.0
 
 
-def torque_ripple(time: Array, torque: Array) -> tuple[float, float]:
-    """Persistent ripple of the worst axle's torque, and its frequency.
+class Ripple(NamedTuple):
+    """Ripple of the worst axle's torque.
 
-    The RMS above RIPPLE_ABOVE in windows of a quarter of a second; the median of them, since the response to a switching valve
-    decays sooner than in every second of them.
+    Attributes:
+        rms: not passed for PERCENTILE of the time [N m].
+        spell: the longest in which it stays above a limit, of any axle [s].
+        frequency: of most power [Hz].
+    """
+
+    rms: float
+    spell: float
+    frequency: float
+
+
+def torque_ripple(time: Array, torque: Array, limit: float = math.inf) -> Ripple:
+    """Ripple above RIPPLE_ABOVE, in windows of a quarter of a second.
 
     Args:
         time: evenly spaced [s], shape (time,).
         torque: [N m], shape (time, axle).
+        limit: RMS of a window above which a spell lasts [N m].
 
     Returns:
-        RMS [N m] and frequency of most power [Hz]; NaN where the run is shorter than two windows.
+        NaN where the run is shorter than two windows or has no torque at some time.
     """
     found = ripple_windows(time, torque)
     if found is None:
-        return math.nan, math.nan
+        return Ripple(math.nan, math.nan, math.nan)
     from scipy.signal import welch  # slow to load, and seldom needed
 
-    parts, high = found
-    median = np.median(parts, axis=0)
-    worst, step = int(np.argmax(median)), float(time[1] - time[0])
-    frequency, power = welch(high[:, worst], fs=1.0 / step, nperseg=min(len(high), 4 * round(WINDOW / step)))
-    return float(median[worst]), float(frequency[np.argmax(power)])
-
-
-def largest_ripple(time: Array, torque: Array, limit: float) -> tuple[float, float]:
-    """Ripple that is not passed for PERCENTILE of the time, of the worst axle, and its longest spell above a limit.
-
-    Args:
-        time: evenly spaced [s], shape (time,).
-        torque: [N m], shape (time, axle).
-        limit: RMS of a window [N m].
-
-    Returns:
-        RMS [N m] and duration [s]; NaN where the run is shorter than two windows.
-    """
-    found = ripple_windows(time, torque)
-    if found is None:
-        return math.nan, math.nan
-    spell = longest = np.zeros(found[0].shape[1])
-    for above in found[0] > limit:
+    windows, high = found
+    spell = longest = np.zeros(windows.shape[1])
+    for above in windows > limit:
         spell = np.where(above, spell + WINDOW, 0.0)
         longest = np.maximum(longest, spell)
-    return float(np.percentile(found[0], PERCENTILE, axis=0).max()), float(longest.max())
+    sizes, step = np.percentile(windows, PERCENTILE, axis=0), float(time[1] - time[0])
+    worst = int(np.argmax(sizes))
+    frequency, power = welch(high[:, worst], fs=1.0 / step, nperseg=min(len(high), 4 * round(WINDOW / step)))
+    return Ripple(float(sizes[worst]), float(longest.max()), float(frequency[np.argmax(power)]))
 
 
 def ripple_windows(time: Array, torque: Array) -> tuple[Array, Array] | None:
@@ -411,17 +406,22 @@ def _rig(run: xr.Dataset, largest_torque: float, roller_radius: float) -> dict[s
 
 
 def drive_oscillation(run: xr.Dataset, roller_radius: float) -> dict[str, float]:
-    """Fast torque on the rollers that the virtual rail does not demand: 95th percentile of the worst axle, longest spell.
+    """Fast torque on the rollers that the virtual rail does not demand: 95th percentile of the worst axle, longest spell."""
+    found = unwanted_ripple(run, roller_radius)
+    return {"drive_oscillation_nm": found.rms, "drive_oscillation_spell_s": found.spell}
 
-    The ripple of the contact's force less the virtual one, times the radius: zero for a rig that follows, also while slide
-    protection acts fast; an oscillation of the loop on a locked wheel is all of it. NaN where outputs are too rare to see it.
+
+def unwanted_ripple(run: xr.Dataset, roller_radius: float) -> Ripple:
+    """Ripple of the contact's force less the virtual one, times the radius, with the spells above OSCILLATES.
+
+    Zero for a rig that follows, also while slide protection acts fast; an oscillation of the loop on a locked wheel is all of it.
+    NaN where outputs are too rare to see it.
     """
     time = run["time"].to_numpy()
-    found = math.nan, math.nan
-    if time.size >= 2 and time[1] - time[0] <= 1.0 / (4.0 * RIPPLE_ABOVE):
-        wrong = (run["creep_force"] - run["virtual_force"]).transpose("time", "axle").to_numpy()
-        found = largest_ripple(time, roller_radius * np.nan_to_num(wrong), OSCILLATES)
-    return {"drive_oscillation_nm": found[0], "drive_oscillation_spell_s": found[1]}
+    if time.size < 2 or time[1] - time[0] > 1.0 / (4.0 * RIPPLE_ABOVE):
+        return Ripple(math.nan, math.nan, math.nan)
+    wrong = (run["creep_force"] - run["virtual_force"]).transpose("time", "axle").to_numpy()
+    return torque_ripple(time, roller_radius * np.nan_to_num(wrong), OSCILLATES)
 
 
 def flat_length(energy: float, radius: float, wear: float, width: float) -> float:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from rollerrig import load_case, simulate
-from rollerrig.analysis.slide_statistics import idle_valves, largest_ripple, torque_ripple
+from rollerrig.analysis.slide_statistics import idle_valves, torque_ripple
 from rollerrig.analysis.slide_statistics import test_record as record_of
 from rollerrig.analysis.virtual_rail import creep_curve, patch_of, slipperiest_peak
 from rollerrig.assembly.model import assemble
@@ -20,13 +20,13 @@ def test_an_oscillation_of_less_than_half_of_the_time_is_seen_and_its_spell_meas
     fast = 800.0 * np.sin(2.0 * np.pi * 25.0 * time)
     part = np.where((time >= 5.0) & (time < 9.0), fast, 0.0)  # a fifth of the time
     torque = np.stack([np.zeros_like(time), part], axis=1)
-    assert torque_ripple(time, torque)[0] < 1.0
-    ripple, spell = largest_ripple(time, torque, 100.0)
+    ripple, spell, frequency = torque_ripple(time, torque, 100.0)
     assert ripple == pytest.approx(800.0 / math.sqrt(2.0), rel=0.03)  # the filter overshoots where it begins and ends
     assert spell == pytest.approx(4.0, abs=0.51)  # windows of 0.25 s, and the filter's ends
+    assert frequency == pytest.approx(25.0, abs=1.0)  # resolution of one second
     broken = np.where((time >= 7.0) & (time < 7.5), 0.0, part)
-    assert largest_ripple(time, broken[:, None], 100.0)[1] == pytest.approx(2.0, abs=0.51)
-    assert np.isnan(largest_ripple(time[:20], torque[:20], 100.0)).all()
+    assert torque_ripple(time, broken[:, None], 100.0).spell == pytest.approx(2.0, abs=0.51)
+    assert np.isnan(torque_ripple(time[:20], torque[:20])).all()
 
 
 def test_the_peak_of_the_slipperiest_rail_is_that_of_its_creep_curve() -> None:
