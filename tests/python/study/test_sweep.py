@@ -30,7 +30,7 @@ from rollerrig.config.schema.plan import CriticalSpeedMeasure
 from rollerrig.results import load_run
 from rollerrig.study import measures
 from rollerrig.study.checkpoint import NAME
-from rollerrig.study.runs.sweep import FAILED, Axis, Points, resized, sobol_indices, sweep_rows
+from rollerrig.study.runs.sweep import FAILED, Axis, Points, quantile, resized, sobol_indices, sweep_rows
 from rollerrig.study.sweep import SweepStudy, sweep_study
 
 PLAN = """
@@ -530,3 +530,15 @@ def test_rollers_that_are_mounted_askew_turn_by_that_angle_and_push_the_wheelset
     assert lateral[0] < -1e-3
     with pytest.raises(ConfigError, match=r"mounting\.yaw: missing; needed"):
         case.with_changes({"support.mounting.yaw": None})
+
+
+def test_a_quantile_has_an_interval_that_holds_and_no_end_that_few_samples_do_not_have() -> None:
+    """Exponential samples, 64 at a time: at least 95 of 100 intervals have the true quantile, an order statistic at each end."""
+    samples = np.random.default_rng(1).exponential(size=(400, 64))
+    for share in (0.25, 0.5, 0.95):
+        found = [quantile(one, share) for one in samples]
+        inside = [not one["low"] > -np.log(1.0 - share) and not one["high"] < -np.log(1.0 - share) for one in found]
+        assert 0.93 <= np.mean(inside) <= 1.0
+    few = quantile(samples[0, :16], 0.05)
+    assert np.isnan(few["low"])
+    assert few["value"] < few["high"]

@@ -340,13 +340,13 @@ class Statistics:
     Attributes:
         values: of all cases in their order; NaN where there is none.
         tornado: varied key -> mean at its low and at its high end.
-        quantiles: of samples, each equally likely; empty for a grid or list.
+        quantiles: share of the samples below -> value, low, high; empty for a grid or list.
         sobol: varied key -> first, first_confidence, total, total_confidence.
     """
 
     values: Array
     tornado: Mapping[str, tuple[float, float]] = field(default_factory=dict)
-    quantiles: Mapping[str, float] = field(default_factory=dict)
+    quantiles: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     sobol: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
 
     def as_dict(self) -> dict[str, Any]:
@@ -356,7 +356,7 @@ class Statistics:
         ends = {key: {"low": low, "high": high} for key, (low, high) in self.tornado.items()}
         found: dict[str, Any] = {"least": least, "median": median, "largest": most, "tornado": ends}
         if self.quantiles:
-            found["quantiles"] = dict(self.quantiles)
+            found["quantiles"] = {share: dict(one) for share, one in self.quantiles.items()}
         if self.sobol:
             found["sobol"] = {key: dict(one) for key, one in self.sobol.items()}
         return found
@@ -375,11 +375,19 @@ def statistics(data: xr.Dataset, points: Points) -> dict[str, Statistics]:
         sampled = points.design.kind not in ("grid", "list")
         known = values[np.isfinite(values)]
         asked = QUANTILES if sampled and known.size else ()
-        quantiles = {f"{100 * q:g} %": float(np.quantile(known, q)) for q in asked}
+        quantiles = {f"{100 * q:g} %": quantile(known, q) for q in asked}
         tornado = {key: _ends(column, values, sampled=sampled) for key, column in columns.items()}
         sobol = sobol_indices(values, [axis.name for axis in points.axes]) if points.design.kind == "saltelli" else {}
         found[name] = Statistics(values, tornado, quantiles, sobol)
     return found
+
+
+def quantile(values: Array, share: float) -> dict[str, float]:
+    """A quantile of independent samples, with its interval of 95 % by order statistics; NaN: an end that so few do not have."""
+    from scipy.stats import quantile_test
+
+    low, high = quantile_test(values, p=share).confidence_interval(0.95)
+    return {"value": float(np.quantile(values, share)), "low": float(low), "high": float(high)}
 
 
 def _ends(column: Array, values: Array, *, sampled: bool) -> tuple[float, float]:
