@@ -144,6 +144,6 @@ def lines(clock: Clock = time.monotonic) -> Progress:
         last, part = now, text
         times = ", ".join(filter(None, (f"{duration(now - begun)} so far", remaining)))
         with suppress(BrokenPipeError):  # the reader has ended (`2>&1 | head`): the work continues
-            print(f"{100 * fraction:3.0f} %  ({times})  {text}".rstrip(), file=sys.stderr, flush=True)
+            print(f"{int(100 * fraction):3d} %  ({times})  {text}".rstrip(), file=sys.stderr, flush=True)
 
     return report
