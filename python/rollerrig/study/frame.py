@@ -43,8 +43,8 @@ from rollerrig.viewer import view_text
 
 R = TypeVar("R")
 FIRST_RESULTS = "First results: the command goes on, and this page is loaded again. Where it was stopped, repeat it."
-PAGE_EVERY = 15.0
-"""Time after which the page of a study that goes on is written again [s]."""
+PAGE_EVERY, PAGE_SHARE = 15.0, 0.05
+"""Least time between two pages of a study that goes on [s], and largest share of the time that they take."""
 SUMMARY, REPORT = "summary.json", "report.html"
 TIMING = "timing.json"
 """The one file whose bytes differ between identical runs: measured times."""
@@ -182,7 +182,7 @@ class Study(ABC, Generic[R]):
             progress: called with the fraction done and a short text.
             force: whether results of other commands and files of the user may be replaced there.
             executor: that does the jobs in place of processes of this machine.
-            first_results: called between two rounds with what is found so far, every PAGE_EVERY at most.
+            first_results: called with what is found so far, every PAGE_EVERY at most.
 
         Returns:
             What was found; None where Ctrl-C left too little to report.
@@ -200,15 +200,17 @@ class Study(ABC, Generic[R]):
                 checkpoint = Checkpoint(checked, self.command, self.plan(), self.irrelevant)
             else:
                 check_jobs(checked, self.command)
-        taken_over, shown = 0 if checkpoint is None else len(checkpoint.done), begun
+        taken_over, next_page = 0 if checkpoint is None else len(checkpoint.done), PAGE_EVERY
 
-        def between(done: Done) -> None:
-            nonlocal shown
-            if first_results is None or time.perf_counter() - shown < PAGE_EVERY:
+        def so_far(results: Callable[[], Done]) -> None:
+            nonlocal next_page
+            seconds = time.perf_counter() - begun
+            if first_results is None or seconds < next_page:
                 return
-            if (found := self.collect(dict(done))) is not None:
-                first_results(Outcome(self, found, True, taken_over, checkpoint, shown - begun, refined=True))
-            shown = time.perf_counter()
+            if (found := self.collect(results())) is not None:
+                first_results(Outcome(self, found, True, taken_over, checkpoint, seconds, refined=True))
+                now = time.perf_counter() - begun
+                next_page = now + max(PAGE_EVERY, (now - seconds) / PAGE_SHARE)
 
         with checkpoint or nullcontext():
             done, interrupted = run_rounds(
@@ -219,7 +221,7 @@ class Study(ABC, Generic[R]):
                 progress,
                 progress_text=self.progress_text,
                 executor=executor,
-                between=between,
+                so_far=so_far,
             )
         if checkpoint is not None and self.keeps_jobs:
             checkpoint.write_in_order(done)

@@ -89,7 +89,7 @@ def run_rounds(
     *,
     progress_text: Callable[[Done, float], str] | None = None,
     executor: Executor | None = None,
-    between: Callable[[Done], None] = lambda _done: None,
+    so_far: Callable[[Callable[[], Done]], None] = lambda _done: None,
 ) -> tuple[Done, bool]:
     """Do all rounds of jobs; jobs that the checkpoint has are not done again.
 
@@ -101,7 +101,7 @@ def run_rounds(
         progress: called with the fraction done and a short text.
         progress_text: results so far, and seconds since the begin -> text of the progress; '': the name of the last job.
         executor: that does the jobs in place of processes of this machine.
-        between: called with the results so far before each round but the first.
+        so_far: called after each job but the last one known, and between two rounds, with what gives the results so far.
 
     Returns:
         Results by name, in the order of the jobs, and whether Ctrl-C ended it early.
@@ -118,9 +118,9 @@ def run_rounds(
     try:
         for count, jobs in enumerate(rounds(done)):
             if count and jobs:
-                between(done)
+                so_far(done.copy)
             end = round_ends[count] if count < len(round_ends) else begin + 0.5 * (1.0 - begin)
-            if _run_round(jobs, done, checkpoint, report, processes, executor):
+            if _run_round(jobs, done, checkpoint, report, processes, executor, so_far):
                 return done, True
             begin = end
     except KeyboardInterrupt:  # between two jobs
@@ -138,10 +138,11 @@ def _run_round(
     report: Progress,
     processes: int,
     executor: Executor | None,
+    so_far: Callable[[Callable[[], Done]], None],
 ) -> bool:
     """Do one round; whether Ctrl-C ended it early."""
     chain_of: dict[str, Chain] = {}  # a running job -> what it belongs to
-    started = 0
+    started = finished = 0
 
     def following(chain: Chain) -> dict[str, Job]:
         nonlocal started
@@ -152,10 +153,19 @@ def _run_round(
         return dict([found])
 
     def keep(name: str, result: Any) -> dict[str, Job]:
+        nonlocal finished
         if checkpoint is not None and not is_partial(result):
             checkpoint.add(name, result)
         done[name] = result
-        return following(chain_of.pop(name)) if name in chain_of else {}
+        finished += 1
+        more = following(chain_of.pop(name)) if name in chain_of else {}
+        if finished < max(expected, started):
+            so_far(in_order)
+        return more
+
+    def in_order() -> Done:
+        named = {name: done[name] for name in _names(work, done) if name in done}  # as named, not as they ended
+        return {name: one for name, one in done.items() if name not in named} | named
 
     if isinstance(work, Chains):
         expected = work.expected - len(done.keys() & set(_names(work, done)))
@@ -168,7 +178,9 @@ def _run_round(
         report(min(1.0, count / max(expected, started)), name)
 
     stopped = bool(jobs) and run_jobs(jobs, keep, report_part, processes=processes, executor=executor)
-    done.update({name: done.pop(name) for name in _names(work, done) if name in done})  # as named, not as they ended
+    ordered = in_order()
+    done.clear()
+    done.update(ordered)
     return stopped
 
 

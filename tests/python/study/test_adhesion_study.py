@@ -55,7 +55,7 @@ def outcome() -> Found[Runs]:
 
 def test_the_first_page_is_that_of_two_starts_on_track_and_rig(outcome: Found[Runs], tmp_path: Path) -> None:
     """Nothing is said yet of what was not run."""
-    first = FIRST[0]
+    first = next(one for one in FIRST if "rolling" in one.results.records)
     assert {name: len(records) for name, records in first.results.records.items()} == {
         "track": 2,
         "rig": 2,

@@ -107,7 +107,7 @@ def test_later_rounds_see_earlier_results_and_the_checkpoint_goes_with_the_repor
 def test_first_results_are_a_page_that_is_loaded_again_and_change_nothing_of_the_last_one(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Written between the rounds, at most every so often; its summary says that something is missing."""
+    """Written after a job that is not the last, at most every so often; its summary says that something is missing."""
     monkeypatch.setattr("rollerrig.study.frame.PAGE_EVERY", 0.0)
     first: list[tuple[str, dict[str, Any]]] = []
 
@@ -117,7 +117,7 @@ def test_first_results_are_a_page_that_is_loaded_again_and_change_nothing_of_the
         assert (tmp_path / NAME).exists()  # a command that is killed now goes on
 
     run(Squares(), tmp_path, first_results=write).write(tmp_path)
-    ((page, summary),) = first
+    page, summary = first[0]
     assert '<meta http-equiv="refresh"' in page
     assert "First results: the command goes on" in page
     assert (summary["sum"], summary["interrupted"]) == (None, True)
