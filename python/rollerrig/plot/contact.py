@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
@@ -79,15 +78,8 @@ def comparison_figure(comparison: xr.Dataset, side: str = "left") -> Figure:
     lateral = 1e3 * shown["lateral"]
     for axes, (name, (label, factor)) in zip(panels, COMPARED.items(), strict=True):
         for number, model in enumerate(shown["model"].to_numpy()):
-            look: dict[str, Any] = {"markersize": 3, "linewidth": 1.0}
-            axes.plot(
-                lateral,
-                factor * shown[name].sel(model=model),
-                MARKERS[number] + STYLES[number],
-                color=COLOURS[number],
-                label=str(model),
-                **look,
-            )
+            look: dict[str, Any] = {"markersize": 3, "linewidth": 1.0, "color": COLOURS[number], "label": str(model)}
+            axes.plot(lateral, factor * shown[name].sel(model=model), MARKERS[number] + STYLES[number], **look)
         axes.set_ylabel(label)
         if name == "patches":
             axes.yaxis.set_major_locator(MaxNLocator(integer=True))
@@ -125,10 +117,8 @@ def creep_comparison_figure(comparison: xr.Dataset, side: str = "left") -> Figur
     yaw = 1e3 * comparison["yaw"].to_numpy()
     turned = f"yaw {yaw[0]:g} mrad" if np.all(yaw == yaw[0]) else f"yaw {yaw.min():g} to {yaw.max():g} mrad"
     load = 1e-3 * comparison.attrs["load_n"]
-    headline(
-        figure,
-        f"{comparison.attrs['case']}: {load:.4g} kN, {turned}, friction {comparison.attrs['friction']:g}, {side} wheel",
-    )
+    friction = f"friction {comparison.attrs['friction']:g}"
+    headline(figure, f"{comparison.attrs['case']}: {load:.4g} kN, {turned}, {friction}, {side} wheel")
     legend_below(figure, grid[0][0])
     return figure
 
@@ -142,9 +132,9 @@ def characteristics_figure(shifts: Mapping[str, xr.Dataset], conicity: Mapping[s
     first = next(iter(shifts.values()))
     rolls, yawed = first.attrs["roll"] == "free", first.attrs["yaw_rad"] != 0.0
     rows = 4 if rolls or yawed else 3
-    figure = Figure(figsize=(8.4, 2.9 * rows), layout="constrained")
-    FigureCanvasAgg(figure)
-    radii, cone, on_wheel, on_rail, angle, wave, *further = figure.subplots(rows, 2).flat
+    figure, grid = new_grid(rows, 2, 8.4, 2.9 * rows)
+    radii, cone, on_wheel, on_rail, angle, wave, *further = grid.flat
+    roll, ahead = further.pop(0) if rolls else None, further.pop(0) if yawed else None
     for number, (label, table) in enumerate(shifts.items()):
         style = STYLES[number % len(STYLES)]
         lateral = 1e3 * table["lateral"]
@@ -156,6 +146,10 @@ def characteristics_figure(shifts: Mapping[str, xr.Dataset], conicity: Mapping[s
             on_wheel.plot(lateral, 1e3 * here["wheel_abscissa"], style, color=side_colour, label=name)
             on_rail.plot(lateral, 1e3 * here["rail_abscissa"], style, color=side_colour, label=name)
             angle.plot(lateral, here["contact_angle"], style, color=side_colour, label=name)
+            if ahead is not None:
+                ahead.plot(lateral, 1e3 * here["longitudinal"], style, color=side_colour, label=name)
+        if roll is not None:
+            roll.plot(lateral, 1e3 * table["roll"], style, color=colour, label=label)
         amplitude = 1e3 * conicity[label]["amplitude"]
         cone.plot(amplitude, conicity[label]["conicity"], style, color=colour, label=label)
         wave.plot(amplitude, conicity[label]["wavelength"], style, color=colour, label=label)
@@ -169,33 +163,16 @@ def characteristics_figure(shifts: Mapping[str, xr.Dataset], conicity: Mapping[s
     _finish(angle, shift, "contact angle [rad]", "positive as at the flange")
     _finish(wave, size, "wavelength [m]", "free wheelset, pure rolling")
     cone.set_ylim(bottom=min(0.0, cone.get_ylim()[0]))
-    if rolls:
-        _roll(further.pop(0), shifts)
-    if yawed:
-        _ahead(further.pop(0), shifts)
+    if roll is not None:
+        _finish(roll, shift, "roll angle [mrad]", "both wheels touch")
+    if ahead is not None:
+        _finish(ahead, shift, "contact ahead of the axle [mm]", "a yawed wheelset")
     for empty in further:
         empty.remove()
     gauge, back = 1e3 * first.attrs["gauge_m"], 1e3 * first.attrs["back_to_back_m"]
     yaw = f", yaw {1e3 * first.attrs['yaw_rad']:g} mrad" if yawed else ""
     figure.suptitle(f"{first.attrs['title']}: gauge {gauge:g} mm, back-to-back {back:g} mm{yaw}", fontsize=10)
     return figure
-
-
-def _roll(axes: Axes, shifts: Mapping[str, xr.Dataset]) -> None:
-    """Roll angle of a wheelset that touches on both sides."""
-    for number, (label, table) in enumerate(shifts.items()):
-        axes.plot(1e3 * table["lateral"], 1e3 * table["roll"], STYLES[number % 4], color=COLOURS[number], label=label)
-    _finish(axes, "lateral shift to the left [mm]", "roll angle [mrad]", "both wheels touch")
-
-
-def _ahead(axes: Axes, shifts: Mapping[str, xr.Dataset]) -> None:
-    """Longitudinal position of the contacts of a yawed wheelset."""
-    for number, table in enumerate(shifts.values()):
-        for side, ink in zip(("left", "right"), COLOURS, strict=False):
-            ahead = 1e3 * table["longitudinal"].sel(side=side)
-            name = side if number == 0 else None
-            axes.plot(1e3 * table["lateral"], ahead, STYLES[number % 4], color=ink, label=name)
-    _finish(axes, "lateral shift to the left [mm]", "contact ahead of the axle [mm]", "a yawed wheelset")
 
 
 def _finish(axes: Axes, along: str, up: str, note: str) -> None:
@@ -239,7 +216,9 @@ def creep_figure(comparison: xr.Dataset) -> Figure:
             if column == 0:
                 axes.set_ylabel(direction.replace(" and ", "\nand ").replace(" with ", "\nwith ")
                                 .replace(" against ", "\nagainst "))  # fmt: skip
-    _frame_columns(grid, comparison, names[0])
+        saturated = comparison[name].sel(law=names[0]).to_numpy()  # a law without saturation leaves the picture
+        low, high = min(saturated.min(), -0.1), max(saturated.max(), 0.1)
+        grid[0][column].set_ylim(low - 0.25 * (high - low), high + 0.25 * (high - low))
     legend_below(figure, grid[0][0])
     attributes = comparison.attrs
     headline(
@@ -248,15 +227,6 @@ def creep_figure(comparison: xr.Dataset) -> Figure:
         "demand 1: the linear theory asks for about μN",
     )
     return figure
-
-
-def _frame_columns(grid: np.ndarray, comparison: xr.Dataset, exact: str) -> None:
-    """Columns are as high as what saturates: a law without saturation leaves the picture."""
-    for column, (name, _) in enumerate(COLUMNS):
-        values = comparison[name].sel(law=exact).to_numpy()
-        low, high = min(values.min(), -0.1), max(values.max(), 0.1)
-        margin = 0.25 * (high - low)
-        grid[0][column].set_ylim(low - margin, high + margin)
 
 
 @into_axes

@@ -13,7 +13,6 @@ from rollerrig.plot.style import (
     COLOURS,
     GREY,
     MARKERS,
-    STYLES,
     colour,
     house_style,
     legend_above,
@@ -56,15 +55,14 @@ def over_parameter(
     """
     with panels(("tracking error\nRMS [%]", "torque ripple\nRMS [N m]"), label, 4.6) as (figure, (tracking, ripple)):
         for number, (name, (value, errors)) in enumerate(curves.items()):
-            colour, marker = COLOURS[number % len(COLOURS)], MARKERS[number % len(MARKERS)]
-            style: dict[str, Any] = {"linestyle": STYLES[number % len(STYLES)], "marker": marker, "markersize": 4.0}
+            style = {**look(number), "marker": MARKERS[number % len(MARKERS)], "markersize": 4.0}
             x, over = np.array(value), np.array(errors.ended)
             for axes, values in ((tracking, errors.tracking), (ripple, errors.ripple)):
-                axes.plot(x, np.where(over, np.nan, values), color=colour, label=name, **style)
+                axes.plot(x, np.where(over, np.nan, values), label=name, **style)
             if over.any():
                 y, top = np.full(over.sum(), 0.94 - 0.08 * number), tracking.get_xaxis_transform()
                 early = f"{name}: test ended early"
-                tracking.plot(x[over], y, "x", color=colour, markersize=7.0, transform=top, label=early)
+                tracking.plot(x[over], y, "x", color=colour(number), markersize=7.0, transform=top, label=early)
         for axes, limit in zip((tracking, ripple), limits, strict=True):
             logarithmic(axes, "y")
             axes.axhline(limit, **LIMIT)

@@ -218,9 +218,12 @@ def _mark_critical(axes: Axes, modes: xr.Dataset) -> None:
         critical_line(axes, speed, f"linear critical speed {speed:.1f} km/h")
 
 
-def _where_it_oscillates(modes: xr.Dataset, variable: str, name: str) -> xr.DataArray:
-    mode = modes.sel(mode=name)
-    return mode[variable].where(mode["frequency"] > 0.0)
+def _lines(axes: Axes, modes: xr.Dataset, variable: str, factor: float = 1.0) -> None:
+    """A line for each mode shown, where it oscillates."""
+    for number, name in enumerate(shown_modes(modes)):
+        mode = modes.sel(mode=name)
+        values = factor * mode[variable].where(mode["frequency"] > 0.0)
+        axes.plot(modes["speed"], values, label=name, **_look(name, number))
 
 
 @into_axes
@@ -230,25 +233,17 @@ def root_locus(modes: xr.Dataset) -> Figure:
     Args:
         modes: Dataset of `stability`.
     """
-    with panels(["frequency Im λ / 2π [Hz]"], "growth rate Re λ [1/s]", _height(modes, 4.4), legend=False) as (
-        figure,
-        (axes,),
-    ):
+    labels, height = ["frequency Im λ / 2π [Hz]"], _height(modes, 4.4)
+    with panels(labels, "growth rate Re λ [1/s]", height, legend=False) as (figure, (axes,)):
         for number, name in enumerate(shown_modes(modes)):
             mode = modes.sel(mode=name)
             going = mode["frequency"].to_numpy() > 0.0
             real, imaginary = mode["growth_rate"].to_numpy()[going], mode["frequency"].to_numpy()[going]
             drawn = _look(name, number)
             axes.plot(real, imaginary, marker=".", markersize=4, label=name, **drawn)
-            marker: dict[str, Any] = {
-                "marker": "o",
-                "markersize": 5,
-                "color": drawn["color"],
-                "linestyle": "none",
-                "zorder": 6,
-            }
-            axes.plot(real[:1], imaginary[:1], markerfacecolor="white", **marker)
-            axes.plot(real[-1:], imaginary[-1:], **marker)
+            ends = {"color": drawn["color"], "marker": "o", "markersize": 5, "linestyle": "none", "zorder": 6}
+            axes.plot(real[:1], imaginary[:1], markerfacecolor="white", **ends)
+            axes.plot(real[-1:], imaginary[-1:], **ends)
         axes.axvline(0.0, color=GREY, linewidth=1.0)
         low, high = (float(modes["speed"][k]) for k in (0, -1))
         axes.set_title(f"open: {low:g} km/h, filled: {high:g} km/h; unstable right of 0", loc="left")
@@ -265,10 +260,7 @@ def damping_over_speed(modes: xr.Dataset) -> Figure:
         modes: Dataset of `stability`.
     """
     with panels(["damping ratio [%]"], "speed [km/h]", _height(modes, 3.4), legend=False) as (figure, (axes,)):
-        for number, name in enumerate(shown_modes(modes)):
-            axes.plot(
-                modes["speed"], 100 * _where_it_oscillates(modes, "damping", name), label=name, **_look(name, number)
-            )
+        _lines(axes, modes, "damping", 100.0)
         axes.axhline(0.0, color=GREY, linewidth=1.0)
         _mark_critical(axes, modes)
         legend_beside(axes)
@@ -322,8 +314,7 @@ def frequency_over_speed(modes: xr.Dataset, cycles: xr.Dataset | None = None) ->
         cycles: Dataset of `limit_cycle_table`.
     """
     with panels(["frequency [Hz]"], "speed [km/h]", _height(modes, 4.0), legend=False) as (figure, (axes,)):
-        for number, name in enumerate(shown_modes(modes)):
-            axes.plot(modes["speed"], _where_it_oscillates(modes, "frequency", name), label=name, **_look(name, number))
+        _lines(axes, modes, "frequency")
         if cycles is not None and bool((cycles["cycle_amplitude"] > 0).any()):
             speed, frequency = cycles["cycle_speed"].to_numpy(), cycles["cycle_frequency"].to_numpy()
             axes.plot(speed, frequency, "ks", markersize=4, markerfacecolor="none", label="limit cycles (runs)")
@@ -358,13 +349,8 @@ def hunting_frequencies(linear: dict[str, xr.Dataset], runs: dict[str, xr.Datase
             ):
                 values = table[variable].to_numpy()[kept]
                 if np.isfinite(values).any():
-                    drawn: dict[str, Any] = {
-                        "color": own,
-                        "markerfacecolor": face,
-                        "markersize": 5,
-                        "label": f"{ends}, {label}",
-                    }
-                    axes.plot(speed[kept], values, marker, **drawn)
+                    drawn: dict[str, Any] = {"color": own, "markerfacecolor": face, "markersize": 5}
+                    axes.plot(speed[kept], values, marker, label=f"{ends}, {label}", **drawn)
         axes.set_ylim(bottom=0.0)
         axes.set_title(title, loc="left")
         legend_beside(axes)

@@ -163,17 +163,22 @@ def scatter(data: xr.Dataset, name: str) -> Figure:
     return figure
 
 
+PAIR = tuple(
+    {"color": colour, "hatch": hatch, "alpha": 0.75, "edgecolor": "white"}
+    for colour, hatch in ((COLOURS[0], ""), (COLOURS[1], "///"))
+)
+"""Looks of the two bars of a key."""
+
+
 @house_style()
 def tornado(ends: Mapping[str, tuple[float, float]], attributes: Mapping[str, Any], middle: float) -> Figure:
     """Bars from the mean at the low end of each varied key to that at its high end, the longest at the top; mean of all cases."""
     keys = sorted(ends, key=lambda key: abs(ends[key][1] - ends[key][0]))
     figure, axes = new_figure(1, height=max(1.8, 0.9 + 0.35 * len(keys)))
     for place, key in enumerate(keys):
-        for value, colour, hatch, label in zip(
-            ends[key], (COLOURS[0], COLOURS[1]), ("", "///"), ("low end", "high end"), strict=True
-        ):
-            axes[0].barh(place, value - middle, left=middle, height=0.6, color=colour, alpha=0.75, hatch=hatch,
-                         edgecolor="white", label=label if place == 0 else None)  # fmt: skip
+        for value, label, look in zip(ends[key], ("low end", "high end"), PAIR, strict=True):
+            named = label if place == 0 else None
+            axes[0].barh(place, value - middle, left=middle, height=0.6, label=named, **look)
     axes[0].axvline(middle, color="#444444", linewidth=1.0)
     axes[0].set_yticks(range(len(keys)), [key.replace("_", " ") for key in keys])
     unit = attributes["units"]
@@ -187,22 +192,12 @@ def sobol_bars(found: Mapping[str, Mapping[str, float]]) -> Figure:
     """First-order and total Sobol indices of each varied key with their intervals."""
     keys = list(found)[::-1]
     figure, axes = new_figure(1, height=max(1.8, 0.9 + 0.45 * len(keys)))
-    for shift, kind, colour, hatch in ((0.18, "first", COLOURS[0], ""), (-0.18, "total", COLOURS[1], "///")):
+    kinds = ((0.18, "first", "first order"), (-0.18, "total", "total"))
+    for (shift, kind, label), look in zip(kinds, PAIR, strict=True):
         places = [place + shift for place in range(len(keys))]
         sizes = [found[key][kind] for key in keys]
         errors = [found[key][f"{kind}_confidence"] for key in keys]
-        label = "first order" if kind == "first" else "total"
-        axes[0].barh(
-            places,
-            sizes,
-            xerr=errors,
-            height=0.34,
-            color=colour,
-            alpha=0.75,
-            hatch=hatch,
-            edgecolor="white",
-            label=label,
-        )
+        axes[0].barh(places, sizes, xerr=errors, height=0.34, label=label, **look)
     axes[0].set_yticks(range(len(keys)), [key.replace("_", " ") for key in keys])
     axes[0].set_xlabel("part of the variance [-]")
     axes[0].legend()

@@ -226,15 +226,11 @@ def _body(axes: Axes, scene: Scene, body: Body, view: str) -> None:
     edges = box(body)
     size = np.array([edges[INDEX[axis]] for axis in VIEWS[view]])
     middle = scene.place(body.position, view)
-    look: dict[str, Any] = {
-        "facecolor": "white" if held else BODY,
-        "edgecolor": "#c4c4c4" if held else INK,
-        "linewidth": 0.9,
-    }
-    axes.add_patch(
-        Rectangle((middle[0] - size[0] / 2, middle[1] - size[1] / 2), size[0], size[1], alpha=0.75, clip_on=True,
-                  hatch="////" if held else None, zorder=1.2 if held else 2.5, **look)
-    )  # fmt: skip
+    look: dict[str, Any] = {"facecolor": BODY, "edgecolor": INK, "zorder": 2.5}
+    if held:
+        look = {"facecolor": "white", "edgecolor": "#c4c4c4", "zorder": 1.2, "hatch": "////"}
+    corner = (middle[0] - size[0] / 2, middle[1] - size[1] / 2)
+    axes.add_patch(Rectangle(corner, size[0], size[1], alpha=0.75, clip_on=True, linewidth=0.9, **look))
 
 
 def _element(axes: Axes, scene: Scene, element: Element, view: str, ink: str) -> None:
@@ -269,17 +265,10 @@ def _turning(axes: Axes, scene: Scene) -> None:
     for body in wheelsets(case):
         middle = scene.place(body.position, "side")
         turning(axes, middle, 0.55 * radius, INK)
-        acting = [name for name in ("brake", "traction") if getattr(case, name)]
-        acting += ["torque"] if any(torque.wheelset == body.name for torque in case.axle_torque) else []
+        acting = scene.acting_on(body)
         if acting and radius > 0.1 * scene.span:
-            axes.annotate(
-                ", ".join(acting),
-                tuple(middle - [0.0, 0.42 * radius]),
-                ha="center",
-                va="center",
-                fontsize=6.5,
-                zorder=9,
-            )
+            place = tuple(middle - [0.0, 0.42 * radius])
+            axes.annotate(", ".join(acting), place, ha="center", va="center", fontsize=6.5, zorder=9)
         if isinstance(support, Rig):
             below = np.array([middle[0], -support.roller_radius])
             turning(axes, below, 0.4 * support.roller_radius, INK, clockwise=False)

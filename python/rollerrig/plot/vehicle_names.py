@@ -141,8 +141,7 @@ def named_bodies(scene: Scene, axes: Axes) -> list[Callout]:
         x, z = scene.place(body.position, "side")
         width, _, tall = box(body)
         if body.kind == "wheelset":
-            words += [name for name in ("brake", "traction") if getattr(case, name)]
-            words += ["torque"] if any(torque.wheelset == body.name for torque in case.axle_torque) else []
+            words += scene.acting_on(body)
             place = (x, z + 0.8 * radius)
         elif body.name in part.fixed:
             edge, top = max(low, x - 0.5 * width), min(high, z + 0.5 * tall)
@@ -193,12 +192,8 @@ def legend(figure: Figure, scene: Scene, beside: bool) -> None:
     acting += ["axle torque"] if case.axle_torque else []
     if acting:
         row(f"acting: {', '.join(acting)}", marker=".", markersize=0)
-    row(
-        "arrows: senses of forward running, + for torques on wheelsets",
-        marker=r"$\circlearrowright$",
-        markersize=8,
-        color=INK,
-    )
+    arrows = "arrows: senses of forward running, + for torques on wheelsets"
+    row(arrows, marker=r"$\circlearrowright$", markersize=8, color=INK)
     figure.legend(handles=handles, loc="lower right", bbox_to_anchor=(0.995, 0.01), fontsize=6.8, frameon=False,
                   title=f"{case.name}: {case.vehicle.data.name}, {case.vehicle.cut}", title_fontsize=8, alignment="left",
                   ncols=1 if beside else 3)  # fmt: skip

@@ -43,6 +43,11 @@ class Scene:
         moved = (position[0] - self.origin, position[1], position[2])
         return np.array([moved[INDEX[axis]] for axis in VIEWS[view]])
 
+    def acting_on(self, wheelset: Body) -> list[str]:
+        """What turns or brakes a wheelset."""
+        found = [name for name in ("brake", "traction") if getattr(self.case, name)]
+        return found + ["torque"] * any(torque.wheelset == wheelset.name for torque in self.case.axle_torque)
+
     @property
     def span(self) -> float:
         """Distance between the outer axles [m]."""
@@ -62,12 +67,7 @@ def scene_of(case: Case) -> Scene:
     families: dict[str, list[Element]] = {}
     for element in case.vehicle.data.elements_in(part):
         families.setdefault(family(element.name), []).append(element)
-    return Scene(
-        case=case,
-        origin=part.origin_x,
-        half_base=0.5 * wheel.back_to_back + wheel.tape_circle,
-        families=families,
-    )
+    return Scene(case, part.origin_x, 0.5 * wheel.back_to_back + wheel.tape_circle, families)
 
 
 def family(name: str) -> str:

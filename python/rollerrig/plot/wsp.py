@@ -39,34 +39,16 @@ def means_with_intervals(
         means = [one[0] for _, one in rows]
         reach = [[max(0.0, abs(one[0] - end)) if math.isfinite(end) else 0.0 for _, one in rows for end in (one[k],)]
                  for k in (1, 2)]  # fmt: skip
-        axes.errorbar(
-            means,
-            [at for at, _ in rows],
-            xerr=reach,
-            fmt=marker,
-            markersize=4,
-            color=colour,
-            capsize=2.5,
-            label=label,
-        )
-    for values, look, label in (
-        (dry, {"marker": "|", "color": GREY}, "dry"),
-        (limits, {"marker": "D", "color": "black"}, "limit"),
-    ):
-        points = [(row, value) for row, value in enumerate(values) if value is not None]
+        look: dict[str, Any] = {"fmt": marker, "markersize": 4, "color": colour, "capsize": 2.5}
+        axes.errorbar(means, [at for at, _ in rows], xerr=reach, label=label, **look)
+    marks: tuple[tuple[str, Sequence[float | None], dict[str, Any]], ...] = (
+        ("dry", dry, {"marker": "|", "color": GREY}),
+        ("limit", limits, {"marker": "D", "facecolors": "none", "edgecolors": "black"}),
+    )
+    for label, values, look in marks:
+        points = [(value, row) for row, value in enumerate(values) if value is not None]
         if points:
-            filled: dict[str, Any] = (
-                {"facecolors": "none", "edgecolors": "black"} if label == "limit" else {"color": GREY}
-            )
-            axes.scatter(
-                [value for _, value in points],
-                [row for row, _ in points],
-                marker=look["marker"],
-                s=34,
-                label=label,
-                zorder=4,
-                **filled,
-            )
+            axes.scatter(*zip(*points, strict=True), s=34, label=label, zorder=4, **look)
     if zero:
         axes.axvline(0.0, color=GREY, linewidth=0.8)
     axes.set_yticks(range(len(stops)), [name.replace("_", " ") for name in stops])
@@ -89,15 +71,8 @@ def slip_grid(edges: Array, shares: Mapping[str, Mapping[str, Array]]) -> Figure
     ends = 100.0 * np.where(np.isfinite(edges), edges, 2.0 * edges[-2] - edges[-3])
     for axes, (name, own) in zip(grid.flat, shares.items(), strict=False):
         for label, one in own.items():
-            style = "--" if label == "track" else "-"
-            axes.stairs(
-                np.maximum(100.0 * one, 1e-3),
-                ends,
-                label=label,
-                color=LOOKS[label][0],
-                linestyle=style,
-                linewidth=1.2,
-            )
+            look = {"color": LOOKS[label][0], "linestyle": "--" if label == "track" else "-", "linewidth": 1.2}
+            axes.stairs(np.maximum(100.0 * one, 1e-3), ends, label=label, **look)
         axes.set_title(name.replace("_", " "))
         logarithmic(axes, "y")
         axes.set_ylim(0.05, 120.0)
@@ -115,11 +90,7 @@ def stop_over_time(signals: Mapping[str, Mapping[str, Array]]) -> Figure:
     with panels(labels, "time since the demand [s]", 1.0 + 1.5 * len(labels)) as (figure, axes):
         for (speeds, pressures), one in zip(zip(axes[::2], axes[1::2], strict=True), signals.values(), strict=True):
             time = one["time_s"]
-            wheels = [
-                name.removesuffix("_speed_kmh")
-                for name in one
-                if name.endswith("_speed_kmh") and name != "train_speed_kmh"
-            ]
+            wheels = [name.removesuffix("_pressure_bar") for name in one if name.endswith("_pressure_bar")]
             for number, wheel in enumerate(wheels):
                 style = "-" if number % 2 == 0 else "--"
                 line(speeds, time, one[f"{wheel}_speed_kmh"], number, style, wheel)
