@@ -1,7 +1,6 @@
 """The commands and where each of them stands."""
 
 import sys
-from collections.abc import Callable
 
 import typer
 
@@ -83,13 +82,9 @@ def build_app() -> typer.Typer:
         if isinstance(command, typer.Typer):
             app.add_typer(command, name=word)
             continue
-        app.command(word, short_help=first_line(command))(readable_errors(command))
+        whole = (command.__doc__ or "").strip().partition("\n")[0]  # the list of commands would cut it off
+        app.command(word, short_help=whole)(readable_errors(command))
     return app
-
-
-def first_line(command: Callable[..., object]) -> str:
-    """What a command does, whole: the list of commands would cut it off."""
-    return (command.__doc__ or "").strip().partition("\n")[0]
 
 
 def main() -> None:

@@ -211,7 +211,8 @@ def contact(
     force: Force = False,
 ) -> None:
     """List the contact patches of the leading wheelset under its axle load."""
-    from rollerrig.contact_analysis.static_contact import contact_csv, contact_table
+    from rollerrig.contact_analysis.creep_laws import SIDE_BY_SIDE_HEAD
+    from rollerrig.contact_analysis.static_contact import CSV_HEAD, NORMALS_HEAD, contact_csv, contact_table
     from rollerrig.results import output_file, write_bytes, write_text
 
     if plot is not None and plot.suffix.lower() not in (".png", ".svg"):
@@ -219,7 +220,7 @@ def contact(
     check_finite(roll_mrad, "--roll-mrad")
     places = _positions(lateral_mm, yaw_mrad, yaw_mrad_per_mm)
     chosen = read_case(case, allow_code=allow_code, changes=change)
-    tables = _known_tables()
+    tables = CSV_HEAD, NORMALS_HEAD, SIDE_BY_SIDE_HEAD
     for path in (csv, plot, *((_beside(csv), plot and _beside(plot)) if compare else ())):
         if path is not None:
             output_file(path, tables=tables, force=force)
@@ -265,14 +266,6 @@ def _positions(lateral_mm: str, yaw_mrad: str | None, yaw_mrad_per_mm: float | N
         return [(1e-3 * y, 1e-3 * (y * yaw_mrad_per_mm)) for y in lateral]
     yaw = read_range(yaw_mrad, "--yaw-mrad") if yaw_mrad is not None else [0.0]
     return [(1e-3 * y, 1e-3 * psi) for psi in yaw for y in lateral]
-
-
-def _known_tables() -> tuple[str, ...]:
-    """First lines of the tables that this command writes: those it may replace."""
-    from rollerrig.contact_analysis.creep_laws import SIDE_BY_SIDE_HEAD
-    from rollerrig.contact_analysis.static_contact import CSV_HEAD, NORMALS_HEAD
-
-    return CSV_HEAD, NORMALS_HEAD, SIDE_BY_SIDE_HEAD
 
 
 def _beside(path: Path) -> Path:

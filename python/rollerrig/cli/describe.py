@@ -4,7 +4,7 @@ Case -> assembled model, its equilibrium -> [describe_case] -> lines
 """
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 
 import xarray as xr
 
@@ -269,7 +269,7 @@ def describe_case(case: Case, *, run_code: bool = False) -> list[str]:
         [wheel.name, f"{q / 1e3:z.3f}", f"{y / 1e3:z.3f}", f"{count:z.0f}"]
         for wheel, q, y, count in zip(model.wheels, vertical, lateral, run["patch_count"].to_numpy(), strict=True)
     ]
-    lines += _table([f"wheels at {speed:.4g} km/h", "vertical kN", "lateral kN", "patches"], rows)
+    lines += _table([[f"wheels at {speed:.4g} km/h", "vertical kN", "lateral kN", "patches"], *rows])
     lines += [""] + _balance(model, run)
     actuators = actuator_lines(case, run_code=run_code)
     return [*lines, "", *actuators] if actuators else lines
@@ -291,7 +291,7 @@ def describe_part(part: Part) -> list[str]:
         case Track():
             rails = "rigid rails" if part.foundation is None else "rails on an elastic foundation"
             lines = [f"{part.name}: track, gauge {1e3 * part.gauge:g} mm, {rails}", *irregularity_lines(part)]
-            return lines + _table_of(line_rows(part))
+            return lines + _table(line_rows(part))
         case Material():
             return [f"G = {part.shear_modulus / 1e9:g} GPa, Poisson's ratio {part.poisson_ratio:g}"]
         case Programme():
@@ -306,28 +306,24 @@ def _way(model: AssembledModel) -> list[str]:
     """The line and the irregularity, each with an empty line behind it."""
     support = model.case.support.data
     rows = line_rows(support, model.case) if isinstance(support, Track) else []
-    parts = (_table_of(rows), irregularity_lines(support, model.irregularity))
+    parts = (_table(rows), irregularity_lines(support, model.irregularity))
     return [line for part in parts if part for line in (*part, "")]
-
-
-def _table_of(rows: Sequence[Sequence[str]]) -> list[str]:
-    return _table(rows[0], rows[1:]) if rows else []
 
 
 def _bodies(model: AssembledModel) -> list[str]:
     free = degrees_of_freedom(model)
-    rows = []
+    count = sum(len(directions) for directions in free.values())
+    rows = [[f"bodies ({count} degrees of freedom)", "mass kg", "free"]]
     for body in model.bodies:
         state = ", ".join(free[body]) if free[body] else ("speed-controlled" if body in model.rollers else "fixed")
         rows.append([body, f"{model.masses[body]:z.0f}", state])
-    count = sum(len(directions) for directions in free.values())
-    return _table([f"bodies ({count} degrees of freedom)", "mass kg", "free"], rows)
+    return _table(rows)
 
 
 def _elements(model: AssembledModel) -> list[str]:
     known = {element.name: element for element in model.case.vehicle.data.element}
     sleepers = any(name.startswith("sleeper_") for name in model.rails)
-    rows = []
+    rows = [["force elements", "between", "acts along", "preload kN"]]
     for name in model.elements:
         element = known.get(name)
         between = (
@@ -340,7 +336,7 @@ def _elements(model: AssembledModel) -> list[str]:
         directions = ", ".join(element.laws) if element else "mounting"
         preload = f"{model.preloads[name] / 1e3:z.3f}" if name in model.preloads else ""
         rows.append([name, between, directions, preload])
-    return _table(["force elements", "between", "acts along", "preload kN"], rows)
+    return _table(rows)
 
 
 def _balance(model: AssembledModel, run: xr.Dataset) -> list[str]:
@@ -376,13 +372,14 @@ def _downward(run: xr.Dataset, element: Element, fixed: Sequence[str]) -> float:
     return (force if b_fixed else 0.0) - (force if a_fixed else 0.0)
 
 
-def _table(heading: Sequence[str], rows: Iterable[Sequence[str]]) -> list[str]:
-    cells = [list(heading), *(list(row) for row in rows)]
-    widths = [max(len(row[i]) for row in cells) for i in range(len(heading))]
-    numeric = [all(_is_number(row[i]) for row in cells[1:]) and len(cells) > 1 for i in range(len(heading))]
+def _table(rows: Rows) -> list[str]:
+    """Aligned columns below the heading, which is the first row; nothing without rows."""
+    columns = list(zip(*rows, strict=True))
+    widths = [max(map(len, column)) for column in columns]
+    numeric = [len(rows) > 1 and all(map(_is_number, column[1:])) for column in columns]
     return [
         "  ".join(c.rjust(w) if n else c.ljust(w) for c, w, n in zip(row, widths, numeric, strict=True)).rstrip()
-        for row in cells
+        for row in rows
     ]
 
 

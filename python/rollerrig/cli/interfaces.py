@@ -329,63 +329,57 @@ def replayed(served: Served, kept: dict[str, Any], path: str) -> str:
     return f"{path}: {rows - 1} periods, {found.shape[1]} sensors: the same bytes"
 
 
-Case = Annotated[
-    str,
-    typer.Argument(metavar="CASE", help="Case: a name of the catalogue or a TOML file; or a model file, rig.model."),
-]
-Rate = Annotated[str, typer.Option(help="Of commands and sensors.")]
-Udp = Annotated[
-    str | None,
-    typer.Option(
-        metavar="[ADDRESS:]PORT",
-        help="Where to listen; the loopback unless an address is given. Absent: a free port.",
-    ),
-]
-Shm = Annotated[
-    str | None, typer.Option(metavar="NAME", help="Shared memory of this name, to be made, in place of UDP.")
-]
-LockStep = Annotated[
-    bool,
-    typer.Option("--lock-step", help="Wait for the command of each step: no real time, the same run on any machine."),
-]
-AtOnce = Annotated[
-    bool,
-    typer.Option("--at-once", help="Begin without a controller, and go on without one: commands at their start."),
-]
-External = Annotated[
-    str | None,
-    typer.Option(help="Tables of the controllers that are outside, with commas; absent: all but rig_control."),
-]
-Outputs = Annotated[
-    str,
-    typer.Option(help="Names of what is sent, with commas, '*' for anything; absent: what those controllers measure."),
-]
-Safe = Annotated[str, typer.Option(help="Commands of the safe state, NAME=VALUE with commas; the others are 0.")]
-Patience = Annotated[int, typer.Option(min=1, help="Periods without a command until the watchdog acts.")]
-Ramp = Annotated[float, typer.Option(min=0.0, max=60.0, help="From there to the safe state [s].")]
-Record = Annotated[Path | None, typer.Option(help="File for what acted and what was sent in each period (.npz).")]
-Replay = Annotated[
-    Path | None,
-    typer.Option(help="Run with the commands of such a file, without a network, and compare what is sent."),
-]
-Watch = Annotated[bool, typer.Option("--watch", help="Show deadlines and frames while it runs.")]
-
-
 def serve(
-    case: Case,
-    rate: Rate = "1 kHz",
-    udp: Udp = None,
-    shm: Shm = None,
-    lock_step: LockStep = False,
-    at_once: AtOnce = False,
-    external: External = None,
-    outputs: Outputs = "",
-    safe: Safe = "",
-    patience: Patience = 10,
-    ramp: Ramp = 0.2,
-    record: Record = None,
-    replay: Replay = None,
-    watch: Watch = False,
+    case: Annotated[
+        str,
+        typer.Argument(
+            metavar="CASE", help="Case: a name of the catalogue or a TOML file; or a model file, rig.model."
+        ),
+    ],
+    rate: Annotated[str, typer.Option(help="Of commands and sensors.")] = "1 kHz",
+    udp: Annotated[
+        str | None,
+        typer.Option(
+            metavar="[ADDRESS:]PORT",
+            help="Where to listen; the loopback unless an address is given. Absent: a free port.",
+        ),
+    ] = None,
+    shm: Annotated[
+        str | None, typer.Option(metavar="NAME", help="Shared memory of this name, to be made, in place of UDP.")
+    ] = None,
+    lock_step: Annotated[
+        bool,
+        typer.Option(
+            "--lock-step", help="Wait for the command of each step: no real time, the same run on any machine."
+        ),
+    ] = False,
+    at_once: Annotated[
+        bool,
+        typer.Option("--at-once", help="Begin without a controller, and go on without one: commands at their start."),
+    ] = False,
+    external: Annotated[
+        str | None,
+        typer.Option(help="Tables of the controllers that are outside, with commas; absent: all but rig_control."),
+    ] = None,
+    outputs: Annotated[
+        str,
+        typer.Option(
+            help="Names of what is sent, with commas, '*' for anything; absent: what those controllers measure."
+        ),
+    ] = "",
+    safe: Annotated[
+        str, typer.Option(help="Commands of the safe state, NAME=VALUE with commas; the others are 0.")
+    ] = "",
+    patience: Annotated[int, typer.Option(min=1, help="Periods without a command until the watchdog acts.")] = 10,
+    ramp: Annotated[float, typer.Option(min=0.0, max=60.0, help="From there to the safe state [s].")] = 0.2,
+    record: Annotated[
+        Path | None, typer.Option(help="File for what acted and what was sent in each period (.npz).")
+    ] = None,
+    replay: Annotated[
+        Path | None,
+        typer.Option(help="Run with the commands of such a file, without a network, and compare what is sent."),
+    ] = None,
+    watch: Annotated[bool, typer.Option("--watch", help="Show deadlines and frames while it runs.")] = False,
     allow_code: AllowCode = False,
 ) -> None:
     """The rig as a server for a controller in another process or on a test bench, in real time."""
