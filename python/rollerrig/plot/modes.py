@@ -241,7 +241,7 @@ def root_locus(modes: xr.Dataset) -> Figure:
             real, imaginary = mode["growth_rate"].to_numpy()[going], mode["frequency"].to_numpy()[going]
             drawn = _look(name, number)
             axes.plot(real, imaginary, marker=".", markersize=4, label=name, **drawn)
-            ends = {"color": drawn["color"], "marker": "o", "markersize": 5, "linestyle": "none", "zorder": 6}
+            ends: dict[str, Any] = {**drawn, "marker": "o", "markersize": 5, "linestyle": "none", "zorder": 6}
             axes.plot(real[:1], imaginary[:1], markerfacecolor="white", **ends)
             axes.plot(real[-1:], imaginary[-1:], **ends)
         axes.axvline(0.0, color=GREY, linewidth=1.0)

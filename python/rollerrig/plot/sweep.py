@@ -163,7 +163,7 @@ def scatter(data: xr.Dataset, name: str) -> Figure:
     return figure
 
 
-PAIR = tuple(
+PAIR: tuple[dict[str, Any], ...] = tuple(
     {"color": colour, "hatch": hatch, "alpha": 0.75, "edgecolor": "white"}
     for colour, hatch in ((COLOURS[0], ""), (COLOURS[1], "///"))
 )

@@ -48,7 +48,8 @@ def means_with_intervals(
     for label, values, look in marks:
         points = [(value, row) for row, value in enumerate(values) if value is not None]
         if points:
-            axes.scatter(*zip(*points, strict=True), s=34, label=label, zorder=4, **look)
+            across, places = zip(*points, strict=True)
+            axes.scatter(across, places, s=34, label=label, zorder=4, **look)
     if zero:
         axes.axvline(0.0, color=GREY, linewidth=0.8)
     axes.set_yticks(range(len(stops)), [name.replace("_", " ") for name in stops])
@@ -71,8 +72,9 @@ def slip_grid(edges: Array, shares: Mapping[str, Mapping[str, Array]]) -> Figure
     ends = 100.0 * np.where(np.isfinite(edges), edges, 2.0 * edges[-2] - edges[-3])
     for axes, (name, own) in zip(grid.flat, shares.items(), strict=False):
         for label, one in own.items():
-            look = {"color": LOOKS[label][0], "linestyle": "--" if label == "track" else "-", "linewidth": 1.2}
-            axes.stairs(np.maximum(100.0 * one, 1e-3), ends, label=label, **look)
+            look: dict[str, Any] = {"color": LOOKS[label][0], "linewidth": 1.2}
+            style = "--" if label == "track" else "-"
+            axes.stairs(np.maximum(100.0 * one, 1e-3), ends, label=label, linestyle=style, **look)
         axes.set_title(name.replace("_", " "))
         logarithmic(axes, "y")
         axes.set_ylim(0.05, 120.0)
