@@ -18,6 +18,11 @@ from rollerrig.plot.style import COLOURS, GREY, STYLES, house_style, line, logar
 Signal = tuple[str, str | Callable[[xr.Dataset], xr.DataArray], float]
 """Label of the ordinate, variable or function of a run (over time, and over axle if each has its own), factor."""
 
+PRESSURE: Signal = ("cylinder [bar]", "cylinder_pressure", 1e-5)
+BRAKE = (PRESSURE, ("dump cycles\nso far", "dump_cycles", 1.0), ("air taken\nso far [l]", "air", 1e3))
+TRACTION = (("traction torque [kN m]", "traction_torque", 1e-3), ("part of the demand", "torque_factor", 1.0))
+ROLLERS = (("roller torque\n[kN m]", "roller_torque", 1e-3),)
+
 
 def axles_over_time(runs: Mapping[str, xr.Dataset], signals: Sequence[Signal], height: float) -> Figure:
     """A panel per signal, of a height [inches]; the first run is drawn with full lines, the next dashed, by label."""
@@ -52,24 +57,12 @@ def speeds(track: xr.Dataset, rig: xr.Dataset, radius: float) -> Figure:
         return figure
 
 
-def brakes(track: xr.Dataset, rig: xr.Dataset) -> Figure:
-    """Cylinder pressures, and what wheel slide protection has done so far."""
-    signals = (
-        ("cylinder [bar]", "cylinder_pressure", 1e-5),
-        ("dump cycles\nso far", "dump_cycles", 1.0),
-        ("air taken\nso far [l]", "air", 1e3),
-    )
-    return axles_over_time({"rig": rig, "track": track}, signals, 6.0)
-
-
 def first_slide(track: xr.Dataset, rig: xr.Dataset, radius: float) -> Figure:
     """Slip of the wheels over some seconds of sliding, and what wheel slide protection or wheel-slip control does."""
     start = _first_slide(track, radius)
     cut = {label: run.sel(time=slice(start, start + 8.0)) for label, run in (("rig", rig), ("track", track))}
     braked = float(track["dump_cycles"][-1].sum()) > 0
-    response = (
-        ("cylinder [bar]", "cylinder_pressure", 1e-5) if braked else ("part of\nthe demand", "torque_factor", 1.0)
-    )
+    response: Signal = PRESSURE if braked else ("part of\nthe demand", "torque_factor", 1.0)
     slip = ("wheel less\ntrain [m/s]", lambda run: radius * run["axle_speed"] - run["train_speed"], 1.0)
     return axles_over_time(cut, (slip, response), 4.6)
 
@@ -78,23 +71,6 @@ def _first_slide(run: xr.Dataset, radius: float) -> float:
     """Shortly before a wheel first slides by 5 % [s]; 0 if none does."""
     slides = (abs(radius * run["axle_speed"] / run["train_speed"] - 1.0) > 0.05).any("axle").to_numpy()
     return max(0.0, float(run["time"][int(np.argmax(slides))]) - 0.5) if slides.any() else 0.0
-
-
-def tractions(track: xr.Dataset, rig: xr.Dataset) -> Figure:
-    """Torque of the traction motors, and the part of the demand that wheel-slip control leaves."""
-    signals = (("traction torque [kN m]", "traction_torque", 1e-3), ("part of the demand", "torque_factor", 1.0))
-    return axles_over_time({"rig": rig, "track": track}, signals, 4.4)
-
-
-def forces(track: xr.Dataset, rig: xr.Dataset, axle_load: float) -> Figure:
-    """Creep force of rail or rollers on each axle over its static load [N]: the adhesion used."""
-    signals = [("creep force\nover static load [-]", "creep_force", 1.0 / axle_load)]
-    return axles_over_time({"rig": rig, "track": track}, signals, 3.2)
-
-
-def rollers(rig: xr.Dataset) -> Figure:
-    """Torque of the roller drives."""
-    return axles_over_time({"rig": rig}, [("roller torque\n[kN m]", "roller_torque", 1e-3)], 2.8)
 
 
 def sliding(rig: xr.Dataset, ideal: xr.Dataset | None, radius: float) -> Figure:
@@ -164,11 +140,8 @@ def slip_histogram(edges: Array, shares: Mapping[str, Array]) -> Figure:
     used = max((int(np.flatnonzero(one > 1e-4)[-1]) + 1 for one in shares.values() if (one > 1e-4).any()), default=1)
     ends = 100.0 * np.where(np.isfinite(edges), edges, 2.0 * edges[-2] - edges[-3])[: used + 1]
     for number, (label, one) in enumerate(shares.items()):
-        look: dict[str, Any] = {
-            "color": COLOURS[1 - number % 2],
-            "linestyle": "--" if label == "track" else "-",
-            "linewidth": 1.3,
-        }
+        style = "--" if label == "track" else "-"
+        look: dict[str, Any] = {"color": COLOURS[1 - number % 2], "linestyle": style, "linewidth": 1.3}
         parts.stairs(100.0 * one[:used], ends, label=label, **look)
         sums.plot(ends[1:], 100.0 * np.cumsum(one)[:used], label=label, **look)
     parts.set_ylabel("part of the time [%]")

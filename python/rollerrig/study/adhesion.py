@@ -56,6 +56,9 @@ from rollerrig.study.ensemble import (
     measured_dead_time,
     recorded,
     relative,
+    start_jobs,
+    start_name,
+    started,
     stepped,
     with_error,
 )
@@ -84,7 +87,6 @@ from rollerrig.study.runs.adhesion import (
     verdict_of,
     verdict_rows,
 )
-from rollerrig.study.variants import start_jobs, start_name, started
 
 QUANTITIES = Quantities("adhesion")
 RUN, RIG = ([q.key.split(".")[1] for q in QUANTITIES.below(on) if q.key.endswith(".mean")] for on in ("*", "rig"))
@@ -301,7 +303,6 @@ class AdhesionStudy(Study[Runs]):
 
 
 def _run_numbers(records: Sequence[TestRecord], names: Sequence[str]) -> dict[str, Any]:
-    """Numbers of the ensemble of track or rig."""
     return {
         "status": records[0].status,
         "status_message": records[0].message,
@@ -312,7 +313,6 @@ def _run_numbers(records: Sequence[TestRecord], names: Sequence[str]) -> dict[st
 
 
 def _variant_numbers(track: Sequence[TestRecord], records: Sequence[TestRecord]) -> dict[str, Any]:
-    """Numbers of the ensemble of a variant of the rig."""
     on_track, own = distances((track, records))
     found = {name: measure(records, name).as_dict() for name in VARIANT}
     return {"tests": len(records), "distance_relative": relative(own, on_track).as_dict(), **found}
@@ -498,14 +498,18 @@ def _signals(case: Case, whole: Mapping[str, xr.Dataset]) -> Iterator[Picture]:
     radius = wheel_radius(rig)
     yield Picture("speeds", figures.speeds(track, rig, radius), "Train and wheels: rig, virtual train, track.")
     track, rig, ideal = under_test(track), under_test(rig), None if ideal is None else under_test(ideal)
+    both = {"rig": rig, "track": track}
     yield Picture("first_slide", figures.first_slide(track, rig, radius), "Slip, and the response to it.")
     if case.brake is not None:
-        yield Picture("brakes", figures.brakes(track, rig), "Cylinder pressure, dump cycles, air taken.")
+        brake = figures.axles_over_time(both, figures.BRAKE, 6.0)
+        yield Picture("brakes", brake, "Cylinder pressure, dump cycles, air taken.")
     if case.traction is not None:
         text = "Torque of the motors, and the part of the demand that is left."
-        yield Picture("traction", figures.tractions(track, rig), text)
-    yield Picture("adhesion", figures.forces(track, rig, axle_load(rig)), "Force on each axle over its static load.")
-    yield Picture("roller_drives", figures.rollers(rig), "Torque of the roller drives, positive forward.")
+        yield Picture("traction", figures.axles_over_time(both, figures.TRACTION, 4.4), text)
+    used = ("creep force\nover static load [-]", "creep_force", 1.0 / axle_load(rig))
+    yield Picture("adhesion", figures.axles_over_time(both, [used], 3.2), "Force on each axle over its static load.")
+    rollers = figures.axles_over_time({"rig": rig}, figures.ROLLERS, 2.8)
+    yield Picture("roller_drives", rollers, "Torque of the roller drives, positive forward.")
     sliding = (
         "Full: the rig with its contact model; dashed: wheels that roll on the rollers without sliding. Below, the wheelsets' "
         "own motion along the track: the bogie swings on its traction rod, which the control law does not know, and the wheels "

@@ -1,6 +1,7 @@
 """Ensembles: the same test again with what nobody knows drawn anew, and what is then certain of its numbers.
 
 Case, its [ensemble] -> [starts] -> cases with other adhesion, pads, load, speed, demand -> TestRecords -> [Estimate] -> interval
+name -> Case, starting points -> [start_jobs] -> jobs -> [started] -> results by name -> [means] -> means with errors
 
 Rig and track draw the same numbers: they are compared test by test, by `difference` and `relative`, and what both depend on
 alike cancels. An interval has two parts: the scatter of the draws, and what the results change by when step and samples are a
@@ -8,8 +9,9 @@ quarter of those of the case (`finer`).
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from scipy.special import ndtr, ndtri, stdtrit
@@ -20,7 +22,7 @@ from rollerrig.common.formatting import number
 from rollerrig.config import Case, ConfigError, ConfigProblem
 from rollerrig.config.schema.ensemble import Ensemble
 from rollerrig.study.assessment import Interval
-from rollerrig.study.jobs import Progress, whole_run
+from rollerrig.study.jobs import Done, Job, Progress, Round, whole_run
 
 DRAWN = tuple(name for name in Ensemble.model_fields if name != "distribution")
 SEED = 20260713
@@ -126,9 +128,8 @@ class Estimate:
 
     def times(self, factor: float) -> "Estimate":
         """The same in another unit."""
-        scaled = (factor * one for one in (self.mean, self.standard_error, self.systematic))
-        mean, error, systematic = scaled
-        return Estimate(mean, error, self.freedom, systematic)
+        scaled = {name: factor * getattr(self, name) for name in ("mean", "standard_error", "systematic")}
+        return replace(self, **scaled)
 
     def as_dict(self) -> dict[str, float]:
         """Dictionary for summary.json."""
@@ -243,3 +244,47 @@ def measured_dead_time(rig: Estimate, track: Mapping[float, Estimate]) -> Estima
     part = (found - low) / (high - low)
     errors = (rig.standard_error, (1.0 - part) * track[low].standard_error, part * track[high].standard_error)
     return Estimate(found, math.hypot(*errors) / abs(slope), min(rig.freedom, track[low].freedom, track[high].freedom))
+
+
+# ------------------------------------------------------------------------------------ cases that share their starts
+
+Starting = Callable[[Case, int], Sequence[Case]]
+"""Case, number -> so many cases that differ in their start alone, the case itself first."""
+
+
+def start_name(name: str, number: int) -> str:
+    """Name of the job of a variant from one of its starts, counted from 0."""
+    return f"{name}, start {number + 1}"
+
+
+def start_jobs(
+    cases: Mapping[str, Case],
+    make: Callable[[Case, int], Job],
+    end: int,
+    begin: int = 0,
+    starting: Starting = starts,
+) -> Round:
+    """A job for each variant and start, made of its case and number; `begin` of the `end` starts are done already."""
+    return {
+        start_name(name, k): make(one, k)
+        for name, case in cases.items()
+        for k, one in enumerate(starting(case, end))
+        if k >= begin
+    }
+
+
+def started(done: Done, name: str, first: Sequence[Any] = ()) -> list[Any]:
+    """What there is of a variant after its `first` starts, which other jobs had, up to the first one that is missing."""
+    found = list(first)
+    while (job := done.get(start_name(name, len(found)))) is not None:
+        found.append(job)
+    return found
+
+
+def means(runs: Sequence[Mapping[str, float]], names: Sequence[str]) -> dict[str, float]:
+    """Mean of each of these numbers over the runs of a variant, and its standard error as `NAME_standard_error`."""
+    found: dict[str, float] = {}
+    for name in names:
+        one = estimate([run[name] for run in runs])
+        found |= {name: one.mean, f"{name}_standard_error": one.standard_error}
+    return found

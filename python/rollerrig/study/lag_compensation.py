@@ -14,13 +14,12 @@ from rollerrig.assembly.actuators import assemble_with_actuators
 from rollerrig.common.formatting import number
 from rollerrig.config import Case
 from rollerrig.config.schema.rig_control import BandwidthEstimator
-from rollerrig.study.ensemble import difference, measured_dead_time
+from rollerrig.study.ensemble import difference, means, measured_dead_time, start_jobs, started
 from rollerrig.study.jobs import Done, Progress, Round, job, whole_run
 from rollerrig.study.quantities import Numbers, Quantities
 from rollerrig.study.report import Block, Table, Text
 from rollerrig.study.runs.adhesion import track_case
 from rollerrig.study.runs.control import Changes
-from rollerrig.study.variants import means, start_jobs, started
 
 TRACK = "track"
 NONE: Changes = {"rig_control.axle_torque.kind": "estimated", "rig_control.drive_command.kind": "direct"}

@@ -31,12 +31,12 @@ from rollerrig.config import Case, Condition, ConfigError, ConfigProblem, Rig
 from rollerrig.config.validate.check_actuators import simulated_axles
 from rollerrig.plot import adhesion as figures
 from rollerrig.results import COMPLETED
+from rollerrig.study.ensemble import means, start_jobs, started
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Progress, Round, job, whole_run
 from rollerrig.study.quantities import Numbers
 from rollerrig.study.report import VIEW, Block, Picture, Section, Text
 from rollerrig.study.runs.adhesion import track_case
-from rollerrig.study.variants import means, start_jobs, started
 
 MEMBERS = 8
 """Runs of an ensemble, the case itself included."""

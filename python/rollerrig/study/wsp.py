@@ -18,7 +18,7 @@ from rollerrig.config.schema.programme import BrakedRun
 from rollerrig.config.write.toml import to_toml
 from rollerrig.plot.wsp import Ends, means_with_intervals, slip_grid, stop_over_time
 from rollerrig.study.assessment import SHOWN
-from rollerrig.study.ensemble import finer
+from rollerrig.study.ensemble import finer, start_jobs, start_name, started
 from rollerrig.study.frame import Content, Study
 from rollerrig.study.jobs import Done, Job, Round, job
 from rollerrig.study.quantities import Numbers, Quantities, Quantity
@@ -41,7 +41,6 @@ from rollerrig.study.runs.wsp import (
     stop_record,
     verdict_of,
 )
-from rollerrig.study.variants import start_jobs, start_name, started
 
 Tests = Mapping[Support, StopTests]
 ON: Mapping[Support, str] = {"track": "track", "rig": "the rig"}
@@ -215,7 +214,6 @@ def _on(case: Case, support: Support) -> Case:
 
 
 def _stop_numbers(result: StopResult) -> dict[str, Any]:
-    """Numbers of one stop."""
     track, rig = result.tests["track"], result.tests["rig"]
     rows = verdict_rows(rig.case, (track.tests, rig.tests), (track.fine, rig.fine))
     criteria: dict[str, Any] = {}
@@ -249,7 +247,6 @@ def _support_numbers(found: StopTests, judged: Sequence[Judgement]) -> dict[str,
 
 
 def _sum_numbers(results: Sequence[StopResult], on: Support) -> dict[str, Any]:
-    """Numbers of all stops."""
     words = [judged.verdict for one in results for judged in one.judged if judged.support == on]
     own = [one.tests[on] for one in results]
     means = ("distance_m", "air_litres", "dump_cycles")
@@ -290,13 +287,8 @@ CLAIMS = (
 
 def _findings(numbers: Numbers, limits: int) -> Iterator[str]:
     head = f"{len(numbers['stops'])} stops of {numbers['starts']} starts each, on track and on the rig."
-    judged = [
-        (on, stop, name, one)
-        for on in SUPPORTS
-        for stop, own in numbers["stops"].items()
-        for name, one in own["criteria"].items()
-        if on in one
-    ]
+    stops = numbers["stops"].items()
+    criteria = [(stop, name, one) for stop, own in stops for name, one in own["criteria"].items()]
     if limits:
         parts = []
         for on in SUPPORTS:
@@ -311,25 +303,24 @@ def _findings(numbers: Numbers, limits: int) -> Iterator[str]:
     for on in SUPPORTS:
         missed = [
             f"{stop}: {label(name)} {value_text(name, one[on])}, {limit_text(name, one)}"
-            for where, stop, name, one in judged
-            if where == on and one[on]["verdict"] == "not met"
+            for stop, name, one in criteria
+            if on in one and one[on]["verdict"] == "not met"
         ]
         if missed:
             yield f"NOT met on {ON[on]}: {'; '.join(missed)}."
     for on in SUPPORTS:
         reasons: dict[str, dict[str, None]] = {}
-        for where, stop, name, one in judged:
-            if where == on and one[on]["verdict"] == "not decided":
+        for stop, name, one in criteria:
+            if on in one and one[on]["verdict"] == "not decided":
                 why = one[on]["why"]
                 inside = why == "the limit lies within the interval"
                 reasons.setdefault(why, {})[f"{stop} ({label(name)})" if inside else stop] = None
-        for why, stops in reasons.items():
-            yield f"Not decided on {ON[on]}: {', '.join(stops).replace('_', ' ')}: {why}."
-    words = [one["rig_like_track"]["fidelity"] for one in numbers["stops"].values()]
+        for why, places in reasons.items():
+            yield f"Not decided on {ON[on]}: {', '.join(places).replace('_', ' ')}: {why}."
+    words = [one["rig_like_track"]["fidelity"] for _, one in stops]
     differ = [
         f"{stop} ({label(name)})"
-        for stop, own in numbers["stops"].items()
-        for name, one in own["criteria"].items()
+        for stop, name, one in criteria
         if {one[on]["verdict"] for on in SUPPORTS if on in one} == {"met", "not met"}
     ]
     met, against, open_ = (words.count(word) for word in WORDS)
@@ -475,7 +466,6 @@ def _ends(stops: Mapping[str, Numbers], name: str) -> dict[str, list[Ends | None
 
 
 def _stop_section(name: str, one: StopResult, own: Numbers) -> Section:
-    """A stop by itself."""
     rows = [
         (QUANTITIES[f"stops.*.*.{key}.mean"].heading, *(_ends_text(key, own[on][key]) for on in SUPPORTS))
         for key in MEASURED

@@ -5,9 +5,8 @@ from __future__ import annotations
 import pytest
 
 from rollerrig import load_case
-from rollerrig.study.ensemble import recorded, starts
+from rollerrig.study.ensemble import means, recorded, start_jobs, start_name, started, starts
 from rollerrig.study.jobs import job
-from rollerrig.study.variants import means, start_jobs, start_name, started
 
 
 def test_every_variant_runs_from_the_same_starts_and_a_longer_ensemble_goes_on() -> None:
