@@ -106,6 +106,8 @@ def limit_cycle(
         Dataset over `cycle_point`, see `limit_cycle_table`; attributes `critical_speed_by_continuation_kmh`, `bifurcation`.
 
     Raises:
+        ConfigError: the folder has the runs of another case, or with other settings.
+        OutputError: the folder takes no files.
         StartError: no state was found from which a run can start.
     """
     from rollerrig.analysis import LimitCycleSettings, limit_cycle_table
@@ -758,8 +760,7 @@ def compare(
         ConfigError: a vehicle or support is unknown or cannot be used.
     """
     from rollerrig.analysis import HuntingSettings
-    from rollerrig.study.compare import CompareStudy
-    from rollerrig.study.runs.compare import compared_cases
+    from rollerrig.study.compare import CompareStudy, compared_cases
 
     cases = compared_cases(vehicle, on, cut, allow_code=allow_code)
     parts = tuple(next(iter(cases.values())).vehicle.data.cut_names()[::-1])

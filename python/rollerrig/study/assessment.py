@@ -33,8 +33,10 @@ class Interval:
     high: float
 
     @classmethod
-    def of_bracket(cls, found: CriticalSpeedByDisturbance) -> "Interval":
-        """The critical speed by disturbance [km/h]: from where the motion decays to where it persists."""
+    def of_bracket(cls, found: CriticalSpeedByDisturbance | None) -> "Interval":
+        """The critical speed by disturbance [km/h]: from where the motion decays to where it persists; None: not computed."""
+        if found is None:
+            return cls(-math.inf, math.inf)
         decays, persists = 3.6 * found.decays, 3.6 * found.persists
         return cls(-math.inf if math.isnan(decays) else decays, math.inf if math.isnan(persists) else persists)
 
@@ -174,16 +176,10 @@ class Check:
             self.value.text(self.unit, 1) if isinstance(self.value, Interval) else f"{number(self.value)} {self.unit}"
         )
         bound = "at most " if self.kind == "at most" else ""
+        target = f"{bound}{number(self.expected)} {self.unit}".strip()
         sizes = (f"{number(scale * size, 3)} {unit}".strip() for size in (self.deviation, self.tolerance))
         word = {"passed": "✔ pass", "failed": "✘ FAIL", NOT_DECIDED: SHOWN[NOT_DECIDED]}[self.verdict]
-        return (
-            word,
-            self.name,
-            shown.strip(),
-            f"{bound}{number(self.expected)} {self.unit}".strip(),
-            *sizes,
-            self.reason,
-        )
+        return (word, self.name, shown.strip(), target, *sizes, self.reason)
 
 
 def counts(checks: Sequence[Check]) -> dict[str, int]:

@@ -14,11 +14,11 @@ from dataclasses import dataclass
 from typing import Any
 
 from rollerrig.analysis import CriticalSpeedByDisturbance, LimitCycleSettings, linear_critical_speed
+from rollerrig.analysis.limit_cycle_runs import settling_run
 from rollerrig.config import Case
 from rollerrig.config.schema.contact import NORMAL_LAWS
 from rollerrig.study.assessment import Interval
-from rollerrig.study.jobs import Job, job
-from rollerrig.study.limit_cycles import limit_cycles
+from rollerrig.study.jobs import Job, Progress, job
 from rollerrig.study.report import Table
 
 CREEP_LAWS = ("kalker_saturated", "table")
@@ -66,14 +66,18 @@ def contact_effect_jobs(
 
 
 def contact_effect(
-    case: Case, names: tuple[str, str, str], speeds_kmh: Sequence[float], run_speed_kmh: float
+    case: Case,
+    names: tuple[str, str, str],
+    speeds_kmh: Sequence[float],
+    run_speed_kmh: float,
+    progress: Progress | None = None,
 ) -> ContactEffect:
     """Linear critical speed, and the limit cycle at one speed from a lateral offset, with one contact model."""
     support, normal, creep = names
     chosen = case.with_changes({"contact.normal": normal, "contact.creep": creep})
     onset = linear_critical_speed(chosen, [v / 3.6 for v in speeds_kmh])
     linear = 3.6 * onset.speed if onset else math.nan
-    point = limit_cycles(chosen, [run_speed_kmh], linear, SETTINGS).down[0]
+    point, _ = settling_run(chosen, SETTINGS, SETTINGS.disturbance, run_speed_kmh / 3.6, None, progress)
     frequency = onset.frequency if onset else math.nan
     sizes = 1e3 * point.amplitude, 1e-3 * point.guiding_force
     return ContactEffect(support, normal, creep, linear, frequency, run_speed_kmh, *sizes, point.status)
@@ -112,7 +116,6 @@ def _label(on: str, model: str) -> str:
 
 
 def _place(label: str) -> tuple[str, str]:
-    """Support and model of a label."""
     on, _, model = label.removeprefix(f"{PREFIX} ").partition(", ")
     return on, model
 

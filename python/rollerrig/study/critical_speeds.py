@@ -5,7 +5,7 @@ critical speeds -> [critical_speeds] -> jobs, numbers, CSV rows, tables, sentenc
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Any, Literal
+from typing import Any
 
 from rollerrig.analysis import CriticalSpeedByDisturbance, HuntingSettings, LinearCriticalSpeed
 from rollerrig.analysis.critical_speed import (
@@ -313,6 +313,3 @@ def effects_blocks(split: EffectSplit | None, caption: str) -> list[Block]:
     )
     picture = effects_picture("roller_effects", split, caption)
     return [Text(effects_sentence(split)), picture, effects_table(split, table), Text(interaction)]
-
-
-Method = Literal["linear", "disturbance", "continuation"]

@@ -24,11 +24,12 @@ from rollerrig.common.arrays import Array
 from rollerrig.config import Case
 from rollerrig.plot import limit_cycle_diagram
 from rollerrig.results.dataset import variable
-from rollerrig.study.critical_speeds import Method, brackets, disturbance_rounds, ended_early
+from rollerrig.study.critical_speeds import brackets, disturbance_rounds, ended_early
 from rollerrig.study.jobs import Chain, Chains, Done, Job, Progress, Round, job, kept_rounds
 from rollerrig.study.quantities import Quantities
 from rollerrig.study.report import Block, Picture, Text
 
+Method = Literal["linear", "disturbance", "continuation"]
 Sweep = Literal["up", "down"]
 Missing = Callable[[str, float, LastState | None], None]
 
@@ -37,37 +38,18 @@ def limit_cycles(
     case: Case,
     speeds_kmh: Sequence[float],
     linear_critical_kmh: float,
-    settings: LimitCycleSettings | None = None,
+    settings: LimitCycleSettings,
     *,
     processes: int = 1,
     folder: str | Path | None = None,
     progress: Progress | None = None,
 ) -> Diagram:
-    """The limit-cycle diagram of a case.
-
-    Args:
-        case: the case; rollers or rails are speed-controlled.
-        speeds_kmh: at least one speed, each positive [km/h].
-        linear_critical_kmh: linear critical speed, from `stability` or `linear_critical_speed` [km/h]; NaN if there is none.
-        settings: disturbances, tolerances, longest time.
-        processes: 2 runs the two sweeps at a time.
-        folder: where each finished run is kept: after Ctrl-C or a killed program the same call goes on; None: nowhere.
-        progress: called with the fraction done and a short text.
-
-    Returns:
-        The diagram; after Ctrl-C what was done until then.
-
-    Raises:
-        ConfigError: the folder has the runs of another case, or with other settings.
-        OutputError: the folder takes no files.
-        StartError: no state was found from which a run can start.
-    """
-    chosen = settings or LimitCycleSettings()
-    chains = cycle_chains(case, speeds_kmh, chosen)
+    """The diagram of `rollerrig.limit_cycle`, whose arguments these are; after Ctrl-C what was done until then."""
+    chains = cycle_chains(case, speeds_kmh, settings)
     speeds = [float(v) for v in speeds_kmh]
-    plan = {"speeds_kmh": speeds, "settings": asdict(chosen), "case": tomllib.loads(case.to_toml())}
+    plan = {"speeds_kmh": speeds, "settings": asdict(settings), "case": tomllib.loads(case.to_toml())}
     done, _ = kept_rounds(lambda _done: iter([chains]), folder, "limit_cycle", plan, processes, progress)
-    return cycle_diagram(speeds_kmh, linear_critical_kmh, chosen, done)
+    return cycle_diagram(speeds_kmh, linear_critical_kmh, settings, done)
 
 
 def cycle_chains(case: Case, speeds_kmh: Sequence[float], settings: LimitCycleSettings) -> Chains:

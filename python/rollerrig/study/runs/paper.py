@@ -156,7 +156,6 @@ RUNS = tuple(key for key in ALL if key[2] in (RIG, VEHICLE))
 
 
 def _label(contact: str, material: str, variant: str) -> str:
-    """Label of runs from a disturbance."""
     return f"{variant} {material}" if contact == OWN else f"{contact} {variant} {material}"
 
 
@@ -233,8 +232,7 @@ class Results:
 
     def by_disturbance(self, material: str, variant: str = RIG, contact: str = OWN) -> Interval:
         """Where the critical speed by disturbance lies [km/h]; without ends if it was not computed."""
-        found = self.runs.get((contact, material, variant))
-        return Interval(-math.inf, math.inf) if found is None else Interval.of_bracket(found)
+        return Interval.of_bracket(self.runs.get((contact, material, variant)))
 
     def runs_of(self, variant: str = RIG, contact: str = OWN) -> dict[str, CriticalSpeedByDisturbance]:
         """Material -> critical speed by disturbance, of the materials that have runs."""
