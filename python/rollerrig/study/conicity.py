@@ -6,6 +6,7 @@ wheel, rail -> [ConicityStudy] -> tables over lateral shift and amplitude, equiv
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -101,7 +102,8 @@ class ConicityStudy(Study[Characteristics]):
         return ["Profiles are rigid and do not wear; the conicity is that of a free wheelset in pure rolling."]
 
     def rounds(self, done: Done) -> Iterator[Round]:
-        yield {label: job(shifts_of, self, case) for label, case in self.cases().items()}
+        table = partial(shift_table, free_to_roll=self.free_to_roll, yaw=self.yaw)
+        yield {label: job(table, case, self.largest, self.step) for label, case in self.cases().items()}
 
     def collect(self, done: Done) -> Characteristics | None:
         if len(done) < len(self.cases()):
@@ -153,11 +155,6 @@ class ConicityStudy(Study[Characteristics]):
             Text(ROLLERS),
         ]
         return [Section("Characteristics", blocks)]
-
-
-def shifts_of(study: ConicityStudy, case: Case) -> xr.Dataset:
-    """The table over lateral shift of one support; a ValueError where the wheels do not touch."""
-    return shift_table(case, study.largest, study.step, free_to_roll=study.free_to_roll, yaw=study.yaw)
 
 
 def support_numbers(table: xr.Dataset) -> dict[str, Any]:

@@ -343,15 +343,12 @@ class ControlStudy(Study[Found]):
                     "worst_ripple_nm": rank.worst.numbers["ripple_nm"],
                     "failures": [vars(failure) for failure in rank.failures],
                 }
-                for rank in self._ranking(results)
+                for rank in ranking(self.chosen, results.results)
             ],
             "loop": loop_numbers(self.case, results.loop) if results.loop else None,
             "compensation": results.compensation,
             "held_wheel": results.held,
         }
-
-    def _ranking(self, results: Found) -> list[Rank]:
-        return ranking(self.chosen, results.results)
 
     def summary(self, results: Found, numbers: Numbers) -> list[str]:
         shipped = percent(results.references[0].numbers["tracking_rms"])
@@ -362,7 +359,7 @@ class ControlStudy(Study[Found]):
         if numbers["compensation"] is not None:
             lines.append(compensation_text(numbers["compensation"]))
         failing: dict[str, list[Rank]] = {}
-        for rank in (rank for rank in self._ranking(results) if rank.failures):
+        for rank in (rank for rank in ranking(self.chosen, results.results) if rank.failures):
             failing.setdefault(rank.family.name, []).append(rank)
         lines.append("Where variants fail, worst first:" if failing else "No variant failed within the ranges run.")
         return lines + [f"– {self._sentence(ranks)}" for ranks in failing.values()]
@@ -380,7 +377,7 @@ class ControlStudy(Study[Found]):
         return {"variants.csv": QUANTITIES.csv(rows, names), **loop}
 
     def sections(self, results: Found, numbers: Numbers) -> list[Section]:
-        ranked = self._ranking(results)
+        ranked = ranking(self.chosen, results.results)
         references = {r.curve: r.numbers for r in results.references}
         courses = figures.courses(results.courses, self.case.vehicle.data.wheel.radius)
         caption = "Leading axle over time: the case as shipped, and the worst runs of each kind that came to their end."
@@ -436,5 +433,4 @@ def _entry(result: Result) -> dict[str, Any]:
 
 
 def _name(key: tuple[str, str, float]) -> str:
-    """Name of a variant's job."""
     return ", ".join(map(str, key[:2] if math.isnan(key[2]) else key))

@@ -47,9 +47,6 @@ class CreepStudy(Study[xr.Dataset]):
     def rounds(self, done: Done) -> Iterator[Round]:
         yield {"creep": job(compare, self)}
 
-    def collect(self, done: Done) -> xr.Dataset | None:
-        return done.get("creep")
-
     def numbers(self, results: xr.Dataset) -> dict[str, Any]:
         laws: dict[str, Any] = {}
         for law, kind, *errors in error_table(results):

@@ -57,9 +57,6 @@ class CurvingStudy(Study[xr.Dataset]):
     def rounds(self, done: Done) -> Iterator[Round]:
         yield {"curving": job(curving, self.case, self.radii, self.deficiencies, self.cant)}
 
-    def collect(self, done: Done) -> xr.Dataset | None:
-        return done.get("curving")
-
     def statuses(self, results: xr.Dataset) -> Sequence[str]:
         return ["no steady state" if why else "ok" for why in results["failure"].to_numpy().ravel()]
 

@@ -299,7 +299,6 @@ class EnvelopeStudy(Study[Envelope]):
 
 
 def _name(point: Point) -> str:
-    """Name of a point's job."""
     return f"load {point.load!r}, torque {point.torque!r} N m, adhesion {point.adhesion!r}"
 
 

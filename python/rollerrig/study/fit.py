@@ -241,18 +241,13 @@ class FitStudy(Study[Fit]):
             Section("What is left", [self.quantities.table(numbers["outputs"], "outputs.*", head="output")]),
         ]  # fmt: skip
         for k, one in enumerate(results.compared):
-            along, label = _axis(*MODELS[one.record.kind].abscissa), _axis(one.channel.of, one.channel.unit)
-            fitted = one.channel.measured + one.residual
-            picture = figures.comparison(one.record.x, one.channel.measured, fitted, one.channel.fitted, along, label)
-            blocks: list[Block] = [
-                Picture(
-                    f"output_{k + 1}", picture, f"{one.name}: measured and fitted, and what is left; grey: held back."
-                )
-            ]
-            spectrum = (
-                figures.spectrum(one.record.x, one.residual, one.channel.unit) if one.record.kind == "run" else None
-            )
-            if spectrum is not None:
+            x, channel = one.record.x, one.channel
+            along, label = _axis(*MODELS[one.record.kind].abscissa), _axis(channel.of, channel.unit)
+            fitted = channel.measured + one.residual
+            picture = figures.comparison(x, channel.measured, fitted, channel.fitted, along, label)
+            text = f"{one.name}: measured and fitted, and what is left; grey: held back."
+            blocks: list[Block] = [Picture(f"output_{k + 1}", picture, text)]
+            if one.record.kind == "run" and (spectrum := figures.spectrum(x, one.residual, channel.unit)) is not None:
                 text = f"{one.name}: spectrum of what is left; flat: noise alone."
                 blocks.append(Picture(f"spectrum_{k + 1}", spectrum, text))
             sections.append(Section(one.name, blocks))
@@ -264,10 +259,8 @@ def _with_unit(text: str, unit: str) -> str:
 
 
 def _axis(name: str, unit: str) -> str:
-    """Label of an axis."""
     return f"{name.replace('_', ' ')} [{'-' if unit == '1' else unit}]"
 
 
 def _heading(name: str, unit: str) -> str:
-    """Heading of a column."""
     return name if unit == "1" else f"{name} [{unit}]"

@@ -109,9 +109,9 @@ class Study(ABC, Generic[R]):
     def rounds(self, done: Done) -> Iterator[Round | Chains]:
         """Jobs by name, round by round; `done` has the results of the rounds before."""
 
-    @abstractmethod
     def collect(self, done: Done) -> R | None:
-        """What the jobs found; None where Ctrl-C left too little to report."""
+        """What the jobs found, by default the one that is named as the command; None where Ctrl-C left too little to report."""
+        return done.get(self.command)
 
     @abstractmethod
     def numbers(self, results: R) -> dict[str, Any]:
@@ -323,15 +323,8 @@ class Outcome(Generic[R]):
             summary = {**self.numbers, "keys": study.quantities.described()}
             written.append(folder.add(SUMMARY, _json(summary)))
             written.append(folder.add(TIMING, _json(self.timing), varies=True))
-            page = Page(
-                study.title,
-                "\n".join(self._findings),
-                sections,
-                f"rollerrig {__version__}",
-                study.mark,
-                view,
-                self.refined,
-            )
+            findings, footer = "\n".join(self._findings), f"rollerrig {__version__}"
+            page = Page(study.title, findings, sections, footer, study.mark, view, self.refined)
             written.append(folder.add(REPORT, render(page).encode()))
             folder.commit()
         if self.checkpoint is not None and not (self.interrupted or study.keeps_jobs):

@@ -302,16 +302,7 @@ def _table(numbers: Numbers, on: Support) -> Table:
                 stop.replace("_", " "), label(criterion), *means, _shown(criterion, one),
                 "–" if effect is None else f"{effect:+.2g}", one["better"], "–" if needed is None else f"{needed:.0f}",
             ))  # fmt: skip
-    header = (
-        "stop",
-        "criterion",
-        "first",
-        "second",
-        "second less first",
-        "effect size",
-        "better",
-        "tests that would decide",
-    )
+    header = ("stop", "criterion", *SYSTEMS, "second less first", "effect size", "better", "tests that would decide")
     return Table(header, rows, f"On {ON[on]}: means of all tests, intervals of 95 %.")
 
 

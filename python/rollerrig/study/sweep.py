@@ -67,10 +67,8 @@ def _of_number(data: xr.Dataset, name: str, one: Statistics, points: Points) -> 
         )
         blocks.append(Table(("of the samples are below", title, "from", "to"), rows, caption))
     if one.sobol:
-        names, header = (
-            ("first", "first_confidence", "total", "total_confidence"),
-            ("varied", "first order", "±", "total", "±"),
-        )
+        names = ("first", "first_confidence", "total", "total_confidence")
+        header = ("varied", "first order", "±", "total", "±")
         rows = [[k.replace("_", " "), *(float(f"{own[name]:.3g}") for name in names)] for k, own in one.sobol.items()]
         caption = f"Sobol indices of {title}, intervals of 95 %."
         blocks.append(Table(header, rows, "Sobol indices with their intervals of 95 %."))

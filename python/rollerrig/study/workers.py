@@ -136,10 +136,8 @@ class _Run:
         self._keep, self._report, self._elsewhere = keep, report, executor
         self._threads = None if executor or count < 2 else ThreadPoolExecutor(count, initializer=_block_interrupts)
         self._room = ELSEWHERE_AHEAD if executor else AHEAD * count if self._threads else 1
-        self._own, self._processes = (
-            threading.local(),
-            list[BaseProcess](),
-        )  # pipe and process of each thread; all of these
+        self._own = threading.local()  # pipe and process of each thread
+        self._processes = list[BaseProcess]()  # all of them
         self._waiting, self._alone, self._died = deque(jobs.items()), deque[tuple[str, Job]](), set[str]()
         self._running: dict[Future[Any], tuple[str, Job]] = {}
         self._finished: SimpleQueue[Future[Any]] = SimpleQueue()

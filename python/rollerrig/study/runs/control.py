@@ -82,11 +82,6 @@ class Family:
         return (f"{value:,.0f}".replace(",", "\u202f") if value >= 1000 else f"{value:.3g}") + unit
 
 
-def label(key: str) -> str:
-    """A key of the case as a label."""
-    return key.replace("_", " ")
-
-
 def _of_kind(part: Literal["estimator", "feedback"], table: Estimator | Feedback) -> Vary:
     """An estimator or a feedback: the case's numbers where its own kind has them, for the rest the defaults at its scale."""
 
@@ -105,7 +100,7 @@ def _of_kind(part: Literal["estimator", "feedback"], table: Estimator | Feedback
 OBSERVER, PI, SLIDING_MODE = Observer(), ProportionalIntegral(), SlidingMode(kind="sliding_mode")
 
 LIMITED: dict[str, Vary] = {
-    label(table.kind): _of_kind("estimator", table)
+    table.kind.replace("_", " "): _of_kind("estimator", table)
     for table in (OBSERVER, FilteredDerivative(kind="filtered_derivative"), KalmanFilter(kind="kalman"))
 }
 """Estimators of limited bandwidth."""
@@ -221,11 +216,11 @@ FAMILIES: tuple[Family, ...] = (
     _key_family("delay", "Delay of the command", "delay from sample to torque command [s]", "s", "rig_control.delay",
                 (0.0, 1e-3, 2e-3, 5e-3, 1e-2, 2e-2), FEEDBACKS, scale="linear", user=True),
     Family("assumed_parameters", "Wrong assumed parameters", "error of the assumed parameter [%]", "%", _PERCENT,
-           lambda _case, _value: {}, {label(name): _wrong(name) for name in Wheel.__dataclass_fields__}, "linear",
+           lambda _case, _value: {}, {name.replace("_", " "): _wrong(name) for name in Wheel.__dataclass_fields__}, "linear",
            lambda _case: 0.0),
     Family("assumed_radii_unprotected", "Wrong assumed radii, without protection of the rollers",
            "error of the assumed parameter [%]", "%", _PERCENT, lambda _case, _value: {"rig_control.protection.slip": 100.0},
-           {label(name): _wrong(name) for name in ("wheel_radius", "roller_radius")}, "linear", lambda _case: 0.0),
+           {name.replace("_", " "): _wrong(name) for name in ("wheel_radius", "roller_radius")}, "linear", lambda _case: 0.0),
     Family("encoder_counts", f"Counts of the encoders, differenced over {WINDOW} samples",
            "counts per turn, axles and rollers [-]", "counts", (256, 512, 1024, 2048, 4096, 8192, 16384, 65536),
            lambda _case, value: _encoders(counts=value, window=WINDOW), ESTIMATORS, user=True),
