@@ -714,15 +714,14 @@ def fit(
         >>> {name: round(one["value"], 1) for name, one in found.numbers["numbers"].items()}
         {'mu_0': 0.4, 'B': 0.5, 'k_S': 0.4}
     """
-    from rollerrig.config.load.fit import load_fit, resolve_fit
+    from rollerrig.config.load.fit import load_fit
     from rollerrig.config.read import Document
     from rollerrig.results.logs import log_of
     from rollerrig.study.fit import FitStudy
     from rollerrig.study.runs.fit_logs import records
 
-    options: dict[str, Any] = {"allow_code": allow_code, "changes": changes}
-    tables = Document(dict(plan), "plan", Path()) if isinstance(plan, Mapping) else None
-    whole = load_fit(str(plan), **options) if tables is None else resolve_fit(tables, **options)
+    source = Document(dict(plan), "plan", Path()) if isinstance(plan, Mapping) else str(plan)
+    whole = load_fit(source, allow_code=allow_code, changes=changes)
     given = [log_of(one, f"log {k + 1}") if isinstance(one, Mapping) else one for k, one in enumerate(logs)]
     return _outcome(FitStudy(whole, records(whole, given)), processes, progress)
 

@@ -16,7 +16,7 @@ import rollerrig as rr
 from rollerrig.analysis.equivalent_dead_time import predicted_dead_time
 from rollerrig.analysis.signals import low_pass
 from rollerrig.cli.app import build_app
-from rollerrig.config.load.fit import WholeFit, resolve_fit
+from rollerrig.config.load.fit import WholeFit, load_fit
 from rollerrig.config.read import Document, catalog_file, read_document
 from rollerrig.results.logs import log_of, read_log, time_problem
 from rollerrig.study.fit import FitStudy
@@ -30,7 +30,7 @@ BINS = Path(__file__).parents[2] / "validation" / "data" / "eurosprinter_bins.cs
 def plan_of(name: str, **changes: Any) -> WholeFit:
     """A plan of the catalogue."""
     document = read_document("fit", name)
-    return resolve_fit(Document({**document.raw, **changes}, document.file, document.folder))
+    return load_fit(Document({**document.raw, **changes}, document.file, document.folder))
 
 
 def synthetic(whole: WholeFit, columns: Mapping[str, Any]) -> tuple[Record, list[np.ndarray]]:
@@ -237,7 +237,7 @@ def test_a_log_with_a_mistake_is_refused_in_a_line(change: dict[str, Any], expec
 
 
 def test_a_part_of_a_log_without_its_gap_is_taken() -> None:
-    whole = resolve_fit(Document({**run_plan(), "log": [{**run_plan()["log"][0], "begin": 0.8}]}, "plan", Path()))
+    whole = load_fit(Document({**run_plan(), "log": [{**run_plan()["log"][0], "begin": 0.8}]}, "plan", Path()))
     gap = np.r_[GOOD["time"][:50], GOOD["time"][50:] + 0.3]
     (record,) = records(whole, [log_of({**GOOD, "time": gap}, "log 1")])
     assert record.x[[0, -1]] == pytest.approx([0.0, 0.49])
@@ -456,5 +456,5 @@ def test_errors_that_are_not_given_are_found() -> None:
 
 def test_every_plan_of_the_catalogue_is_one() -> None:
     for path in sorted(catalog_file("fit", "creep_curve").parent.glob("*.toml")):
-        assert resolve_fit(read_document("fit", path.stem)).plan.name == path.stem
+        assert load_fit(path.stem).plan.name == path.stem
         assert tomli_w.dumps(read_document("fit", path.stem).raw)

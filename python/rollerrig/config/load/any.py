@@ -17,8 +17,8 @@ from rollerrig.config.load.case import (
     load_support,
     load_vehicle,
 )
-from rollerrig.config.load.fit import resolve_fit
-from rollerrig.config.load.plan import resolve_plan
+from rollerrig.config.load.fit import load_fit
+from rollerrig.config.load.plan import load_plan
 from rollerrig.config.read import CatalogKind, catalog_names, read_document
 from rollerrig.config.schema.contact import Material
 from rollerrig.config.schema.fit import FitPlan
@@ -56,7 +56,7 @@ def load_any(source: str | Path, *, allow_code: bool = False) -> tuple[CatalogKi
     if kind in LOADERS:
         return kind, LOADERS[kind](source)
     if kind == "plan":
-        return kind, resolve_plan(document, allow_code=allow_code).plan
+        return kind, load_plan(document, allow_code=allow_code).plan
     if kind == "fit":
-        return kind, resolve_fit(document, allow_code=allow_code).plan
+        return kind, load_fit(document, allow_code=allow_code).plan
     return kind, build_case(document, own_folder=document.folder, allow_code=allow_code)

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any, Literal, TypeVar, get_args
 
 from rollerrig.config.errors import ConfigError, ConfigProblem, show_value
-from rollerrig.config.load.change import BASE, OWN_KEYS, WITHOUT, apply_changes, changed_tables, changes_in
+from rollerrig.config.load.change import BASE, WITHOUT, apply_changes, changed_tables, changes_in
 from rollerrig.config.load.code import place_code
 from rollerrig.config.load.resolve import (
     placed,
@@ -36,7 +36,15 @@ from rollerrig.config.schema.vehicle import Vehicle
 from rollerrig.config.validate.check_case import check_case, check_case_names, check_drive
 from rollerrig.config.validate.check_profile import check_profile
 from rollerrig.config.validate.messages import validate
-from rollerrig.config.write.differences import Differences, differences, in_html, in_words, tables_of, text_from_base
+from rollerrig.config.write.differences import (
+    OWN_KEYS,
+    Differences,
+    differences,
+    in_html,
+    in_words,
+    tables_of,
+    text_from_base,
+)
 from rollerrig.config.write.toml import plain, to_short_toml, to_toml
 
 T = TypeVar("T")
@@ -196,7 +204,8 @@ def load_vehicle(source: str | Path) -> Vehicle:
 
 def load_support(source: str | Path) -> Rig | Track:
     """Read a rig or track by catalogue name or path; raises ConfigError with all mistakes."""
-    return _whole_support(read_document("support", source))
+    support, problems = resolve_support(read_document("support", source))
+    return _whole(support, problems)
 
 
 def load_material(source: str | Path) -> Material:
@@ -390,13 +399,6 @@ def _material(raw: dict[str, Any], document: Document) -> Problems:
     if material is not None:
         contact["material"] = material
     return problems + mistakes
-
-
-def _whole_support(document: Document) -> Rig | Track:
-    support, problems = resolve_support(document)
-    if support is None:
-        raise ConfigError(problems)
-    return support
 
 
 def _whole(part: T | None, problems: Problems) -> T:

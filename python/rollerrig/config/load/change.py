@@ -16,9 +16,10 @@ from typing import Any
 from rollerrig.config.errors import ConfigProblem, nearest, one_of, show_value
 from rollerrig.config.load.resolve import relative_to
 from rollerrig.config.read import Document
-from rollerrig.config.schema.case import CaseTables, SupportChoice, VehicleChoice
+from rollerrig.config.schema.case import CaseTables
 from rollerrig.config.schema.units import AS_WRITTEN, KEY_SUFFIXES
 from rollerrig.config.validate.messages import item_label, tables_below, tag_of
+from rollerrig.config.write.differences import OWN_KEYS
 from rollerrig.config.write.toml import plain
 
 # A new value of the first makes the second meaningless.
@@ -169,9 +170,6 @@ def _no_such_item(items: list[Any], part: str, key: str, file: str) -> ConfigPro
 
 
 BASE, WITHOUT = "base", "without"
-
-OWN_KEYS = {"vehicle": VehicleChoice.model_fields.keys(), "support": SupportChoice.model_fields.keys()}
-"""Keys of the choice of a vehicle or support; all other keys below it are those of the vehicle or support itself."""
 
 
 def whole_key(key: str) -> str:

@@ -14,7 +14,7 @@ from rollerrig.config.errors import ConfigError, ConfigProblem, show_value
 from rollerrig.config.load.case import Case, build_case
 from rollerrig.config.load.change import leaves
 from rollerrig.config.load.code import Code, check_new_code, code_of
-from rollerrig.config.load.plan import changed_by_plan, numbers_below, value_at
+from rollerrig.config.load.plan import changed_by_plan, named_twice, numbers_below, value_at
 from rollerrig.config.load.resolve import refer, relative_to
 from rollerrig.config.read import Document, read_document
 from rollerrig.config.schema.fit import FitPlan, FreeKey
@@ -47,24 +47,20 @@ class WholeFit:
         return tuple(dict.fromkeys(code for case in self.cases for code in code_of(case)))
 
 
-def load_fit(source: str | Path, *, allow_code: bool = False, changes: Mapping[str, object] | None = None) -> WholeFit:
+def load_fit(
+    source: str | Path | Document, *, allow_code: bool = False, changes: Mapping[str, object] | None = None
+) -> WholeFit:
     """Read a plan of a fit and the cases it names.
 
     Args:
-        source: name in the catalogue, or path of a TOML file.
+        source: name in the catalogue, path of a TOML file, or its raw tables.
         allow_code: whether controllers of its cases may lie outside the folder of the file that names them.
         changes: of all cases, beyond those of the plan.
 
     Raises:
         ConfigError: all mistakes found.
     """
-    return resolve_fit(read_document("fit", source), allow_code=allow_code, changes=changes)
-
-
-def resolve_fit(
-    document: Document, *, allow_code: bool = False, changes: Mapping[str, object] | None = None
-) -> WholeFit:
-    """A plan from its raw tables; arguments and errors as of `load_fit`."""
+    document = source if isinstance(source, Document) else read_document("fit", source)
     plan, problems = validate(FitPlan, document.raw, document.file)
     if plan is None:
         raise ConfigError(problems)
@@ -86,10 +82,7 @@ def resolve_fit(
     for number, one in enumerate(plan.free):
         try:
             if one.label in [other.label for other in plan.free[:number]]:
-                allowed = "allowed: each name once; give this one a `name` of its own"
-                raise ConfigError(
-                    [ConfigProblem(document.file, f"free[{number}].name", show_value(one.label), allowed)]
-                )
+                raise ConfigError([named_twice(document.file, f"free[{number}]", one.label)])
             found_in = [_number(one, case, document.file, f"free[{number}]") for case in cases]
             free.append(found_in[0])
         except ConfigError as error:

@@ -49,12 +49,12 @@ class WholePlan:
 
 
 def load_plan(
-    source: str | Path, *, allow_code: bool = False, changes: Mapping[str, object] | None = None
+    source: str | Path | Document, *, allow_code: bool = False, changes: Mapping[str, object] | None = None
 ) -> WholePlan:
     """Read a plan, the case it names, and what its keys are.
 
     Args:
-        source: name in the catalogue, or path of a TOML file.
+        source: name in the catalogue, path of a TOML file, or its raw tables.
         allow_code: whether controllers of its case, and those that it brings itself, may lie outside the folder of the file
             that names them.
         changes: of the case, beyond those of the plan.
@@ -62,13 +62,7 @@ def load_plan(
     Raises:
         ConfigError: all mistakes found.
     """
-    return resolve_plan(read_document("plan", source), allow_code=allow_code, changes=changes)
-
-
-def resolve_plan(
-    document: Document, *, allow_code: bool = False, changes: Mapping[str, object] | None = None
-) -> WholePlan:
-    """A plan from its raw tables; arguments and errors as of `load_plan`."""
+    document = source if isinstance(source, Document) else read_document("plan", source)
     plan, problems = validate(Plan, document.raw, document.file)
     if plan is None:
         raise ConfigError(problems)
@@ -141,13 +135,18 @@ def varied_keys(plan: Plan, case: Case, file: str) -> tuple[tuple[Quantity | Non
     for number, variation in enumerate(plan.vary):
         at = f"vary[{number}]"
         if variation.label in names[:number]:
-            allowed = "allowed: each name once; give this one a `name` of its own"
-            problems.append(ConfigProblem(file, f"{at}.name", show_value(variation.label), allowed))
+            problems.append(named_twice(file, at, variation.label))
         found = value_at(case, raw, variation.key, file)
         if isinstance(found, ConfigProblem):
             problems.append(replace(found, key=f"{at}.key", value=show_value(variation.key)))
         quantities.append(None if isinstance(found, ConfigProblem) else found[0])
     return tuple(quantities), problems
+
+
+def named_twice(file: str, at: str, label: str) -> ConfigProblem:
+    """Two numbers of a plan would have one name in results."""
+    allowed = "allowed: each name once; give this one a `name` of its own"
+    return ConfigProblem(file, f"{at}.name", show_value(label), allowed)
 
 
 def numbers_below(case: Case, key: str) -> list[str]:

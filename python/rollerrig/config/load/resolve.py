@@ -11,7 +11,7 @@ along y, about x and about z do in one direction only.
     raw vehicle, support, material, profile + the folder they were read from -> (object | None, problems)
 """
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -127,6 +127,7 @@ def _mirrored(value: Any) -> Any:
     return 0.0 - value if isinstance(value, int | float) and not isinstance(value, bool) else value
 
 
+_HEADS = ("profile", "right_profile")
 _POINT_FILES = (".txt", ".dat", ".csv", ".prw", ".prr", ".prf", ".xy")
 
 
@@ -135,10 +136,8 @@ def resolve_vehicle(document: Document) -> tuple[Vehicle | None, Problems]:
     file = document.file
     raw, problems = placed(document.raw, file)
     problems += check_vehicle_names(raw, file)
-    wheel = raw.get("wheel")
-    if isinstance(wheel, Mapping):
-        raw["wheel"], mistakes = _with_profile(wheel, document, "wheel.profile")
-        problems += mistakes
+    if isinstance(raw.get("wheel"), Mapping):
+        raw["wheel"] = _with_profiles(raw["wheel"], document, problems, "wheel.", ("profile",))
     vehicle, mistakes = validate(Vehicle, raw, file)
     problems += _new(mistakes, problems)
     if vehicle is None or problems:
@@ -150,18 +149,15 @@ def resolve_vehicle(document: Document) -> tuple[Vehicle | None, Problems]:
 
 def resolve_support(document: Document) -> tuple[Rig | Track | None, Problems]:
     """A rig or track from its raw tables."""
-    raw, problems = _with_profile(document.raw, document, "profile")
-    raw, mistakes = _with_profile(raw, document, "right_profile")
-    problems += mistakes
+    problems: Problems = []
+    raw = _with_profiles(document.raw, document, problems)
     if isinstance(raw.get("spot"), Mapping):
-        raw["spot"], mistakes = _with_profile(raw["spot"], document, "spot.profile")
-        problems += mistakes
+        raw["spot"] = _with_profiles(raw["spot"], document, problems, "spot.", ("profile",))
     if isinstance(raw.get("segment"), list):
-        raw["segment"] = list(raw["segment"])
-    for i, segment in enumerate(raw["segment"] if isinstance(raw.get("segment"), list) else ()):
-        for key in ("profile", "right_profile") if isinstance(segment, Mapping) else ():
-            raw["segment"][i], mistakes = _with_profile(raw["segment"][i], document, f"segment[{i}].{key}")
-            problems += mistakes
+        raw["segment"] = [
+            _with_profiles(one, document, problems, f"segment[{i}].") if isinstance(one, Mapping) else one
+            for i, one in enumerate(raw["segment"])
+        ]
     if isinstance(raw.get("irregularity"), Mapping):
         raw["irregularity"] = _absolute(raw["irregularity"], document.folder)
     found, mistakes = validate(SupportRoot, raw, document.file)
@@ -169,10 +165,8 @@ def resolve_support(document: Document) -> tuple[Rig | Track | None, Problems]:
     if found is None or problems:
         return None, problems
     support: Rig | Track = found.root
-    problems += check_gauge(support, document.file)
-    problems += check_line(support, document.file)
-    problems += check_measured_file(support, document.file)
-    problems += check_spot(support, document.file)
+    for check in (check_gauge, check_line, check_measured_file, check_spot):
+        problems += check(support, document.file)
     return (None if problems else support), problems
 
 
@@ -194,12 +188,11 @@ def refer(kind: CatalogKind, name: str, document: Document, key: str) -> tuple[D
     try:
         return read_document(kind, name, document.folder), []
     except ConfigError as error:
-        if error.problems[0].value != NO_SUCH_FILE:
+        first, *_ = error.problems
+        if first.value != NO_SUCH_FILE:
             return None, list(error.problems)
-        problem = error.problems[0]
-        return None, [
-            ConfigProblem(document.file, key, show_value(name), f"{NO_SUCH_FILE}; {problem.allowed}", problem.hint)
-        ]
+        allowed = f"{NO_SUCH_FILE}; {first.allowed}"
+        return None, [ConfigProblem(document.file, key, show_value(name), allowed, first.hint)]
 
 
 def resolve_profile(name: str, document: Document, key: str) -> tuple[dict[str, Any] | None, Problems]:
@@ -214,16 +207,20 @@ def resolve_profile(name: str, document: Document, key: str) -> tuple[dict[str, 
     return None, [ConfigProblem(document.file, key, show_value(name), allowed, nearest(name, names))]
 
 
-def _with_profile(table: Mapping[str, Any], document: Document, key: str) -> tuple[dict[str, Any], Problems]:
-    name = key.rpartition(".")[2]
-    resolved, written = dict(table), table.get(name)
-    problems: Problems = []
-    if isinstance(written, str):
-        spec, problems = resolve_profile(written, document, key)
-        resolved[name] = written if spec is None else spec
-    elif isinstance(written, Mapping):
-        resolved[name] = _absolute(written, document.folder)
-    return resolved, problems
+def _with_profiles(
+    table: Mapping[str, Any], document: Document, problems: Problems, at: str = "", keys: Iterable[str] = _HEADS
+) -> dict[str, Any]:
+    """A table with its profiles read; what is wrong with them goes to the problems."""
+    resolved = dict(table)
+    for key in keys:
+        written = table.get(key)
+        if isinstance(written, str):
+            spec, mistakes = resolve_profile(written, document, f"{at}{key}")
+            resolved[key] = written if spec is None else spec
+            problems += mistakes
+        elif isinstance(written, Mapping):
+            resolved[key] = _absolute(written, document.folder)
+    return resolved
 
 
 def _absolute(spec: Mapping[str, Any], folder: Path) -> dict[str, Any]:
@@ -240,7 +237,7 @@ def relative_to(folder: Path, key: str, value: object) -> object:
     last = key.rpartition(".")[2]
     if not isinstance(value, str) or not value or "\0" in value:
         return value
-    names_a_file = last in ("profile", "right_profile") and Path(value).suffix.lower() in (*_POINT_FILES, ".toml")
+    names_a_file = last in _HEADS and Path(value).suffix.lower() in (*_POINT_FILES, ".toml")
     names_a_file |= last in ("path", "fmu", "file") or (last == "user" and ".py:" in value)
     return str((folder / value).absolute()) if names_a_file else value
 

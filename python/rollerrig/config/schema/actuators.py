@@ -16,7 +16,6 @@ from pydantic import (
     WithJsonSchema,
     model_validator,
 )
-from pydantic_core import PydanticCustomError
 
 from rollerrig.config.schema.base import OrShort, Table, by_kind, in_order, optional, refused
 from rollerrig.config.schema.brakes import AnyAir, AnyElectrodynamicBrake, Pressure, Rate, UnlimitedAir, Volume
@@ -30,8 +29,7 @@ def _parameter(value: Any) -> Any:
     """A number, true or false, or a text; its type and limits are those of the FMU, and checked with it."""
     fits = isinstance(value, bool | str) or (isinstance(value, int | float) and -_LARGEST <= value <= _LARGEST)
     if not fits:
-        allowed = "allowed: a number, true, false or a text"
-        raise PydanticCustomError("parameter", "{allowed}", {"allowed": allowed})
+        raise ValueError("allowed: a number, true, false or a text")
     return value
 
 
@@ -164,7 +162,7 @@ class Traction(Table):
         needed = self.suspension == "axle"
         if needed != (self.link is not None):
             allowed = "needed for suspension = 'axle', about 1 m" if needed else "allowed only with suspension = 'axle'"
-            raise PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": "link"})
+            raise refused("link", allowed)
         return self
 
 

@@ -4,7 +4,6 @@ from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, ValidationInfo, field_validator, model_validator
-from pydantic_core import PydanticCustomError
 
 from rollerrig.config.errors import nearest, show_value
 from rollerrig.config.schema.base import OrShort, Table, optional, refused
@@ -54,7 +53,7 @@ def _by_name(value: Any) -> Any:
     guess = nearest(value, tuple(CONDITIONS))
     allowed = f"allowed: {ALLOWED} with friction, k_A, k_S"
     allowed += f"; did you mean {show_value(guess)}?" if guess else ""
-    raise PydanticCustomError("condition", "{allowed}", {"allowed": allowed})
+    raise ValueError(allowed)
 
 
 _RECOVERY = {"area": Quantity("m^2/J", 0.0, 1e6), "length": Quantity("m/J", 0.0, 1e6)}
@@ -148,7 +147,7 @@ class Adhesion(Table):
             return quantity.parse(value)
         except ValueError:
             allowed = f"{quantity.allowed}, as the pieces begin at a {'time' if over_time else 'distance'}"
-            raise PydanticCustomError("blend", "{allowed}", {"allowed": allowed}) from None
+            raise ValueError(allowed) from None
 
     @model_validator(mode="after")
     def _pieces_in_order(self) -> "Adhesion":

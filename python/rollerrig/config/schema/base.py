@@ -125,12 +125,11 @@ class Table(BaseModel):
 def in_order(rows: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
     """Rows of a function of their first column: at least two, in ascending order."""
     if len(rows) < 2:
-        allowed = "allowed: at least two rows [argument, value]"
-        raise PydanticCustomError("table_order", "{allowed}", {"allowed": allowed})
+        raise ValueError("allowed: at least two rows [argument, value]")
     for (before, _), (after, _) in zip(rows, rows[1:], strict=False):
         if not after > before:
             allowed = f"allowed: rows in ascending order of their first column, each once; {after:g} follows {before:g}"
-            raise PydanticCustomError("table_order", "{allowed}", {"allowed": allowed})
+            raise ValueError(allowed)
     return rows
 
 

@@ -22,7 +22,7 @@ from rollerrig.config.schema.ensemble import Ensemble
 from rollerrig.config.schema.rig_control import RigControl, Sensors
 from rollerrig.config.schema.support import AnySupport
 from rollerrig.config.schema.units import Damping, Quantity, RollerRadius, RunningSpeed, Torque
-from rollerrig.config.schema.vehicle import Cut, Name, Vehicle
+from rollerrig.config.schema.vehicle import Body, Cut, Name, Vehicle
 
 StrategyName = Literal["mmu", "dlr", "inrets"]
 Kept = Literal["gravity", "material", "clock", "drives"]
@@ -67,6 +67,16 @@ class VehicleChoice(Table):
     def part(self) -> Cut:
         """The chosen cut of the vehicle."""
         return self.data.cut_named(self.cut)
+
+    @property
+    def bodies(self) -> tuple[Body, ...]:
+        """Free bodies of the chosen cut, in the order of the vehicle."""
+        return self.data.bodies_in(self.part)
+
+    @property
+    def wheelsets(self) -> tuple[Body, ...]:
+        """Wheelsets among them."""
+        return tuple(body for body in self.bodies if body.kind == "wheelset")
 
 
 class SupportChoice(Table):

@@ -3,7 +3,6 @@
 from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Discriminator, Field, model_validator
-from pydantic_core import PydanticCustomError
 
 from rollerrig.config.schema.base import OrShort, Table, by_kind, optional, refused
 from rollerrig.config.schema.units import Angle, Position, Quantity, Time
@@ -16,7 +15,7 @@ Count = Annotated[int, Field(ge=2)]
 def _value(value: Any) -> Any:
     """A number, or a text with a unit: which unit is known where the key is."""
     if isinstance(value, bool) or not isinstance(value, int | float | str):
-        raise PydanticCustomError("plan_value", "{allowed}", {"allowed": "allowed: a number or a text with a unit"})
+        raise ValueError("allowed: a number or a text with a unit")
     return value
 
 

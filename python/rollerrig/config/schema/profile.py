@@ -3,7 +3,6 @@
 from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Discriminator, Field, RootModel, StrictBool
-from pydantic_core import PydanticCustomError
 
 from rollerrig.config.schema.base import Table, optional
 from rollerrig.config.schema.units import Quantity
@@ -24,8 +23,7 @@ def _smoothing(value: Any) -> Any:
     try:
         return _CUT_OFF.parse(value)
     except ValueError as error:
-        allowed = str(error).replace("allowed: ", "allowed: 'auto', or ", 1)
-        raise PydanticCustomError("smoothing", "{allowed}", {"allowed": allowed}) from None
+        raise ValueError(str(error).replace("allowed: ", "allowed: 'auto', or ", 1)) from None
 
 
 Smoothing = Annotated[Literal["auto"] | Annotated[float, _CUT_OFF], BeforeValidator(_smoothing)]

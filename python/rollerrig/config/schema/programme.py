@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, ValidationInfo, field_validator, model_validator
-from pydantic_core import PydanticCustomError
 
 from rollerrig.config.schema.adhesion import ALLOWED, Adhesion, AnyCondition, Piece
 from rollerrig.config.schema.base import Table, optional, refused
@@ -170,11 +169,7 @@ def _bound(value: Any, info: ValidationInfo) -> Any:
     name = info.data.get("criterion")
     if value is None or name is None:  # the criterion itself is refused
         return None
-    quantity = CRITERIA[name].quantity
-    try:
-        return quantity.parse(value)
-    except ValueError as error:
-        raise PydanticCustomError("bound", "{allowed}", {"allowed": str(error)}) from None
+    return CRITERIA[name].quantity.parse(value)
 
 
 class Limit(Table):

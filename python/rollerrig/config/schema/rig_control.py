@@ -3,7 +3,6 @@
 from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Discriminator, Field
-from pydantic_core import PydanticCustomError
 
 from rollerrig.config.schema.actuators import Controller, Delay, Frequency, Motor, Phase, SampleTime
 from rollerrig.config.schema.base import Table, by_kind, optional
@@ -95,11 +94,11 @@ def _load_transfer(value: Any) -> Any:
         return value
     allowed = "allowed: 'quasi_static', 'none', or a list with a number in kg for each axle"
     if not isinstance(value, list | tuple):
-        raise PydanticCustomError("load_transfer", "{allowed}", {"allowed": allowed})
+        raise ValueError(allowed)
     try:
         return tuple(_TRANSFER.parse(number) for number in value)
     except ValueError:
-        raise PydanticCustomError("load_transfer", "{allowed}", {"allowed": allowed}) from None
+        raise ValueError(allowed) from None
 
 
 LoadTransfer = Annotated[

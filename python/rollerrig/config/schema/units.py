@@ -16,7 +16,7 @@ from numbers import Real
 from typing import TYPE_CHECKING, Annotated, Any
 
 from pydantic import GetJsonSchemaHandler, SerializationInfo
-from pydantic_core import CoreSchema, PydanticCustomError, core_schema
+from pydantic_core import CoreSchema, core_schema
 
 if TYPE_CHECKING:
     import pint
@@ -245,16 +245,10 @@ class Quantity:
         except OverflowError:
             return None
 
-    def _validate(self, value: object) -> float:
-        try:
-            return self.parse(value)
-        except ValueError as error:
-            raise PydanticCustomError("quantity", "{allowed}", {"allowed": str(error)}) from None
-
     def __get_pydantic_core_schema__(self, _source: object, _handler: Callable[[object], CoreSchema]) -> CoreSchema:
         """A plain function does all the work."""
         written = core_schema.plain_serializer_function_ser_schema(self._serialize, info_arg=True)
-        return core_schema.no_info_plain_validator_function(self._validate, serialization=written)
+        return core_schema.no_info_plain_validator_function(self.parse, serialization=written)
 
     def _serialize(self, value: float, info: SerializationInfo) -> float | str:
         return self.as_written(value) if info.context == AS_WRITTEN else value

@@ -31,34 +31,34 @@ DRIVE_OF_RIG_CONTROL = "allowed with [rig_control]: 'free', its drives act on th
 
 def check_actuators(case: CaseTables, file: str) -> list[ConfigProblem]:
     """What actuators, controllers and support ask of each other."""
-    return [*_without(case, file)] if not case.sampled else [*_tables(case, file), *_times(case, file)]
-
-
-def _without(case: CaseTables, file: str) -> Iterator[ConfigProblem]:
-    for key, of in (("slide_protection", "[brake]"), ("wheel_slip_control", "[traction]"), ("brake_unit", "[brake]")):
-        if getattr(case, key) is not None:
-            yield ConfigProblem(file, key, "a table", f"allowed only with {of}, on which it acts")
-    if case.sanding is not None:
-        yield ConfigProblem(file, "sanding", "a table", "allowed only with [adhesion], the rail that it covers")
+    found = [*_needs(case, file)]
+    if case.sampled:
+        return [*found, *_tables(case, file), *_times(case, file)]
     if case.contact.pure_rolling:
         allowed = "allowed with actuators: [brake], [traction] or [rig_control]"
-        yield ConfigProblem(file, "contact.pure_rolling", "true", allowed)
+        found.append(ConfigProblem(file, "contact.pure_rolling", "true", allowed))
+    return found
+
+
+def _needs(case: CaseTables, file: str) -> Iterator[ConfigProblem]:
+    """Tables that mean nothing without another one."""
+    acting = {"slide_protection": "brake", "wheel_slip_control": "traction", "brake_unit": "brake"}
+    for key, of in acting.items():
+        if getattr(case, key) is not None and getattr(case, of) is None:
+            yield ConfigProblem(file, key, "a table", f"allowed only with [{of}], on which it acts")
+    if case.sanding is not None and case.adhesion is None:
+        yield ConfigProblem(file, "sanding", "a table", "allowed only with [adhesion], the rail that it covers")
 
 
 def _tables(case: CaseTables, file: str) -> Iterator[ConfigProblem]:
-    support, brake, traction, control = case.support.data, case.brake, case.traction, case.rig_control
-    needs = (("slide_protection", brake, "[brake]"), ("wheel_slip_control", traction, "[traction]"))
-    for key, there, of in (*needs, ("brake_unit", brake, "[brake]")):
-        if getattr(case, key) is not None and there is None:
-            yield ConfigProblem(file, key, "a table", f"allowed only with {of}, on which it acts")
-    if brake is not None and brake.motors_stand_in and traction is None:
+    support, brake = case.support.data, case.brake
+    if brake is not None and brake.motors_stand_in and case.traction is None:
         yield ConfigProblem(
             file, "brake.motors_stand_in", "true", "needed: [traction], the motors that replace the brake"
         )
     yield from _air(case, file)
     yield from _machines(case, file)
-    vehicle = case.vehicle
-    wheelsets = [body for body in vehicle.data.bodies_in(vehicle.part) if body.kind == "wheelset"]
+    wheelsets = case.vehicle.wheelsets
     if len(wheelsets) > MOST_AXLES:
         yield ConfigProblem(file, "vehicle.cut", show_value(case.vehicle.cut), f"allowed: at most {MOST_AXLES} axles")
     yield from _train(case, len(wheelsets), file)
@@ -68,7 +68,7 @@ def _tables(case: CaseTables, file: str) -> Iterator[ConfigProblem]:
             file, "axle_torque", "given", "allowed beside actuators: [traction], which drives every axle"
         )
     if isinstance(support, Track):
-        if control is not None:
+        if case.rig_control is not None:
             yield ConfigProblem(file, "rig_control", "a table", "allowed on rollers; a track reproduces nothing")
         if case.contact.pure_rolling:
             yield ConfigProblem(
@@ -96,13 +96,11 @@ def _machines(case: CaseTables, file: str) -> Iterator[ConfigProblem]:
             "allowed on rollers with [rig_control]: it brakes the virtual train, there is no rail beside the rollers"
         )
         yield ConfigProblem(file, "track_brake", "a table", allowed)
-    if case.sanding is not None and case.adhesion is None:
-        yield ConfigProblem(file, "sanding", "a table", "allowed only with [adhesion], the rail that it covers")
     protected = case.slide_protection is not None or case.wheel_slip_control is not None
     if case.sanding is not None and case.sanding.start.kind == "on_slide" and not protected:
         allowed = "allowed with [slide_protection] or [wheel_slip_control], which see the slide; or 'from_time', 'from_distance'"
         yield ConfigProblem(file, "sanding.start", "'on_slide'", allowed)
-    wheelsets = [b.name for b in case.vehicle.data.bodies_in(case.vehicle.part) if b.kind == "wheelset"]
+    wheelsets = [body.name for body in case.vehicle.wheelsets]
     for key, table in (("brake.electrodynamic.axles", machine), ("sanding.axles", case.sanding)):
         for name in (table.axles or ()) if table is not None else ():
             if name not in wheelsets:
@@ -118,8 +116,7 @@ def _air(case: CaseTables, file: str) -> Iterator[ConfigProblem]:
     air, key = brake.air, "brake.air.reservoir_pressure"
     given = air.reservoir_pressure is not None
     start = air.reservoir_pressure if air.reservoir_pressure is not None else air.main_pipe_pressure
-    wheelsets = [body for body in case.vehicle.data.bodies_in(case.vehicle.part) if body.kind == "wheelset"]
-    axles = len(case.train.axles.positions if case.train.axles else wheelsets)
+    axles = len(case.train.axles.positions if case.train.axles else case.vehicle.wheelsets)
     fed = min(axles, air.axles_per_reservoir or axles)
     share = air.reservoir_volume / (air.reservoir_volume + fed * brake.volume)
     least = brake.spring_force / brake.piston_area / share
@@ -162,7 +159,7 @@ def _train(case: CaseTables, axles: int, file: str) -> Iterator[ConfigProblem]:
     if mass is not None and not part.fixed:
         allowed = f"allowed where a body of the vehicle is fixed; '{case.vehicle.cut}' is the train itself"
         yield ConfigProblem(file, "train.mass", f"{mass:g} kg", allowed)
-    moving = sum(body.mass for body in case.vehicle.data.bodies_in(part))
+    moving = sum(body.mass for body in case.vehicle.bodies)
     if mass is not None and part.fixed and mass < moving:
         yield ConfigProblem(file, "train.mass", f"{mass:g} kg", f"allowed: at least what is under test, {moving:g} kg")
     transfer = case.rig_control.load_transfer if case.rig_control else "none"

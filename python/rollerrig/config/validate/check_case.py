@@ -34,9 +34,7 @@ def check_size(case: CaseTables, file: str) -> Iterator[ConfigProblem]:
 
 def numbers_per_sample(case: CaseTables) -> int:
     """About how many numbers a run keeps at each output time."""
-    part = case.vehicle.part
-    bodies = case.vehicle.data.bodies_in(part)
-    axles = sum(body.kind == "wheelset" for body in bodies)
+    part, bodies, axles = case.vehicle.part, case.vehicle.bodies, len(case.vehicle.wheelsets)
     of_the_train = len(case.train.axles.positions) if case.train.axles else 0
     of_a_wheel = len(_core.wheel_fields) + _core.patches_recorded * len(_core.patch_fields)
     return (
@@ -80,7 +78,7 @@ def _rail(case: CaseTables, file: str) -> Iterator[ConfigProblem]:
     adhesion = case.adhesion
     if adhesion is None or not adhesion.recovery_constant:
         return
-    places = [b.position[0] for b in case.vehicle.data.bodies_in(case.vehicle.part) if b.kind == "wheelset"]
+    places = [body.position[0] for body in case.vehicle.wheelsets]
     least = (max(places) - min(places)) / (_core.rail_cells - 2)
     if adhesion.cell_length < least:
         allowed = (
@@ -145,11 +143,11 @@ def check_case(case: CaseTables, file: str) -> list[ConfigProblem]:
 
 def _restraint(case: CaseTables, file: str) -> Iterable[ConfigProblem]:
     """A coupler rod needs a body that it can hold."""
-    support, vehicle, cut = case.support.data, case.vehicle.data, case.vehicle.part
+    support = case.support.data
     if support.kind != "rig" or support.restraint is None:
         return
-    free = [body.name for body in vehicle.bodies_in(cut) if body.kind != "wheelset" and "x" not in body.locked]
-    heaviest = vehicle.heaviest_in(cut)
+    free = [body.name for body in case.vehicle.bodies if body.kind != "wheelset" and "x" not in body.locked]
+    heaviest = case.vehicle.data.heaviest_in(case.vehicle.part)
     name = support.restraint.body or (heaviest.name if heaviest else "none")
     if name not in free:
         allowed = (

@@ -203,7 +203,7 @@ def _wheelbase_in_curves(case: CaseTables, track: Track, file: str) -> Iterator[
 def wheelsets_by_frame(case: CaseTables) -> dict[str, list[Body]]:
     """Wheelsets of the case's part of the vehicle under each body that they carry."""
     vehicle, found = case.vehicle.data, dict[str, list[Body]]()
-    wheelsets = {body.name: body for body in vehicle.bodies_in(case.vehicle.part) if body.kind == "wheelset"}
+    wheelsets = {body.name: body for body in case.vehicle.wheelsets}
     for element in vehicle.element:
         for own, other in (element.between, element.between[::-1]):
             if element.carries_load and own in wheelsets and wheelsets[own] not in found.setdefault(other, []):
@@ -229,8 +229,7 @@ def _irregularity(case: CaseTables, file: str) -> Iterable[ConfigProblem]:
 
 def foremost_wheelset(case: CaseTables) -> float:
     """How far ahead of the middle of the vehicle (or of its cut) the foremost wheelset stands [m]."""
-    cut = case.vehicle.part
-    return max(b.position[0] - cut.origin_x for b in case.vehicle.data.bodies_in(cut) if b.kind == "wheelset")
+    return max(body.position[0] for body in case.vehicle.wheelsets) - case.vehicle.part.origin_x
 
 
 def distance_run(motion: Motion, time: float) -> float:
@@ -293,8 +292,7 @@ def _speed_in_curves(case: CaseTables, track: Track, file: str) -> Iterator[Conf
 
 def lateral_force_limit(case: CaseTables) -> tuple[float, str]:
     """Lateral force per load at which the free bodies of the case overturn or climb, and which of the two."""
-    vehicle, cut = case.vehicle.data, case.vehicle.part
-    bodies = vehicle.bodies_in(cut)
+    vehicle, bodies = case.vehicle.data, case.vehicle.bodies
     mass = sum(body.mass for body in bodies)
     height = sum(body.mass * body.position[2] for body in bodies) / mass
     steepest = flange_angle(profile_from_spec(vehicle.wheel.profile.arguments(), "wheel"))

@@ -279,8 +279,8 @@ def _instead(field: FieldInfo | None) -> str:
 
 
 def _allowed(place: _Place, error: ErrorDetails, context: Mapping[str, Any]) -> str:
-    if "allowed" in context:
-        return str(context["allowed"])
+    if error["type"] == "value_error":
+        return str(context["error"])
     if error["type"] in ("model_type", "model_attributes_type"):
         keys = dict.fromkeys(key for table in place.choices for key in table.model_fields)
         return f"allowed: a table with {', '.join(keys)}"

@@ -23,7 +23,8 @@ from rollerrig.config.write.toml import plain, text_of
 
 Raw = dict[str, Any]
 
-_OWN_KEYS = {"vehicle": VehicleChoice.model_fields.keys(), "support": SupportChoice.model_fields.keys()}
+OWN_KEYS = {"vehicle": VehicleChoice.model_fields.keys(), "support": SupportChoice.model_fields.keys()}
+"""Keys of the choice of a vehicle or support; all other keys below it are those of the vehicle or support itself."""
 
 
 class Differences(dict[str, tuple[Any, Any]]):
@@ -90,7 +91,7 @@ def _items(value: Any) -> Raw | None:
 def _short_key(key: str, value: object) -> str:
     """`vehicle.data.body` as `vehicle.body`, where that means the same."""
     head, _, rest = key.partition(".data.")
-    own = _OWN_KEYS.get(head, ())
+    own = OWN_KEYS.get(head, ())
     means_it = rest.split(".")[0] not in own or (rest == "roller_radius" and value is not None)
     return f"{head}.{rest}" if own and rest and means_it else key
 
@@ -121,7 +122,7 @@ def rows(case: CaseTables) -> list[tuple[str, str]]:
     """What the case is made of, a row each."""
     vehicle, support, contact, time = case.vehicle, case.support.data, case.contact, case.time
     part = "" if vehicle.cut == "vehicle" else f", {vehicle.cut}"
-    bodies = [body.name for body in vehicle.data.bodies_in(vehicle.part)]
+    bodies = [body.name for body in vehicle.bodies]
     method, step = case.integration
     acting = [name for name in ACTING if getattr(case, name)]
     names = ", ".join(bodies if len(bodies) <= 4 else [*bodies[:2], f"{bodies[2]} and {len(bodies) - 3} more"])

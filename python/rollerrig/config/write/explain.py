@@ -17,19 +17,13 @@ from pydantic.fields import FieldInfo
 from rollerrig.config.errors import nearest
 from rollerrig.config.read import CatalogKind, catalog_file, catalog_names
 from rollerrig.config.schema.base import INSTEAD_OF, OrShort, by_kind, quantity_of
-from rollerrig.config.schema.case import CaseTables, SupportChoice, VehicleChoice
-from rollerrig.config.schema.fit import FitPlan
-from rollerrig.config.schema.plan import Plan
-from rollerrig.config.schema.programme import Programme
+from rollerrig.config.schema.case import SupportChoice, VehicleChoice
 from rollerrig.config.schema.units import Quantity
 from rollerrig.config.validate.messages import alternatives, divided, meant, tables_in, tag_of
+from rollerrig.config.write.json_schema import ROOTS
 
-_ROOTS: tuple[tuple[str, type[BaseModel]], ...] = (
-    ("case", CaseTables),
-    ("programme", Programme),
-    ("plan", Plan),
-    ("fit", FitPlan),
-)
+_FILES: tuple[CatalogKind, ...] = ("case", "programme", "plan", "fit")
+"""Kinds of files whose keys are explained; those of the others are in a case."""
 _MOST_CASES = 4
 _MOST_GUESSES = 4
 _MOST_ROWS = 12
@@ -70,7 +64,7 @@ class KeyPlace:
 @cache
 def key_places() -> tuple[KeyPlace, ...]:
     """Every key of a case, programme, plan and fit; those of `vehicle.data` and `support.data` as `vehicle` and `support`."""
-    return tuple(place for file, root in _ROOTS for place in _places(root, "", file, frozenset()))
+    return tuple(place for file in _FILES for place in _places(ROOTS[file], "", file, frozenset()))
 
 
 def _places(table: type[BaseModel], above: str, file: str, lists: frozenset[int]) -> Iterator[KeyPlace]:

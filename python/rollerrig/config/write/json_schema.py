@@ -24,7 +24,7 @@ from rollerrig.config.schema.vehicle import Vehicle
 
 Schema = dict[str, Any]
 
-_ROOTS: dict[CatalogKind, type[BaseModel]] = {
+ROOTS: dict[CatalogKind, type[BaseModel]] = {
     "case": CaseTables,
     "vehicle": Vehicle,
     "support": SupportRoot,
@@ -45,7 +45,7 @@ def json_schema(kind: CatalogKind = "case") -> Schema:
         >>> json_schema("material")["properties"]["young_modulus"]["x-unit"]
         'Pa'
     """
-    schema = _ROOTS[kind].model_json_schema()
+    schema = ROOTS[kind].model_json_schema()
     schema = _without_titles(schema)
     tables = schema.get("$defs", {})
     _usual_kinds(schema, tables)
