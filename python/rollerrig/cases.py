@@ -40,7 +40,7 @@ def as_case(case: Case | str | Path) -> Case:
 
 def wheelsets(case: Case) -> tuple[Body, ...]:
     """Wheelsets of the part that is run, in the order of the vehicle."""
-    return tuple(b for b in case.vehicle.data.bodies_in(case.vehicle.part) if b.kind == "wheelset")
+    return case.vehicle.wheelsets
 
 
 def leading_wheelset(case: Case) -> Body:
@@ -52,7 +52,7 @@ def part_of(case: Case, cut: str) -> Case:
     """Another part of the same vehicle, restrained along the track."""
     freed = {
         f"vehicle.body.{body.name}.locked": [d for d in body.locked if d != "x"]
-        for body in case.vehicle.data.bodies_in(case.vehicle.part)
+        for body in case.vehicle.bodies
         if "x" in body.locked
     }
     return restrained_along_track(case.with_changes({**freed, "vehicle.cut": cut}))
@@ -65,8 +65,7 @@ def restrained_along_track(case: Case) -> Case:
     or a rig with a coupler rod stays as it is; else x is locked of the heaviest body that is no wheelset, or of the first
     wheelset.
     """
-    part, support = case.vehicle.part, case.support.data
-    bodies = case.vehicle.data.bodies_in(part)
+    part, bodies, support = case.vehicle.part, case.vehicle.bodies, case.support.data
     rod = isinstance(support, Rig) and support.restraint is not None
     if rod or part.fixed or any("x" in body.locked for body in bodies):
         return case

@@ -55,12 +55,9 @@ def onset_from(
         ValueError: speeds not positive and rising.
         StartError: no rolling equilibrium at one of the speeds asked for.
     """
-    modes = modes_over_speed(case, [v / 3.6 for v in speeds_kmh], progress)
-    if modes.followed.interrupted:
-        raise KeyboardInterrupt
-    found = first_onset(zero_crossings(modes))
-    if found is not None or growing_at_start(modes) or speeds_kmh[-1] >= HIGHEST_KMH:
-        return found, speeds_kmh[-1]
+    here = _critical(case, [v / 3.6 for v in speeds_kmh], progress)
+    if here.onset is not None or here.grows_at_start or speeds_kmh[-1] >= HIGHEST_KMH:
+        return here.onset, speeds_kmh[-1]
     above = scan_above(case, speeds_kmh[-1], progress)
     return above.onset, speeds_kmh[-1] if above.problem else HIGHEST_KMH
 
@@ -114,11 +111,14 @@ def scan_linear(job: tuple[Case, Sequence[float]], progress: Progress | None = N
     Raises:
         KeyboardInterrupt: Ctrl-C came before the end.
     """
-    case, speeds = job
     try:
-        modes = modes_over_speed(case, speeds, progress)
+        return _critical(*job, progress)
     except StartError as problem:
         return LinearCriticalSpeed(problem=str(problem))
+
+
+def _critical(case: Case, speeds: Sequence[float], progress: Progress | None) -> LinearCriticalSpeed:
+    modes = modes_over_speed(case, speeds, progress)
     if modes.followed.interrupted:
         raise KeyboardInterrupt
     return LinearCriticalSpeed(first_onset(zero_crossings(modes)), growing_at_start(modes))
@@ -232,8 +232,7 @@ class CriticalSpeedOverRadius:
 
     def kmh(self, part: str, radius: float) -> float:
         """Critical speed [km/h]; NaN if there is none or it was not computed."""
-        scan = self.found.get((part, radius))
-        return math.nan if scan is None else scan.speed_kmh
+        return self.found.get((part, radius), LinearCriticalSpeed()).speed_kmh
 
     def rises_with_radius(self, part: str) -> bool:
         """Whether smaller rollers always have the lower critical speed, and all of them a lower one than the track."""
@@ -249,8 +248,7 @@ class EffectSplit:
 
     def kmh(self, on: On) -> float:
         """Critical speed with these effects [km/h]; NaN if there is none or it was not computed."""
-        scan = self.found.get(on)
-        return math.nan if scan is None else scan.speed_kmh
+        return self.found.get(on, LinearCriticalSpeed()).speed_kmh
 
     @property
     def rig(self) -> float:

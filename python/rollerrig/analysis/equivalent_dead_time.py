@@ -41,8 +41,8 @@ class Lags:
     drive: float
 
     @property
-    def dead_time(self) -> float:
-        """Equivalent dead time, their sum [s]."""
+    def total(self) -> float:
+        """Equivalent dead time from a brake's torque to the rail's force on the real wheel, (D17) [s]."""
         return self.torque + self.drive
 
 
@@ -63,24 +63,15 @@ def lags(model: AssembledModel) -> Lags:
 
 
 @dataclass(frozen=True)
-class DeadTime:
+class DeadTime(Lags):
     """Equivalent dead time of a rig by its parts [s].
 
     Attributes:
-        torque: lag of the axle's torque that the virtual train takes.
-        drive: of the roller's torque behind the wanted one.
         late_share: part k / (1 + k) of a brake's torque that reaches the sliding wheel only through the controller,
             k = J_r (r/R)^2 / J_w; the rest acts at once on wheel and roller as one inertia.
     """
 
-    torque: float
-    drive: float
     late_share: float
-
-    @property
-    def total(self) -> float:
-        """Dead time from a brake's torque to the rail's force on the real wheel, (D17)."""
-        return self.torque + self.drive
 
     @property
     def least(self) -> float:

@@ -112,8 +112,7 @@ def hunting_case(case: Case, speed: float, settings: HuntingSettings) -> Case:
 
 def observed_body(case: Case) -> str:
     """The body whose lateral motion stands for the vehicle: the first frame, else the leading wheelset."""
-    bodies = case.vehicle.data.bodies_in(case.vehicle.part)
-    frames = [b.name for b in bodies if "frame" in b.name]
+    frames = [body.name for body in case.vehicle.bodies if "frame" in body.name]
     return frames[0] if frames else leading_wheelset(case).name
 
 

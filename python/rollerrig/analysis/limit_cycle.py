@@ -12,9 +12,9 @@ Equations: docs/theory/equilibrium_and_linearisation.md, section Limit cycles.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
-from typing import Generic, Literal, Protocol, TypeVar
+from typing import Literal, TypeVar
 
 import numpy as np
 
@@ -76,18 +76,9 @@ class CyclePoint:
         return self.valid and self.amplitude == 0.0
 
 
-class Settle(Protocol[State]):
-    """A run at one speed until it has settled."""
-
-    def __call__(self, speed: float, state: State | None) -> tuple[CyclePoint, State | None]:
-        """Run at a speed [m/s] from a limit cycle; None: from the steady state, disturbed.
-
-        Returns:
-            What it ends in, and the state there; None at rest or where the run did not come to its end.
-
-        Raises:
-            NotMadeError: the run has not been made.
-        """
+Settle = Callable[[float, State | None], tuple[CyclePoint, State | None]]
+"""A run at a speed [m/s] until it has settled, from a limit cycle or, None, from the steady state, disturbed: what it ends in,
+and the state there, None at rest or where the run did not come to its end. NotMadeError: it has not been made."""
 
 
 class NotMadeError(Exception):
@@ -95,7 +86,7 @@ class NotMadeError(Exception):
 
 
 @dataclass
-class Branch(Generic[State]):
+class Branch:
     """Points of a sweep in the order in which they were computed: at the speeds asked for, and of the halving (`refined`).
 
     It is interrupted where a run that belongs to it was not made.
@@ -113,12 +104,12 @@ def trace(
     speeds: Sequence[float],
     *,
     tolerance: float | None = None,
-) -> Branch[State]:
+) -> Branch:
     """Step through speeds [m/s], given in any order, and carry the state over.
 
     With a tolerance [m/s], the speed at which the limit cycle ends is found to it.
     """
-    branch: Branch[State] = Branch(sweep)
+    branch = Branch(sweep)
     ordered = sorted(speeds, reverse=sweep == "down")
     state: State | None = None
     lowest: tuple[float, State] | None = None  # the limit cycle at the lowest speed so far
@@ -136,9 +127,7 @@ def trace(
     return branch
 
 
-def _halve(
-    settle: Settle[State], branch: Branch[State], low: float, high: float, state: State, tolerance: float
-) -> None:
+def _halve(settle: Settle[State], branch: Branch, low: float, high: float, state: State, tolerance: float) -> None:
     while high - low > tolerance:  # not where low is NaN: there is a limit cycle at the lowest speed
         middle = 0.5 * (low + high)
         point, found = settle(middle, state)
@@ -233,10 +222,10 @@ def _alike(one: CyclePoint, other: CyclePoint) -> bool:
     return abs(one.amplitude - other.amplitude) <= ALIKE * max(one.amplitude, other.amplitude) + LEAST_AMPLITUDE
 
 
-def diagram(up: Branch[State] | None, down: Branch[State] | None, linear: float, tolerance: float) -> Diagram:
+def diagram(up: Branch | None, down: Branch | None, linear: float, tolerance: float) -> Diagram:
     """Put the two sweeps together, with the linear critical speed (NaN: none) and the tolerance of the halving [m/s]."""
 
-    def ordered(branch: Branch[State] | None) -> list[CyclePoint]:
+    def ordered(branch: Branch | None) -> list[CyclePoint]:
         return [] if branch is None else sorted([*branch.points, *branch.refined], key=lambda p: p.speed)
 
     stopped = any(branch is None or branch.interrupted for branch in (up, down))

@@ -7,6 +7,7 @@ of mass, the **upper sway** about one above it; **hunting** is a wave-like motio
 and of wheelsets, that part names a mode which has the most of its kinetic energy.
 """
 
+from collections import Counter, defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -63,7 +64,7 @@ def roles(case: Case) -> Roles:
         a, b = element.between
         neighbours[a].add(b)
         neighbours[b].add(a)
-    moving = sorted(vehicle.bodies_in(case.vehicle.part), key=lambda body: -body.position[0])
+    moving = sorted(case.vehicle.bodies, key=lambda body: -body.position[0])
     wheelsets = tuple(body.name for body in moving if body.kind == "wheelset")
 
     def is_frame(name: str) -> bool:
@@ -129,25 +130,23 @@ def wheelset_lateral_share(keys: Sequence[tuple[str, str]], shares: Array) -> Ar
 
 def unique_names(names: list[str]) -> list[str]:
     """Names made different: 'frame yaw', 'frame yaw 2'."""
-    seen: dict[str, int] = {}
-    result = []
+    seen, result = Counter[str](), []
     for name in names:
-        seen[name] = seen.get(name, 0) + 1
+        seen[name] += 1
         result.append(name if seen[name] == 1 else f"{name} {seen[name]}")
     return result
 
 
 def _name(shapes: Shapes, mean: Array, who: Roles, mode: int) -> str:
-    kinds: dict[str, float] = {}
+    kinds, ways = defaultdict[str, float](float), defaultdict[str, float](float)
     for (body, _), share in zip(shapes.keys, mean[:, mode], strict=True):
-        kinds[who.kind(body)] = kinds.get(who.kind(body), 0.0) + share
+        kinds[who.kind(body)] += share
     kind = max(kinds, key=lambda name: kinds[name])
     if kind == "wheelsets" and _as_one(shapes, mean, who, mode):
         kind = "bogie"
-    ways: dict[str, float] = {}
     for (body, way), share in zip(shapes.keys, mean[:, mode], strict=True):
         if who.kind(body) == kind:
-            ways[way] = ways.get(way, 0.0) + share
+            ways[way] += share
     way = max(ways, key=lambda name: ways[name])
     if kind == "car body" and way in ("lateral", "roll"):
         return f"car body {_sway(shapes, who.car_bodies[0], mode)}"

@@ -70,26 +70,30 @@ def narrow_band(signal: xr.DataArray, low: float, high: float) -> xr.DataArray:
 
     A low and a high pass one after the other, as in `band_pass`, would take from the middle, too.
     """
-    from scipy.signal import butter, sosfiltfilt
+    from scipy.signal import butter
 
     rate = sampling_rate(signal["time"].to_numpy(), high)
     half = 0.5 * (high - low) / _RUNS_SHIFT  # of one run, about the same geometric mean
     upper = half + math.sqrt(half * half + low * high)
     sections = butter(2, (upper - 2.0 * half, upper), "bandpass", fs=rate, output="sos")
-    beyond = min(signal.sizes["time"] - 1, math.ceil(3 * rate / low))
-    axis = signal.get_axis_num("time")
-    return signal.copy(data=sosfiltfilt(sections, signal.to_numpy(), axis=axis, padlen=beyond, padtype="even"))
+    return _both_ways(signal, sections, math.ceil(3 * rate / low))
 
 
 def _filtered(signal: xr.DataArray, cutoff: float, kind: Literal["lowpass", "highpass"]) -> xr.DataArray:
-    from scipy.signal import butter, sosfiltfilt  # takes a second to load, and most commands filter nothing
+    from scipy.signal import butter  # takes a second to load, and most commands filter nothing
 
     rate = sampling_rate(signal["time"].to_numpy(), cutoff)
     warped = math.tan(math.pi * cutoff / rate)
     corner = math.atan(warped / _RUNS_SHIFT if kind == "lowpass" else warped * _RUNS_SHIFT) * rate / math.pi
     sections = butter(2, corner, kind, fs=rate, output="sos")
-    axis = signal.get_axis_num("time")
-    beyond = min(signal.sizes["time"] - 1, math.ceil(3 * rate / cutoff))  # mirrored beyond both ends
+    return _both_ways(signal, sections, math.ceil(3 * rate / cutoff))
+
+
+def _both_ways(signal: xr.DataArray, sections: Array, mirrored: int) -> xr.DataArray:
+    """Forward and backward through a filter, with so many samples mirrored beyond both ends."""
+    from scipy.signal import sosfiltfilt
+
+    axis, beyond = signal.get_axis_num("time"), min(signal.sizes["time"] - 1, mirrored)
     # Even: an odd continuation would take the last value, vibration and all, for the level beyond the end.
     return signal.copy(data=sosfiltfilt(sections, signal.to_numpy(), axis=axis, padlen=beyond, padtype="even"))
 

@@ -121,14 +121,11 @@ def electrodynamic_brake(brake: Brake, wheel_radius: float) -> _core.Electrodyna
     law = _core.electrodynamic_brakes[table.kind]
     return core_struct(
         _core.ElectrodynamicBrake,
+        table,
+        without=("kind", "axles", *law.fields),
         characteristic=core_struct(law, **{name: getattr(table, name) for name in law.fields}),
         wheel_radius=wheel_radius,
-        share=table.share,
-        time_constant=table.time_constant,
-        blending_delay=table.blending_delay,
         on_slide=("keep", "reduce", "switch_off").index(table.on_slide),
-        reduction_rate=table.reduction_rate,
-        restoring_rate=table.restoring_rate,
     )
 
 

@@ -234,7 +234,7 @@ def _rig_control(model: AssembledModel) -> str:
     left, command = lags(model), control.drive_command.kind.replace("_", " ")
     return (
         f"{text}; axle torque {control.axle_torque.kind}, drive command {command}: equivalent dead time "
-        f"{1e3 * left.dead_time:z.1f} ms, {1e3 * left.torque:z.1f} ms of the torque and {1e3 * left.drive:z.1f} ms of the drives"
+        f"{1e3 * left.total:z.1f} ms, {1e3 * left.torque:z.1f} ms of the torque and {1e3 * left.drive:z.1f} ms of the drives"
     )
 
 

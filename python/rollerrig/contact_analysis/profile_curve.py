@@ -11,6 +11,7 @@ import xarray as xr
 
 from rollerrig.config import load_profile
 from rollerrig.profiles import SHAPES, ProfileKind, ProfileTable, profile_from_spec
+from rollerrig.results import variable
 
 COLUMNS = "abscissa_mm,height_mm,slope,curvature_per_m"
 """First line of the table."""
@@ -51,29 +52,18 @@ def profile(
     table = profile_from_spec(arguments, chosen)
     low, high = table.domain
     abscissa = np.linspace(low, high, min(_MOST_ROWS, int((high - low) / table.step) + 1))
-    lines = {
-        "height": (
-            table.evaluate(abscissa),
-            "m",
-            "increase of the radius" if chosen == "wheel" else "height, 0 at the top",
-        ),
-        "slope": (table.evaluate(abscissa, 1), "1", "slope of the height"),
-        "curvature": (
-            table.curvature(abscissa),
-            "1/m",
-            "curvature, positive where it is convex towards the other profile",
-        ),
-    }
-    points = {"point_abscissa": (table.measured[:, 0], "abscissa"), "point_height": (table.measured[:, 1], "height")}
+    height = "increase of the radius" if chosen == "wheel" else "height, 0 at the top"
+    bend = "curvature, positive where it is convex towards the other profile"
     variables = {
-        name: ("abscissa", values, {"units": unit, "long_name": meaning})
-        for name, (values, unit, meaning) in lines.items()
+        "height": variable("abscissa", table.evaluate(abscissa), "m", height),
+        "slope": variable("abscissa", table.evaluate(abscissa, 1), "1", "slope of the height"),
+        "curvature": variable("abscissa", table.curvature(abscissa), "1/m", bend),
+        "point_abscissa": variable("point", table.measured[:, 0], "m", "abscissa of a measured point"),
+        "point_height": variable("point", table.measured[:, 1], "m", "height of a measured point"),
     }
-    for name, (values, what) in points.items():
-        variables[name] = ("point", values, {"units": "m", "long_name": f"{what} of a measured point"})
     return xr.Dataset(
         variables,
-        {"abscissa": ("abscissa", abscissa, {"units": "m", "long_name": "abscissa, outward"})},
+        {"abscissa": variable("abscissa", abscissa, "m", "abscissa, outward")},
         {
             "name": spec.name or table.name,
             "kind": chosen,

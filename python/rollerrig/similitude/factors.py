@@ -20,7 +20,7 @@ from typing import Any
 
 import xarray as xr
 
-from rollerrig.config import ConfigError, ConfigProblem
+from rollerrig.config import ConfigError, ConfigProblem, ScaledFrom
 from rollerrig.config.errors import nearest, one_of, show_value
 from rollerrig.results.run_info import ATTRIBUTE, RunInfo
 
@@ -231,17 +231,26 @@ def map_back(run: xr.Dataset) -> xr.Dataset:
         UnknownUnitError: a variable has a unit that is not made of kg, m and s.
     """
     info = RunInfo.of(run)
-    record = info.scaled_from
-    if record is None:
-        needed = "needed: a case made by `rollerrig scale`"
-        raise ConfigError([ConfigProblem(info.case, "similitude", "missing", needed)])
-    factors = Similitude(record.length, record.time, record.density)
+    record, factors = info.scaled_from, factors_in(info.scaled_from, info.case)
+    assert record is not None
     scaled = {name: _mapped(variable, factors) for name, variable in run.variables.items()}
     coordinates = {name: scaled.pop(name) for name in run.coords}
     mapped = xr.Dataset(scaled, coordinates)
     attributes = {str(key): _attribute(str(key), value, factors) for key, value in run.attrs.items()}
     of = f"{record.case} by a 1:{record.length:g} model, {record.strategy}"
     return mapped.assign_attrs({**attributes, ATTRIBUTE: info.mapped(factors.factor).to_json(), "mapped_back": of})
+
+
+def factors_in(record: ScaledFrom | None, case: str) -> Similitude:
+    """The factors that a case of this name keeps of its scaling.
+
+    Raises:
+        ConfigError: it has not been scaled.
+    """
+    if record is None:
+        needed = "needed: a case made by `rollerrig scale`"
+        raise ConfigError([ConfigProblem(case, "similitude", "missing", needed)])
+    return Similitude(record.length, record.time, record.density)
 
 
 def _mapped(variable: xr.Variable, factors: Similitude) -> xr.Variable:

@@ -23,7 +23,7 @@ from rollerrig.config.schema.contact import Material
 from rollerrig.config.schema.profile import ProfileSpec
 from rollerrig.config.schema.track import Deviation
 from rollerrig.config.validate.check_actuators import simulated_axles
-from rollerrig.similitude.factors import Similitude, exponents
+from rollerrig.similitude.factors import Similitude, exponents, factors_in
 
 M = TypeVar("M", bound=BaseModel)
 
@@ -88,11 +88,7 @@ def factors_of(case: Case) -> Similitude:
     Raises:
         ConfigError: it has none.
     """
-    record = case.similitude
-    if record is None:
-        needed = "needed: a case made by `rollerrig scale`"
-        raise ConfigError([ConfigProblem(case.name, "similitude", "missing", needed)])
-    return Similitude(record.length, record.time, record.density)
+    return factors_in(case.similitude, case.name)
 
 
 def _check(case: Case, kept: tuple[str, ...]) -> None:

@@ -102,7 +102,7 @@ def fmu_controller(case: Case, role: str) -> FmuController:
         ConfigError: it cannot be used.
     """
     table = getattr(case, role)
-    wheelsets = [body.name for body in case.vehicle.data.bodies_in(case.vehicle.part) if body.kind == "wheelset"]
+    wheelsets = [body.name for body in case.vehicle.wheelsets]
     train = case.train.axles
     others = [f"axle_{k}" for k in train.simulated] if train and role != "rig_control" else []
     command = COMMANDS[role].name

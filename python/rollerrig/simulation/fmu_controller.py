@@ -113,12 +113,7 @@ class FmuController:
         _try_to_load(folder, self.file)
         description = self.file.description
         old = description.fmiVersion == "2.0"
-        self._fmu = fmpy.instantiate_fmu(
-            folder,
-            description,
-            fmi_type="CoSimulation",
-            logger=self._hear_2 if old else self._hear_3,
-        )
+        self._fmu = fmpy.instantiate_fmu(folder, description, fmi_type="CoSimulation", logger=self._hear)
         for link, value in self.file.parameters:
             self._set(link, [value])
         if old:
@@ -146,13 +141,9 @@ class FmuController:
         )
         return values
 
-    def _hear_2(self, _environment: Any, _name: Any, _status: int, _category: Any, message: Any) -> None:
-        self._hear(message)
-
-    def _hear_3(self, _environment: Any, _status: int, _category: Any, message: Any) -> None:
-        self._hear(message)
-
-    def _hear(self, message: Any) -> None:
+    def _hear(self, *told: Any) -> None:
+        """Keep a message of the FMU: the last of what either version of the standard gives."""
+        message = told[-1]
         text = message.decode("utf-8", "replace") if isinstance(message, bytes) else str(message)
         self._log = [*self._log[1 - _LINES :], " ".join(text.split())]
 

@@ -219,8 +219,7 @@ class _Matcher:
             if v is None or not settable(v):
                 self._unknown("parameters", name, "parameter", settable)
                 continue
-            allowed = _values(v)
-            if not allowed(value):
+            if not _fits(v, value):
                 limits = "".join(
                     f", {word} {limit}"
                     for word, limit in (("at least", v.min), ("at most", v.max))
@@ -288,20 +287,12 @@ class _Matcher:
         self.problems.append(ConfigProblem(self._file, f"{self._key}.{place}", value, allowed, hint))
 
 
-def _values(variable: Any) -> Callable[[Any], bool]:
+def _fits(variable: Any, value: Any) -> bool:
     """Whether a value may stand for a parameter, by its type and limits."""
-
-    def within(value: Any) -> bool:
-        low, high = variable.min, variable.max
-        return (low is None or value >= float(low)) and (high is None or value <= float(high))
-
-    def allowed(value: Any) -> bool:
-        if variable.type == "String":
-            return isinstance(value, str)
-        if variable.type == "Boolean":
-            return isinstance(value, bool)
-        if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-            return False
-        return (variable.type in FLOATS or value == int(value)) and variable.type in NUMBERS and within(value)
-
-    return allowed
+    if variable.type in ("String", "Boolean"):
+        return isinstance(value, str if variable.type == "String" else bool)
+    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+        return False
+    low, high = (None if limit is None else float(limit) for limit in (variable.min, variable.max))
+    within = (low is None or value >= low) and (high is None or value <= high)
+    return (variable.type in FLOATS or value == int(value)) and variable.type in NUMBERS and within

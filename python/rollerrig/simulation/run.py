@@ -41,21 +41,7 @@ from rollerrig.simulation.controllers import (
     with_brake_unit,
 )
 from rollerrig.simulation.mechatronics import mechatronic_setup
-from rollerrig.simulation.starting_state import StartError, recorded_state, rolled_off, starting_state
-
-__all__ = [
-    "Progress",
-    "StartError",
-    "absolute_tolerances",
-    "begin",
-    "check_fixed_step",
-    "integrator_settings",
-    "march",
-    "outcome",
-    "prepare",
-    "sample_count",
-    "simulate",
-]
+from rollerrig.simulation.starting_state import recorded_state, rolled_off, starting_state
 
 Progress = Callable[[float, str], None]
 """Called with the fraction done and a short text."""
@@ -255,23 +241,18 @@ def integrator_settings(simulation: _core.Simulation, model: AssembledModel) -> 
 
 
 def check_fixed_step(simulation: _core.Simulation, case: Case, state: Array) -> None:
-    """Refuse a step that is beyond the stability limit of the case's method at the start.
-
-    Raises:
-        ConfigError: it is; the message says which would not be.
-    """
-    if case.integration.method in ("rk4", "exponential_rk4"):
-        _check_amplification(simulation, case, state)
-
-
-def _check_amplification(simulation: _core.Simulation, case: Case, state: Array) -> None:
-    """Refuse a step at which the method lets a decaying motion of the starting state grow.
+    """Refuse a step that is beyond the stability limit of the case's method at the start: a decaying motion there would grow.
 
     The motions that last or grow by themselves each own the eigenvalue of the step's amplification matrix nearest to
     exp(lambda step); no other one may lie outside the unit circle (docs/theory/time_integration.md, (T5)). Slow running
     and stiff springs and dampers make lambda large.
+
+    Raises:
+        ConfigError: it is; the message says which would not be.
     """
     method, step = case.integration.method, case.integration.step or 0.0
+    if method not in ("rk4", "exponential_rk4"):
+        return
 
     @cache
     def lasting() -> Complex:

@@ -90,7 +90,7 @@ def compensation_numbers(case: Case, done: Done) -> dict[str, dict[str, float]] 
     numbers: dict[str, dict[str, float]] = {}
     for label, one in cases.items():
         like = measured_dead_time(estimates[label], curve)
-        late = added[label] if label in added else lags(assemble_with_actuators(one)).dead_time
+        late = added[label] if label in added else lags(assemble_with_actuators(one)).total
         times = {"measured_ms": 1e3 * like.mean, "measured_ms_standard_error": 1e3 * like.standard_error}
         numbers[label] = {"predicted_ms": 1e3 * late, **means(runs[label], RESULTS), **times}
     return numbers

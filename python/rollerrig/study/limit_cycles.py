@@ -83,7 +83,7 @@ def cycle_diagram(
 
 def _branch(
     sweep: Sweep, speeds_kmh: Sequence[float], settings: LimitCycleSettings, done: Done, missing: Missing
-) -> Branch[Any]:
+) -> Branch:
     """One sweep as far as its runs were made; the first that was not is passed to `missing`."""
     count = 0
 

@@ -186,11 +186,6 @@ class LiveRun:
         values = [float(f"{v:.6g}") if math.isfinite(v) else None for v in found]
         return {"time": round(self.time, 4), "values": values, "told": self.told}
 
-    @property
-    def scene(self) -> dict[str, Any]:
-        """As the page takes it."""
-        return self._head
-
     # --------------------------------------------------------------------------------------------------- another model
 
     def _begin(self, offsets: Mapping[str, Mapping[str, float]], disturbed: bool = False) -> None:
@@ -279,7 +274,7 @@ class LiveRun:
         loads = self.plant.values(self._indices).tolist()[self._forces]
         self._rest = [v if one["carries"] else 0.0 for v, one in zip(loads, elements, strict=True)]
         self._contacts = LiveContacts(model)
-        self._head = self._scene(model, elements)
+        self.scene = self._scene(model, elements)
         self.version += 1
 
     def _scene(self, model: AssembledModel, elements: list[dict[str, Any]]) -> dict[str, Any]:

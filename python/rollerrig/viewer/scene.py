@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 
 from rollerrig.analysis.wheel_rail_forces import filtered, unfiltered, wheel_forces
 from rollerrig.assembly.model import AssembledModel, assemble
+from rollerrig.common.arrays import Array
 from rollerrig.config import ConfigError, case_from_toml
 from rollerrig.results import ResultsError, RunInfo
 from rollerrig.viewer import parts
@@ -209,15 +210,14 @@ def model_of(run: xr.Dataset) -> AssembledModel:
 
 
 def _frames(run: xr.Dataset, most: int) -> Frames:
-    moving = RunInfo.of(run).moving
-    places = run[["longitudinal", "lateral", "vertical"]].sel(body=moving).to_array().transpose("time", ...)
-    angles = run[["roll", "yaw"]].sel(body=moving).to_array().transpose("time", ...)
-    count = run.sizes["time"]
+    def columns(of: xr.Dataset, *names: str) -> Array:
+        return of[list(names)].to_array().transpose("time", ...).to_numpy().reshape(run.sizes["time"], -1)
+
+    moving = run.sel(body=RunInfo.of(run).moving)
     drawn = {
-        "position_mm": 1e3 * places.to_numpy().reshape(count, -1),
-        "angle_mrad": 1e3 * angles.to_numpy().reshape(count, -1),
-        "force_kn": 1e-3
-        * run[["lateral_force", "vertical_force"]].to_array().transpose("time", ...).to_numpy().reshape(count, -1),
+        "position_mm": 1e3 * columns(moving, "longitudinal", "lateral", "vertical"),
+        "angle_mrad": 1e3 * columns(moving, "roll", "yaw"),
+        "force_kn": 1e-3 * columns(run, "lateral_force", "vertical_force"),
     }
     return thinned(run["time"].to_numpy(), drawn, ALLOWED, most)
 

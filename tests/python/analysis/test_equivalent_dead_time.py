@@ -29,7 +29,7 @@ def brake(**changes: object) -> Case:
 def test_its_parts_are_the_lags_and_its_share_the_inertias() -> None:
     found, case = predicted_dead_time(brake()), brake()
     assert found is not None
-    assert found.total == pytest.approx(lags(assemble_with_actuators(case)).dead_time)
+    assert found.total == pytest.approx(lags(assemble_with_actuators(case)).total)
     rig = case.support.data
     assert isinstance(rig, Rig)
     k = rig.roller_inertia[1] * (0.46 / rig.roller_radius) ** 2 / 112.0

@@ -100,7 +100,7 @@ def test_without_a_fold_up_and_down_are_one_and_called_supercritical() -> None:
             assert 1e3 * point.amplitude == pytest.approx(exact.radius(point.speed), rel=0.01)
 
 
-def branch(sweep, amplitudes) -> Branch[float]:
+def branch(sweep, amplitudes) -> Branch:
     return Branch(sweep, [CyclePoint(10.0 * (k + 1), 1e-3 * a) for k, a in enumerate(amplitudes)])
 
 

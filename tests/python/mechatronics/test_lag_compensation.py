@@ -24,7 +24,7 @@ STARTS = 6
 
 def dead_time(**changes: object) -> float:
     case = load_case("adhesion_brake").with_changes({f"rig_control.{key}": value for key, value in changes.items()})
-    return 1e3 * lags(assemble_with_actuators(case)).dead_time
+    return 1e3 * lags(assemble_with_actuators(case)).total
 
 
 def test_the_predicted_dead_time_is_the_sum_of_the_lags_that_are_left() -> None:

@@ -12,7 +12,7 @@ from typing import Any
 
 from rollerrig.interfaces.realtime import frames
 from rollerrig.interfaces.realtime.frames import Frame, pack, unpack
-from rollerrig.interfaces.realtime.links import ClientError, Link, open_link
+from rollerrig.interfaces.realtime.links import ClientError, open_link
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ class Client:
             ClientError: nobody answers, or another controller has the rig.
         """
         self._timeout = timeout
-        self._link: Link = open_link(address, timeout)
+        self._link = open_link(address, timeout)
         try:
             self._session, self.description = self._ask(address)
         except BaseException:

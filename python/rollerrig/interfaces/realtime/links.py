@@ -9,7 +9,6 @@ import struct
 import time
 from contextlib import suppress
 from pathlib import Path
-from typing import Protocol
 
 from rollerrig.interfaces.realtime import frames
 
@@ -20,20 +19,7 @@ class ClientError(Exception):
     """The server does not answer, or another controller has the rig; one line."""
 
 
-class Link(Protocol):
-    """What a client needs of a connection."""
-
-    def send(self, data: bytes) -> None:
-        """One frame to the server."""
-
-    def receive(self, wait: float) -> bytes | None:
-        """The next frame; None where there is none within so long [s]."""
-
-    def close(self) -> None:
-        """No more frames."""
-
-
-def open_link(address: str, timeout: float) -> Link:
+def open_link(address: str, timeout: float) -> "Datagrams | Rings":
     """The connection to an address: '127.0.0.1:5005', or '/name' of shared memory that is there within the timeout [s].
 
     Raises:
