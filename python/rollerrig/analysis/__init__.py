@@ -1,12 +1,11 @@
 """Stability of rolling: modes over speed, critical speeds, limit cycles; and what engineers read off a run.
 
-Case -> [linearise -> modes -> speed map -> critical, stability]   small motions, exact derivatives
+Case -> [Lineariser -> modes -> speed map -> critical, stability]   small motions, exact derivatives
      -> [hunting, ramp -> signals]          runs from a disturbance
      -> [limit cycle runs -> limit cycle]   what is left at each speed, stepped up and down
 run  -> [wheel_rail_forces, ride -> filters]         wheel forces, Y/Q, wear number, accelerations, as EN 14363 assesses them
 
-Names are loaded when first used, as those of `rollerrig`. A function that has the name of its module is taken from that module:
-`linearise`, `ride`.
+Names are loaded when first used, as those of `rollerrig`.
 """
 
 from importlib import import_module

@@ -25,7 +25,7 @@ from rollerrig.assembly.laws import core_law
 from rollerrig.assembly.model import assemble
 from rollerrig.cases import wheelsets
 from rollerrig.common.arrays import Array
-from rollerrig.config import Case, ConfigError, ConfigProblem
+from rollerrig.config import Case, ConfigError
 from rollerrig.config.schema.units import unit_factor
 from rollerrig.config.write.toml import plain
 from rollerrig.contact_analysis.traction_curve import LoadedWheel, traction_coefficient
@@ -127,13 +127,13 @@ def check_case(case: Case) -> None:
     for name in ("brake", "adhesion"):
         if getattr(case, name) is None:
             needed = f"needed: [{name}], of which a stop's pressures and slips are read"
-            raise ConfigError([ConfigProblem(case.name, name, "missing", needed)])
+            raise ConfigError.of(case.name, name, "missing", needed)
     assert case.brake is not None
     beside = (case.brake.electrodynamic, case.track_brake, case.sanding, case.traction)
     for what, table in zip(BESIDE, beside, strict=True):
         if table is not None:
             allowed = "allowed: none; what it does to an axle does not show in its brake pressure"
-            raise ConfigError([ConfigProblem(case.name, what, "there", allowed)])
+            raise ConfigError.of(case.name, what, "there", allowed)
 
 
 def reconstruct(case: Case, log: StopLog, piece: float) -> xr.Dataset:

@@ -37,9 +37,7 @@ def quantile_function(
     from scipy import stats
 
     law: Any
-    turned: Callable[[Any], Any]
-    straight: Callable[[Any], Any]
-    turned, straight = (np.log, np.exp) if kind in ("logarithmic", "lognormal") else (_same, _same)
+    turned, straight = (np.log, np.exp) if kind in ("logarithmic", "lognormal") else (np.asarray, np.asarray)
     match kind:
         case "normal":
             law = stats.norm(numbers["mean"], numbers["deviation"])
@@ -59,7 +57,8 @@ def quantile_function(
     def below(value: float) -> float:
         return 0.0 if kind == "lognormal" and value <= 0.0 else float(law.cdf(turned(value)))
 
-    low, high = (below(quantity.least if least is None else least), below(quantity.most if most is None else most))
+    floor, ceiling = quantity.least if least is None else least, quantity.most if most is None else most
+    low, high = below(floor), below(ceiling)
     unit = "" if quantity.unit == "1" else f" {quantity.unit}"
     if not high - low > LEAST_MASS:
         raise ValueError(
@@ -73,7 +72,6 @@ def quantile_function(
         raise ValueError(
             f"{100 * (1 - high):.2g} % of it lies above {quantity.most:g}{unit}, which the key does not allow; give `most`"
         )
-    floor, ceiling = quantity.least if least is None else least, quantity.most if most is None else most
 
     def quantile(probability: Array) -> Array:
         values = straight(law.ppf(low + (high - low) * np.asarray(probability)))
@@ -81,7 +79,3 @@ def quantile_function(
 
     ends = quantile(np.array([1e-12, 1.0 - 1e-12]))
     return quantile, (float(ends[0]), float(ends[1]))
-
-
-def _same(value: Any) -> Any:
-    return value

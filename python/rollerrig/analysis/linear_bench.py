@@ -118,6 +118,7 @@ class LinearBench:
         self.model = assemble_with_actuators(self.case, torque_on_all=True) if case.sampled else assemble(self.case)
         state = starting_state(self.model)
         self._simulation = _core.Simulation(self.model.core)
+        self._axles = dict(zip(self.model.wheelsets, self.model.axles, strict=False))  # none without actuators
         self.brake_pressure = brake_pressure
         pressures = self._pressures(brake_pressure)
         self.holding_torque: tuple[float, ...] = ()
@@ -151,7 +152,7 @@ class LinearBench:
         if brake_pressure and not brakes:
             allowed = "allowed: 0, of a case without [brake] or with motors that replace it"
         if allowed:
-            raise ConfigError([ConfigProblem(self.case.name, "brake_pressure", f"{brake_pressure:g} Pa", allowed)])
+            raise ConfigError.of(self.case.name, "brake_pressure", f"{brake_pressure:g} Pa", allowed)
         return [brake_pressure] * len(brakes) if brake_pressure else []
 
     # ------------------------------------------------------------------------------------------------ what there is
@@ -168,22 +169,17 @@ class LinearBench:
     @cached_property
     def pressures(self) -> Mapping[str, int]:
         """Cylinder pressure by name -> its column; none where the brakes are not applied."""
+        applied = self._axles if self.brake_pressure else {}
         first = len(self.torques)
-        pairs = zip(self.model.axles, self.model.wheelsets, strict=False)
-        applied = {f"{wheelset}.cylinder_pressure": first + axle.brake for axle, wheelset in pairs if axle.brake >= 0}
-        return applied if self.brake_pressure else {}
+        return {f"{name}.cylinder_pressure": first + axle.brake for name, axle in applied.items() if axle.brake >= 0}
 
     @property
     def holding(self) -> Mapping[str, float]:
         """Commands of the rollers' drives that hold the speed against the brakes [N m]; where nothing brakes none."""
-        rollers = [
-            (axle.roller_torque, wheelset)
-            for axle, wheelset in zip(self.model.axles, self.model.wheelsets, strict=False)
-        ]
         return {
-            f"{wheelset}.roller_torque_command": self.holding_torque[at]
-            for at, wheelset in rollers
-            if 0 <= at < len(self.holding_torque)
+            f"{wheelset}.roller_torque_command": self.holding_torque[axle.roller_torque]
+            for wheelset, axle in self._axles.items()
+            if 0 <= axle.roller_torque < len(self.holding_torque)
         }
 
     @cached_property
@@ -191,7 +187,7 @@ class LinearBench:
         """Command by name -> the drive, or the control valve, that follows it."""
         found: dict[str, Lag] = {}
         case, step = self.case, self.case.time.sampling_step
-        for axle, wheelset in zip(self.model.axles, self.model.wheelsets, strict=False):
+        for wheelset, axle in self._axles.items():
             if case.traction is not None:
                 column = self.torques[f"{wheelset}.axle_torque"]
                 found[f"{wheelset}.motor_torque"] = _lag(column, case.traction.motor, 0)
@@ -229,7 +225,7 @@ class LinearBench:
                 label = f"{wheel.wheelset}.{wheel.side}.{_SHORT.get(name, name)}"
                 found.append(Signal(label, unit, self._c[row, self._kept], self._d[row]))
         by_name = {signal.name: signal for signal in found}
-        for axle, wheelset in zip(self.model.axles, self.model.wheelsets, strict=False):
+        for wheelset, axle in self._axles.items():
             turning = {"axle_speed": (wheelset, 1.0)}
             if axle.roller >= 0:
                 turning["roller_speed"] = (self.model.bodies[axle.roller], -1.0)
@@ -258,7 +254,7 @@ class LinearBench:
             allowed = (
                 "allowed: false, of a case without sampled actuators or controllers; or .sampled(step) of the result"
             )
-            raise ConfigError([ConfigProblem(self.case.name, "discrete", "true", allowed)])
+            raise ConfigError.of(self.case.name, "discrete", "true", allowed)
         n, count = len(self._a), self._b.shape[1]
         columns = {**self.torques, **self.pressures}
         # States x, then of each lag its torque (or pressure) and rate; on the model acts the sum.

@@ -1,6 +1,6 @@
 """Linearisation at the rolling equilibrium; eigenvalues and mode shapes, followed over a parameter; which modes are hunting.
 
-    Case, running speed -> [linearise] -> A of x' = A x around steady rolling, names of the states
+    Case, running speed -> [Lineariser] -> A of x' = A x around steady rolling, names of the states
 
 The rollers (or the rails) are speed-controlled: the rates of driven rollers are inputs, not states, and are taken out of A.
 Equations: docs/theory/equilibrium_and_linearisation.md, (L3)-(L4).
@@ -30,7 +30,7 @@ from numpy.typing import NDArray
 from scipy.linalg import eig
 
 from rollerrig import _core
-from rollerrig.assembly.model import AssembledModel, assemble
+from rollerrig.assembly.model import assemble
 from rollerrig.cases import at_speed
 from rollerrig.common.arrays import Array, Complex, Mask
 from rollerrig.common.linear_algebra import one_blas_thread
@@ -71,7 +71,6 @@ class Lineariser:
         self.case = at_speed(case)
         self.model = assemble(self.case)
         simulation = _core.Simulation(self.model.core)
-        self._inertia = _inertias(self.model)
         self._near = near
         driven = {simulation.rate_index[self.model.body_index(name)][4] for name in self.model.rollers}
         self._kept = np.array([i for i in range(simulation.state_count) if i not in driven])
@@ -82,6 +81,8 @@ class Lineariser:
             for d, direction in enumerate(DIRECTIONS)
             if simulation.rate_index[b][d] in row_of
         }
+        mass_and_inertia = {b: (mass, mass, mass, *self.model.inertias[b]) for b, mass in self.model.masses.items()}
+        self._inertia = {(body, d): mass_and_inertia[body][DIRECTIONS.index(d)] for body, d in self._rows}
 
     def simulation_at(self, speed: float) -> _core.Simulation:
         """A simulation of the model whose rails run at this speed [m/s]; rollers take theirs from the state."""
@@ -104,25 +105,7 @@ class Lineariser:
         state = np.ascontiguousarray(found["x"], dtype=np.float64)
         self._near = state
         full = simulation.jacobian(0.0, state)[0]
-        inertia = {key: self._inertia[key] for key in self._rows}
-        return Linearisation(speed, np.array(full[np.ix_(self._kept, self._kept)]), state, self._rows, inertia)
-
-
-def linearise(case: Case, speed: float) -> Linearisation:
-    """Linearise a case at one running speed [m/s]; see `Lineariser` for many.
-
-    Raises:
-        StartError: no rolling equilibrium was found at this speed.
-    """
-    return Lineariser(case).at(speed)
-
-
-def _inertias(model: AssembledModel) -> dict[tuple[str, str], float]:
-    return {
-        (body, direction): value
-        for body, mass in model.masses.items()
-        for direction, value in zip(DIRECTIONS, (mass, mass, mass, *model.inertias[body]), strict=True)
-    }
+        return Linearisation(speed, np.array(full[np.ix_(self._kept, self._kept)]), state, self._rows, self._inertia)
 
 
 LEAST_FREQUENCY = 2 * np.pi * 0.05

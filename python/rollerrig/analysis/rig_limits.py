@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from rollerrig.analysis.slide_statistics import tracking, under_test, virtual_slip, wheel_radius
+from rollerrig.analysis.slide_statistics import spells, tracking, under_test, virtual_slip, wheel_radius
 from rollerrig.analysis.virtual_rail import FULL_SLIDING, creep_curve, creep_peak, patch_of
 from rollerrig.assembly.model import assemble
 from rollerrig.assembly.train_axles import train_mass
@@ -325,8 +325,8 @@ def persists_since(times: Array, reached: Mask) -> float | None:
     """
     begins = []
     for column in reached.T:
-        edges = np.flatnonzero(np.diff(np.concatenate(([False], column, [False])).astype(int)))
-        begin, end = times[edges[::2]], times[edges[1::2] - 1]
+        first, after = spells(column)
+        begin, end = times[first], times[after - 1]
         begins += begin[end - begin >= LEAST_DURATION * (1.0 - 1e-9)].tolist()
     return min(begins, default=None)
 

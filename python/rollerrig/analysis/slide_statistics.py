@@ -19,6 +19,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
+from numpy.typing import NDArray
 
 from rollerrig.analysis.virtual_rail import patch_of, slipperiest_peak
 from rollerrig.assembly.model import assemble
@@ -360,8 +361,13 @@ def _locks(run: xr.Dataset) -> Iterator[tuple[int, int, int]]:
     """Number of the axle, first sample and the one after the last of each lock."""
     locked = (slip(run) < LOCKED - 1.0).transpose("axle", "time").to_numpy()
     for axle, own in enumerate(locked):
-        edges = np.flatnonzero(np.diff(np.concatenate([[False], own, [False]]).astype(int)))
-        yield from ((axle, int(first), int(end)) for first, end in zip(edges[::2], edges[1::2], strict=True))
+        yield from ((axle, int(first), int(end)) for first, end in zip(*spells(own), strict=True))
+
+
+def spells(flags: Mask) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """First sample of each spell of true values, and the one after its last."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], flags, [False]]).astype(int)))
+    return edges[::2], edges[1::2]
 
 
 def regrip_adhesion(slips: Array, used: Array) -> float:

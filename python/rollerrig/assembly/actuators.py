@@ -11,12 +11,17 @@ from typing import Any
 
 from rollerrig import _core
 from rollerrig.assembly.laws import adhesion_map, core_law, core_struct
-from rollerrig.assembly.model import GROUND, AssembledModel, Assembly
+from rollerrig.assembly.model import GROUND, AssembledModel, Assembly, assemble
 from rollerrig.assembly.model_parts import ABSENT, AxleActuators
 from rollerrig.config import Brake, Case, Track, Traction
 from rollerrig.config.schema.brakes import AnyTrackBrake, MagneticTrackBrake, ReservoirAir
 
 _NO_ROTOR = {"link": 0.0, "gear_ratio": 1.0, "rotor_inertia": 0.0}
+
+
+def assemble_as_run(case: Case) -> AssembledModel:
+    """The compiled model of a case as a run has it: with actuators where the case has any."""
+    return assemble_with_actuators(case) if case.sampled else assemble(case)
 
 
 def assemble_with_actuators(case: Case, *, torque_on_all: bool = False) -> AssembledModel:

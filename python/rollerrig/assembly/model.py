@@ -8,7 +8,7 @@ No physics here: positions are added up, names become indices, profiles become s
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 from rollerrig import _core
 from rollerrig.assembly.laws import Support, contact_laws, direction_law
@@ -23,6 +23,12 @@ from rollerrig.profiles import ProfileTable, gauge_point, profile_from_spec
 from rollerrig.track import Line
 
 GROUND = -1
+_PLAIN_BODY: dict[str, Any] = {
+    "axisymmetric": False,
+    "speed_controlled_radius": 0.0,
+    "in_moving_frame": True,
+    **dict.fromkeys(("loss_constant", "loss_linear", "loss_quadratic"), 0.0),
+}
 Rows = Sequence[tuple[float, float]]
 Point = tuple[float, float, float]
 
@@ -250,29 +256,15 @@ class Assembly:
         inertia: tuple[float, float, float],
         position: tuple[float, float, float],
         locked: list[bool],
-        *,
-        axisymmetric: bool = False,
-        speed_controlled_radius: float = 0.0,
-        in_moving_frame: bool = True,
-        losses: tuple[float, float, float] = (0.0, 0.0, 0.0),
+        **more: Any,
     ) -> int:
+        """A body of the core; what `more` does not say of it is as in _PLAIN_BODY."""
         self.bodies.append(name)
         self.positions[name] = position
         self.masses[name] = mass
         self.inertias[name] = inertia
-        body = _core.Body(
-            mass=mass,
-            inertia=inertia,
-            position=position,
-            axisymmetric=axisymmetric,
-            locked=locked,
-            speed_controlled_radius=speed_controlled_radius,
-            in_moving_frame=in_moving_frame,
-            loss_constant=losses[0],
-            loss_linear=losses[1],
-            loss_quadratic=losses[2],
-        )
-        return self.builder.add_body(body)
+        given = _PLAIN_BODY | more
+        return self.builder.add_body(_core.Body(mass=mass, inertia=inertia, position=position, locked=locked, **given))
 
     def _add_element(self, element: Element, preload: float) -> None:
         a, b = (self.bodies.index(name) for name in element.between)
@@ -308,8 +300,8 @@ class Assembly:
             ixx, iyy, izz = rig.roller_inertia
             mass, inertia = share * rig.roller_mass, (share * ixx, share * iyy, share * izz)
             position = (x, y, -rig.roller_radius)
-            torques = rig.losses or RollerLosses()
-            losses = (share * torques.constant, share * torques.linear, share * torques.quadratic)
+            torques = (rig.losses or RollerLosses()).model_dump()
+            losses = {f"loss_{name}": share * torque for name, torque in torques.items()}
             index = self._add_body(
                 name,
                 mass,
@@ -318,7 +310,7 @@ class Assembly:
                 locked,
                 axisymmetric=True,
                 speed_controlled_radius=controlled,
-                losses=losses,
+                **losses,
             )
             self.rollers.append(name)
             for wheel_side in ("left", "right") if side == "" else (side[1:],):

@@ -4,6 +4,8 @@ number, unit -> [this file] -> text without exponents of computers, negative zer
 """
 
 import math
+from collections.abc import Iterable
+from html import escape
 
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _PREFIXES = {9: "G", 6: "M", 3: "k", 0: "", -3: "m", -6: "µ", -9: "n"}
@@ -77,3 +79,12 @@ def percent(value: float | None, digits: int = 2, *, signed: bool = False) -> st
         return "–"
     text = number(100.0 * value, digits)
     return f"{'+' if signed and value > 0.0 else ''}{text} %"
+
+
+def html_rows(headline: str, rows: Iterable[tuple[str, str]]) -> str:
+    """A headline and a table of what and words, as notebooks show it."""
+    cells = "".join(
+        f"<tr><th style='text-align:left'>{escape(what)}</th><td style='text-align:left'>{escape(words)}</td></tr>"
+        for what, words in rows
+    )
+    return f"<p>{escape(headline)}</p><table>{cells}</table>"

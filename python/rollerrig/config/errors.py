@@ -58,6 +58,11 @@ class ConfigError(Exception):
         self.problems: tuple[ConfigProblem, ...] = tuple(problems)
         super().__init__("\n".join(str(problem) for problem in self.problems))
 
+    @classmethod
+    def of(cls, file: str, key: str, value: str, allowed: str, hint: str = "") -> "ConfigError":
+        """A single mistake."""
+        return cls([ConfigProblem(file, key, value, allowed, hint)])
+
     def __reduce__(self) -> "tuple[type[ConfigError], tuple[tuple[ConfigProblem, ...]]]":
         """Copy from its problems, on its way back from another process."""
         return type(self), (self.problems,)

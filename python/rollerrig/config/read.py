@@ -96,9 +96,9 @@ def parse_document(text: str, file: str, folder: Path | None = None) -> Document
     try:
         return Document(tomllib.loads(text), file, folder or Path())
     except tomllib.TOMLDecodeError as error:
-        raise ConfigError([ConfigProblem(file, "", "not TOML", str(error))]) from None
+        raise ConfigError.of(file, "", "not TOML", str(error)) from None
     except (ValueError, RecursionError) as error:  # an integer of thousands of digits; brackets nested beyond reason
-        raise ConfigError([ConfigProblem(file, "", "not TOML that can be read", str(error))]) from None
+        raise ConfigError.of(file, "", "not TOML that can be read", str(error)) from None
 
 
 def _read_toml(path: Path, label: str, kind: CatalogKind) -> dict[str, Any]:
@@ -107,10 +107,10 @@ def _read_toml(path: Path, label: str, kind: CatalogKind) -> dict[str, Any]:
     except (FileNotFoundError, NotADirectoryError):
         raise ConfigError([_missing(path, label, kind)]) from None
     except UnicodeDecodeError as error:
-        raise ConfigError([ConfigProblem(label, "", f"byte {error.start} is not UTF-8", "allowed: a text")]) from None
+        raise ConfigError.of(label, "", f"byte {error.start} is not UTF-8", "allowed: a text") from None
     except OSError as error:
         reason, allowed = error.strerror or str(error), "allowed: a TOML file that can be read"
-        raise ConfigError([ConfigProblem(label, "", reason, allowed)]) from None
+        raise ConfigError.of(label, "", reason, allowed) from None
     return parse_document(text, label).raw
 
 

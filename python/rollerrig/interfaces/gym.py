@@ -16,7 +16,7 @@ import numpy as np
 from rollerrig import _core
 from rollerrig.cases import as_case
 from rollerrig.common.arrays import Array
-from rollerrig.config import Case, ConfigError, ConfigProblem
+from rollerrig.config import Case, ConfigError
 from rollerrig.config.errors import nearest
 from rollerrig.interfaces.plant import assembled_model
 from rollerrig.simulation.controllers import BRAKE_UNIT, COMMANDS, roles_of
@@ -64,9 +64,7 @@ class BenchEnv(gymnasium.Env[Array, Any]):
         there = [role for role in roles_of(self.case) if role != BRAKE_UNIT]
         if controller not in there:
             allowed = f"allowed: {', '.join(there) or 'nothing: the case has no controller'}"
-            raise ConfigError(
-                [ConfigProblem(self.case.name, "controller", repr(controller), allowed, nearest(controller, there))]
-            )
+            raise ConfigError.of(self.case.name, "controller", repr(controller), allowed, nearest(controller, there))
         self.period: float = getattr(self.case, controller).sample_time
         self._radius = self.case.vehicle.data.wheel.radius
         self._plant = self._new_plant()

@@ -7,16 +7,15 @@ measured axle speeds -> [SlideProtection] -> commands of the dump valves
 """
 
 from collections.abc import Collection, Sequence
-from dataclasses import dataclass
 from pathlib import Path
+from types import SimpleNamespace
 from typing import cast
 
 from rollerrig import _core
-from rollerrig.assembly.actuators import assemble_with_actuators
-from rollerrig.assembly.model import assemble
+from rollerrig.assembly.actuators import assemble_as_run
 from rollerrig.cases import as_case
 from rollerrig.common.input_files import MEGABYTE, read_input
-from rollerrig.config import Case, ConfigError, ConfigProblem
+from rollerrig.config import Case, ConfigError
 from rollerrig.config.errors import nearest
 from rollerrig.results.files import output_file, write_bytes
 from rollerrig.simulation.controllers import UserController, roles_of, with_brake_unit
@@ -88,13 +87,6 @@ def contents(assembled: _core.AssembledModel) -> str:
     return f"{assembled.name}: {counted}\ninputs: {', '.join(inputs) or 'none'}"
 
 
-@dataclass(frozen=True)
-class _External:
-    """A controller outside: only when it is asked is known here."""
-
-    sample_time: float
-
-
 def assembled_model(case: Case, *, external: Collection[str] = (), may_drift: bool = False) -> _core.AssembledModel:
     """Everything that a run of a case needs, as the core keeps it.
 
@@ -111,7 +103,7 @@ def assembled_model(case: Case, *, external: Collection[str] = (), may_drift: bo
     """
     case = with_brake_unit(case, external)
     controllers = _external_controllers(case, external)
-    model = assemble_with_actuators(case) if case.sampled else assemble(case)
+    model = assemble_as_run(case)
     start = starting_state(model, may_drift=may_drift)
     setup = mechatronic_setup(model, controllers)
     simulation = _core.Simulation(model.core, setup)
@@ -134,14 +126,16 @@ def _external_controllers(case: Case, external: Collection[str]) -> dict[str, Us
     for role in external:
         if role not in there:
             allowed = f"allowed: a table of the case: {', '.join(there) or 'it has none'}"
-            raise ConfigError([ConfigProblem(case.name, "external", repr(role), allowed)])
+            raise ConfigError.of(case.name, "external", repr(role), allowed)
     for role in there:
         table = getattr(case, role)
         if table is not None and not table.is_ours and role not in external:
             allowed = f"allowed: our own controller, or the commands as inputs: external = {role}"
             key, value = ("user", table.user) if table.user is not None else ("fmu", table.fmu.file)
-            raise ConfigError([ConfigProblem(case.name, f"{role}.{key}", repr(value), allowed)])
-    return {role: cast("UserController", _External(getattr(case, role).sample_time)) for role in external}
+            raise ConfigError.of(case.name, f"{role}.{key}", repr(value), allowed)
+    # of a controller outside only when it is asked is known here
+    times = {role: SimpleNamespace(sample_time=getattr(case, role).sample_time) for role in external}
+    return cast("dict[str, UserController]", times)
 
 
 def controller_part(case: Case, part: str) -> _core.ControllerPart:
@@ -188,7 +182,7 @@ def controller_part(case: Case, part: str) -> _core.ControllerPart:
 
 def part_refused(case: Case, part: str, allowed: str, choices: list[str] | None = None) -> ConfigError:
     """What is wrong with a part, with a guess."""
-    return ConfigError([ConfigProblem(case.name, "part", repr(part), allowed, nearest(part, choices or []))])
+    return ConfigError.of(case.name, "part", repr(part), allowed, nearest(part, choices or []))
 
 
 class SlideProtection:

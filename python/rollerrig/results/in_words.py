@@ -6,13 +6,12 @@ Of a run: what ran, how long, how it ended, its energy residual. Of anything els
 """
 
 from dataclasses import dataclass
-from html import escape
 from pathlib import Path
 
 import numpy as np
 import xarray as xr
 
-from rollerrig.common.formatting import number, quantity
+from rollerrig.common.formatting import html_rows, number, quantity
 from rollerrig.results.files import load_run
 from rollerrig.results.run_info import ATTRIBUTE, RunInfo
 
@@ -37,11 +36,7 @@ class Summary:
         return "\n".join([self.headline, *(f"  {what:{width}}  {words}" for what, words in self.rows)])
 
     def _repr_html_(self) -> str:
-        cells = "".join(
-            f"<tr><th style='text-align:left'>{escape(what)}</th><td style='text-align:left'>{escape(words)}</td></tr>"
-            for what, words in self.rows
-        )
-        return f"<p>{escape(self.headline)}</p><table>{cells}</table>"
+        return html_rows(self.headline, self.rows)
 
 
 def summary(results: xr.Dataset | str | Path) -> Summary:

@@ -15,7 +15,7 @@ import math
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import lru_cache, partial
 from typing import Any
 
 import xarray as xr
@@ -249,7 +249,7 @@ def factors_in(record: ScaledFrom | None, case: str) -> Similitude:
     """
     if record is None:
         needed = "needed: a case made by `rollerrig scale`"
-        raise ConfigError([ConfigProblem(case, "similitude", "missing", needed)])
+        raise ConfigError.of(case, "similitude", "missing", needed)
     return Similitude(record.length, record.time, record.density)
 
 
@@ -263,16 +263,12 @@ def _mapped(variable: xr.Variable, factors: Similitude) -> xr.Variable:
 def _attribute(key: str, value: Any, factors: Similitude) -> Any:
     """An attribute, JSON included, mapped by the unit in its name."""
     if isinstance(value, str) and value[:1] in "[{" and key in ("crossings", "diverging", "contact_losses"):
-        return json.dumps(_inside(json.loads(value), factors))
+        return json.dumps(json.loads(value, object_hook=partial(_numbers, factors=factors)))
     return _number(key, value, factors)
 
 
-def _inside(value: Any, factors: Similitude) -> Any:
-    if isinstance(value, list):
-        return [_inside(item, factors) for item in value]
-    if isinstance(value, dict):
-        return {key: _number(key, item, factors) for key, item in value.items()}
-    return value
+def _numbers(table: dict[str, Any], factors: Similitude) -> dict[str, Any]:
+    return {key: _number(key, value, factors) for key, value in table.items()}
 
 
 def _number(key: str, value: Any, factors: Similitude) -> Any:

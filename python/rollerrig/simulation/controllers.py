@@ -22,7 +22,7 @@ import numpy as np
 from rollerrig import _core
 from rollerrig.common.arrays import Array
 from rollerrig.common.input_files import LARGEST_TEXT, InputError, read_input
-from rollerrig.config import Case, Code, ConfigError, ConfigProblem
+from rollerrig.config import Case, Code, ConfigError
 from rollerrig.simulation.fmu_controller import FmuController, FmuError
 
 Measurements = dict[str, Any]
@@ -75,7 +75,7 @@ def users_controllers(case: Case, given: Mapping[str, Any]) -> dict[str, UserCon
     for role in given:
         if role not in COMMANDS or getattr(case, role) is None:
             allowed = f"allowed: a table of the case: {', '.join(roles_of(case)) or 'it has none'}"
-            raise ConfigError([ConfigProblem(case.name, "controllers", repr(role), allowed)])
+            raise ConfigError.of(case.name, "controllers", repr(role), allowed)
         found[role] = check_controller(given[role], role, case.name)
     for role in COMMANDS:
         table = getattr(case, role)
@@ -91,7 +91,7 @@ def users_controllers(case: Case, given: Mapping[str, Any]) -> dict[str, UserCon
             allowed = (
                 f"allowed: a multiple of time.sampling_step, {case.time.sampling_step:g} s; the nearest is {near:g} s"
             )
-            raise ConfigError([ConfigProblem(case.name, name, f"{controller.sample_time:g}", allowed)])
+            raise ConfigError.of(case.name, name, f"{controller.sample_time:g}", allowed)
     return found
 
 
@@ -142,16 +142,16 @@ def look_at_controller(code: Code, file: str) -> None:
     try:
         tree = ast.parse(read_input(code.source, LARGEST_TEXT), code.source)
     except InputError as error:
-        raise _refused(file, code.key, place, f"{error.strerror}; allowed: a Python file") from None
+        raise ConfigError.of(file, code.key, repr(place), f"{error.strerror}; allowed: a Python file") from None
     except (OSError, SyntaxError, ValueError, RecursionError, MemoryError) as error:
-        raise _refused(file, code.key, place, f"{type(error).__name__}: {error}") from None
+        raise ConfigError.of(file, code.key, repr(place), f"{type(error).__name__}: {error}") from None
     made = {getattr(node, "name", "") for node in tree.body} | {
         getattr(part, "id", getattr(part, "asname", None) or getattr(part, "name", ""))
         for node in tree.body
         for part in (*getattr(node, "targets", ()), *getattr(node, "names", ()))
     }
     if code.name not in made and "*" not in made:
-        raise _refused(file, code.key, place, f"needed: a class {code.name} in that file")
+        raise ConfigError.of(file, code.key, repr(place), f"needed: a class {code.name} in that file")
 
 
 def load_controller(place: str, key: str, file: str) -> UserController:
@@ -162,15 +162,15 @@ def load_controller(place: str, key: str, file: str) -> UserController:
     """
     module_name, colon, name = place.rpartition(":")
     if not colon or not module_name or not name.isidentifier():
-        raise _refused(file, key, place, "allowed: 'module:Class' or 'file.py:Class'")
+        raise ConfigError.of(file, key, repr(place), "allowed: 'module:Class' or 'file.py:Class'")
     try:
         of_a_file = module_name.endswith(".py")
         module = _module_of(module_name) if of_a_file else importlib.import_module(module_name)
         made = getattr(module, name)()
     except InputError as error:
-        raise _refused(file, key, place, f"{error.strerror}; allowed: a Python file") from None
+        raise ConfigError.of(file, key, repr(place), f"{error.strerror}; allowed: a Python file") from None
     except Exception as error:  # whatever the user's module does while it is loaded
-        raise _refused(file, key, place, f"{type(error).__name__}: {error}") from error
+        raise ConfigError.of(file, key, repr(place), f"{type(error).__name__}: {error}") from error
     checked: UserController = check_controller(made, key, file)
     return checked
 
@@ -194,14 +194,12 @@ def check_controller(controller: Any, key: str, file: str) -> Any:
     name = type(controller).__name__
     time = getattr(controller, "sample_time", None)
     if isinstance(time, bool) or not isinstance(time, int | float) or not 0 < time < np.inf:
-        raise _refused(file, key, name, f"needed: an attribute sample_time, a positive number in s; it is {time!r}")
+        raise ConfigError.of(
+            file, key, repr(name), f"needed: an attribute sample_time, a positive number in s; it is {time!r}"
+        )
     if not callable(getattr(controller, "step", None)):
-        raise _refused(file, key, name, "needed: a method step(measurements) that returns commands")
+        raise ConfigError.of(file, key, repr(name), "needed: a method step(measurements) that returns commands")
     return controller
-
-
-def _refused(file: str, key: str, value: str, allowed: str) -> ConfigError:
-    return ConfigError([ConfigProblem(file, key, repr(value), allowed)])
 
 
 def ask(controller: UserController, role: str, measurements: Measurements) -> Array:

@@ -100,7 +100,7 @@ def _read(path: str, key: str, file: str) -> tuple[bytes, Any]:
     """The bytes of an FMU for co-simulation on this machine, and its description; else a ConfigError."""
 
     def refused(allowed: str) -> ConfigError:
-        return ConfigError([ConfigProblem(file, f"{key}.file", repr(path), allowed)])
+        return ConfigError.of(file, f"{key}.file", repr(path), allowed)
 
     try:
         import fmpy

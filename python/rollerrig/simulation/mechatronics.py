@@ -5,27 +5,23 @@ Case, AssembledModel -> [setup] -> _core.MechatronicSetup
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Any
 
 from rollerrig import _core
 from rollerrig.assembly.actuators import electrodynamic_brake, friction_brake, pneumatics, track_brake
 from rollerrig.assembly.laws import angular, core_struct
 from rollerrig.assembly.model import AssembledModel
-from rollerrig.assembly.model_parts import ABSENT
+from rollerrig.assembly.model_parts import ABSENT, AxleActuators
 from rollerrig.assembly.train_axles import brake_delay, reservoirs, simulated_axles, simulated_count, train_mass
-from rollerrig.config import Adhesion, Brake, Case, Encoder, ForceSensor, Motor, Rig, RigControl, Sensors
+from rollerrig.config import Adhesion, Brake, Case, ForceSensor, Motor, Rig, RigControl, Sensors
 from rollerrig.config.schema.actuators import SlideProtection, TableSlideProtection, entry_numbers
 from rollerrig.config.schema.rig_control import (
     AnyAxleTorque,
-    BandwidthEstimator,
-    ExtrapolatedTorque,
     KnownTorque,
     LeadCommand,
     NoFeedback,
     ProportionalIntegral,
-    PulseFrequency,
-    PulsePeriod,
     SlidingMode,
 )
 from rollerrig.simulation.controllers import UserController
@@ -49,6 +45,7 @@ def mechatronic_setup(
     if not case.sampled:
         return None
     control = case.rig_control or RigControl()
+    cell, energy_width, wheel_memory = _memory(case)
     return core_struct(
         _core.MechatronicSetup,
         step=case.time.sampling_step,
@@ -60,9 +57,9 @@ def mechatronic_setup(
         controllers=_controllers(model, controllers or {}),
         protection=core_struct(_core.RollerProtection, control.protection),
         frame=_frame(model),
-        rail_cell=_rail_cell(case),
-        energy_width=_energy_width(case),
-        wheel_memory=_wheel_memory(case),
+        rail_cell=cell,
+        energy_width=energy_width,
+        wheel_memory=wheel_memory,
         sanding=_sanding(case),
         simulated=simulated_axles(model, wheelset_inertia(model)),
         rail=virtual_rail(model) if simulated_count(case) else None,
@@ -75,8 +72,7 @@ def _sanding(case: Case) -> _core.Sanding | None:
     table = case.sanding
     if table is None:
         return None
-    law = _core.sanding_starts[table.start.kind]
-    start = core_struct(law, table.start, without=("kind",))
+    start = law_of(_core.sanding_starts, table.start)
     return core_struct(_core.Sanding, table, without=("axles", "saturation", "rail"), start=start)
 
 
@@ -86,41 +82,29 @@ def _stop_speed(case: Case) -> float:
     return stop if case.brake is not None and case.motion.speed > stop else 0.0
 
 
-def _rail_cell(case: Case) -> float:
-    return float(case.adhesion.cell_length if case.adhesion else Adhesion.model_fields["cell_length"].default)
+def _memory(case: Case) -> tuple[float, float, float]:
+    """Length of the rail's cells, width over which a wheel's dissipated energy is spread, and length of a wheel's memory [m].
 
-
-def _energy_width(case: Case) -> float:
-    """Over which width a wheel's dissipated energy is spread [m]; 0: that of its patches; 1 m: energy per metre run."""
-    return 1.0 if case.adhesion is not None and case.adhesion.recovery_per == "length" else 0.0
-
-
-def _wheel_memory(case: Case) -> float:
-    return case.adhesion.wheel_memory if case.adhesion else 0.0
+    The width: 0: that of its patches; 1 m: energy per metre run.
+    """
+    rail = case.adhesion
+    if rail is None:
+        return float(Adhesion.model_fields["cell_length"].default), 0.0, 0.0
+    return rail.cell_length, 1.0 if rail.recovery_per == "length" else 0.0, rail.wheel_memory
 
 
 def _axles(model: AssembledModel) -> list[_core.AxleParts]:
     """Those of the model, then those that are only simulated, which have what the first one has."""
-    first, case = model.axles[0], model.case
-    none: dict[str, Any] = {"has_brake": False, "has_motor": False}
-    of_model = {name for name in _core.AxleParts.fields if name not in none}
-    found = [
-        core_struct(_core.AxleParts, **none, **{name: getattr(axle, name) for name in of_model}) for axle in model.axles
-    ]
+
+    def parts(axle: AxleActuators, **own: bool) -> _core.AxleParts:
+        given = {name: getattr(axle, name) for name in _core.AxleParts.fields if name not in own}
+        return core_struct(_core.AxleParts, **given, **own)
+
+    case = model.case
+    absent = AxleActuators(ABSENT, (ABSENT, ABSENT), 0.0, electrodynamic=model.axles[0].electrodynamic)
     braked = case.brake is not None and not case.brake.motors_stand_in
-    simulated = core_struct(
-        _core.AxleParts,
-        wheelset=ABSENT,
-        axle_torque=ABSENT,
-        brake=ABSENT,
-        roller=ABSENT,
-        roller_torque=ABSENT,
-        contacts=(ABSENT, ABSENT),
-        electrodynamic=first.electrodynamic,
-        sands=False,
-        has_brake=braked,
-        has_motor=case.traction is not None,
-    )
+    simulated = parts(absent, has_brake=braked, has_motor=case.traction is not None)
+    found = [parts(axle, has_brake=False, has_motor=False) for axle in model.axles]
     return found + [simulated] * simulated_count(case)
 
 
@@ -134,6 +118,13 @@ def _frame(model: AssembledModel) -> _core.TravellingFrame:
 
 
 # ---------------------------------------------------------------------------------------------------- parts
+
+
+def law_of(registry: Mapping[str, Any], table: Any, without: Collection[str] = (), **given: Any) -> Any:
+    """The law of a registry of the core that a table names by its kind; its bandwidth is an angular frequency there."""
+    if hasattr(table, "bandwidth"):
+        given["bandwidth"] = angular(table.bandwidth)
+    return core_struct(registry[table.kind], table, without=("kind", *without), **given)
 
 
 def motor(table: Motor) -> _core.Motor:
@@ -167,16 +158,12 @@ def _sensors(table: Sensors) -> _core.Sensors:
     return core_struct(
         _core.Sensors,
         table,
-        axles=_speed_sensor(table.axles),
-        rollers=_speed_sensor(table.rollers),
-        vehicle=None if table.vehicle is None else _speed_sensor(table.vehicle),
+        axles=law_of(_core.speed_sensors, table.axles),
+        rollers=law_of(_core.speed_sensors, table.rollers),
+        vehicle=None if table.vehicle is None else law_of(_core.speed_sensors, table.vehicle),
         roller_torque=None if flange is None else _force_sensor(flange),
         axle_load=_force_sensor(table.axle_load),
     )
-
-
-def _speed_sensor(table: Encoder | PulsePeriod | PulseFrequency) -> Any:
-    return core_struct(_core.speed_sensors[table.kind], table, without=("kind",))
 
 
 def _force_sensor(table: ForceSensor) -> _core.ForceSensor:
@@ -210,8 +197,7 @@ def _controllers(model: AssembledModel, users: Mapping[str, UserController]) -> 
 def slide_protection(table: SlideProtection | TableSlideProtection, wheel_radius: float) -> Any:
     """The law of slide protection, for wheels of an assumed radius [m]."""
     given = {"entries": entry_numbers(table)} if isinstance(table, TableSlideProtection) else {}
-    law = _core.slide_protections[table.kind]
-    return core_struct(law, table, without=(*_TIMING, "kind"), wheel_radius=wheel_radius, **given)
+    return law_of(_core.slide_protections, table, _TIMING, wheel_radius=wheel_radius, **given)
 
 
 def _sampling(case: Case, name: str, users: Mapping[str, UserController]) -> _core.Sampling:
@@ -252,38 +238,34 @@ def virtual_rail(model: AssembledModel) -> _core.VirtualRail:
     Raises:
         StartError: the vehicle has no equilibrium on track.
     """
+    cell, energy_width, wheel_memory = _memory(model.case)
     return _core.VirtualRail(
         model=model.core,
         contact=model.axles[0].contacts[0],
         adhesion=model.adhesion,
         patch=rail_patch(model),
-        cell=_rail_cell(model.case),
-        energy_width=_energy_width(model.case),
-        wheel_memory=_wheel_memory(model.case),
+        cell=cell,
+        energy_width=energy_width,
+        wheel_memory=wheel_memory,
         sand_kept=model.case.sanding.kept if model.case.sanding else 1.0,
     )
 
 
 def estimator(control: RigControl) -> Any:
     """The estimator of contact force and axle torque."""
-    table = control.estimator
-    given = {"bandwidth": angular(table.bandwidth)} if isinstance(table, BandwidthEstimator) else {}
-    return core_struct(_core.estimators[table.kind], table, without=("kind", "torque"), **given)
+    return law_of(_core.estimators, control.estimator, ("torque",))
 
 
 def feedback(table: ProportionalIntegral | SlidingMode | NoFeedback) -> Any:
     """A feedback on the axles' speeds."""
-    given = {"bandwidth": angular(table.bandwidth)} if isinstance(table, ProportionalIntegral) else {}
-    return core_struct(_core.feedbacks[table.kind], table, without=("kind", "largest"), **given)
+    return law_of(_core.feedbacks, table, ("largest",))
 
 
 def axle_torque(table: AnyAxleTorque) -> Any:
     """Where the controller takes the torque of an axle from."""
-    law = _core.axle_torque_laws[table.kind]
     if isinstance(table, KnownTorque):
-        return core_struct(law, table, without=("kind", "correction"), bandwidth=angular(table.correction))
-    given = {"bandwidth": angular(table.bandwidth)} if isinstance(table, ExtrapolatedTorque) else {}
-    return core_struct(law, table, without=("kind",), **given)
+        return law_of(_core.axle_torque_laws, table, ("correction",), bandwidth=angular(table.correction))
+    return law_of(_core.axle_torque_laws, table)
 
 
 def drive_command(control: RigControl) -> Any:
@@ -293,7 +275,7 @@ def drive_command(control: RigControl) -> Any:
     if isinstance(table, LeadCommand) and table.ahead is None:
         lag = _core.torque_lag(motor(control.motor), control.sample_time, control.delay, 0.0)
         given = {"ahead": lag + 0.5 * control.sample_time}
-    return core_struct(_core.drive_commands[table.kind], table, without=("kind",), **given)
+    return law_of(_core.drive_commands, table, **given)
 
 
 def assumed_parameters(model: AssembledModel) -> _core.AssumedParameters:

@@ -18,12 +18,12 @@ import numpy as np
 import xarray as xr
 
 from rollerrig import _core
-from rollerrig.assembly.actuators import assemble_with_actuators
-from rollerrig.assembly.model import AssembledModel, assemble
+from rollerrig.assembly.actuators import assemble_as_run
+from rollerrig.assembly.model import AssembledModel
 from rollerrig.cases import as_case
 from rollerrig.common.arrays import Array, Complex
 from rollerrig.common.linear_algebra import eigenvalues
-from rollerrig.config import Case, ConfigError, ConfigProblem, Rig
+from rollerrig.config import Case, ConfigError, Rig
 from rollerrig.results import COMPLETED, Draft, Outcome, add_energy_audit, add_termination, run_draft
 from rollerrig.results.dataset import Recording, add_readings, drive_warning, readings_per_sample
 from rollerrig.results.files import available_memory
@@ -97,7 +97,7 @@ def simulate(
     """
     case = with_brake_unit(as_case(case), controllers or {})
     users = users_controllers(case, controllers or {})
-    model = assemble_with_actuators(case) if case.sampled else assemble(case)
+    model = assemble_as_run(case)
     step = case.time.output_step / readings_per_sample(case)
     simulation = prepare(model, users, may_drift=may_drift, output_step=step)
     recording = _room(case, simulation.width, simulation.reading_width)
@@ -276,7 +276,7 @@ def check_fixed_step(simulation: _core.Simulation, case: Case, state: Array) -> 
         f"allowed: at most {1e3 * allowed_step:.2g} ms, where {method} is stable at {3.6 * case.motion.speed:g} km/h in "
         "this case; or method = 'rodas4', which has no such limit"
     )
-    raise ConfigError([ConfigProblem(case.name, "time.step", f"{1e3 * step:g} ms", allowed)])
+    raise ConfigError.of(case.name, "time.step", f"{1e3 * step:g} ms", allowed)
 
 
 def absolute_tolerances(simulation: _core.Simulation, displacement: float, case: Case) -> list[float]:
@@ -316,7 +316,7 @@ def _room(case: Case, width: int, columns: int) -> Recording:
             f"allowed: at least {least:.2g} s for a run of {case.time.duration:g} s; {count} samples need "
             f"{needed / 1e9:.1f} GB of memory, {available / 1e9:.1f} GB are available"
         )
-        raise ConfigError([ConfigProblem(case.name, "time.output_step", f"{case.time.output_step:g}", allowed)])
+        raise ConfigError.of(case.name, "time.output_step", f"{case.time.output_step:g}", allowed)
     return Recording(count, width, every, columns)
 
 

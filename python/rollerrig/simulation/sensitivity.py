@@ -18,13 +18,13 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from rollerrig import _core
-from rollerrig.assembly.actuators import assemble_with_actuators
-from rollerrig.assembly.model import AssembledModel, assemble
+from rollerrig.assembly.actuators import assemble_as_run
+from rollerrig.assembly.model import AssembledModel
 from rollerrig.cases import as_case
 from rollerrig.common.arrays import Array
 from rollerrig.config import Case, ConfigError, ConfigProblem
 from rollerrig.config.errors import nearest, one_of
-from rollerrig.config.load.change import matching_paths, parts_of, whole_key
+from rollerrig.config.load.change import matching_paths, parts_of, value_in, whole_key
 from rollerrig.config.write.differences import tables_of
 from rollerrig.config.write.explain import unit_of
 from rollerrig.results import COMPLETED, Outcome, run_draft
@@ -93,7 +93,7 @@ def sensitivity(
     case = as_case(case)
     require_smooth(case)
     values, changed = zip(*(changed_cases(case, key) for key in parameters), strict=True) if parameters else ((), ())
-    model = _assembled(case)
+    model = assemble_as_run(case)
     simulation = prepare(model)
     layout = _layout(model, simulation.width, outputs)
     kept = np.unique(np.concatenate([layout[name].values.ravel() for name in outputs])).astype(np.intp)
@@ -133,11 +133,11 @@ def changed_cases(case: Case, key: str, relative_width: float = RELATIVE_WIDTH) 
     if len(found) > 1:
         shown = ", ".join(f"{value:g}" for value in sorted(found))
         allowed = "allowed: keys of equal numbers, which are changed together; name each of them"
-        raise ConfigError([ConfigProblem(case.name, key, f"stands for {shown}", allowed)])
+        raise ConfigError.of(case.name, key, f"stands for {shown}", allowed)
     value = found.pop()
     if value == 0.0:
         allowed = "allowed: a number that is not 0, whose size says how far to change it; give it a small one"
-        raise ConfigError([ConfigProblem(case.name, key, "is 0", allowed)])
+        raise ConfigError.of(case.name, key, "is 0", allowed)
     width = relative_width * abs(value)
     return value, (changed_case(case, key, value + width), changed_case(case, key, value - width))
 
@@ -178,30 +178,20 @@ def require_smooth(case: Case) -> None:
 
 
 def _number_at(tables: Mapping[str, Any], path: Sequence[str], key: str, file: str) -> float:
-    holder: Any = tables
-    for part in path:
-        if isinstance(holder, list):
-            named = [item for item in holder if isinstance(item, dict) and part in item.values()]
-            holder = named[0] if named else holder[int(part)] if part.isdecimal() and int(part) < len(holder) else None
-        else:
-            holder = holder.get(part) if isinstance(holder, dict) else None
-    if isinstance(holder, bool) or not isinstance(holder, int | float):
-        shown = "there is no such number" if holder is None else "is no number"
-        raise ConfigError([ConfigProblem(file, key, shown, "allowed: keys of numbers; `rollerrig explain` lists them")])
-    return float(holder)
-
-
-def _assembled(case: Case) -> AssembledModel:
-    return assemble_with_actuators(case) if case.sampled else assemble(case)
+    found = value_in(tables, path)
+    if isinstance(found, bool) or not isinstance(found, int | float):
+        shown = "there is no such number" if found is None else "is no number"
+        raise ConfigError.of(file, key, shown, "allowed: keys of numbers; `rollerrig explain` lists them")
+    return float(found)
 
 
 def _pair(
     model: AssembledModel, key: str, cases: tuple[Case, Case], half_width: float
 ) -> tuple[_core.Simulation, _core.Simulation, float]:
-    above, below = (_assembled(case) for case in cases)
+    above, below = (assemble_as_run(case) for case in cases)
     if not model.breakpoints == above.breakpoints == below.breakpoints:
         allowed = "allowed: numbers that move no corner in time of a torque or speed"
-        raise ConfigError([ConfigProblem(model.case.name, key, "moves one", allowed)])
+        raise ConfigError.of(model.case.name, key, "moves one", allowed)
     return prepare(above, may_drift=True), prepare(below, may_drift=True), half_width
 
 

@@ -20,7 +20,7 @@ from rollerrig import _core
 from rollerrig.assembly.model import AssembledModel
 from rollerrig.common.arrays import Array
 from rollerrig.common.linear_algebra import eigenvalues, one_blas_thread
-from rollerrig.config import ConfigError, ConfigProblem, Rig
+from rollerrig.config import ConfigError, Rig
 from rollerrig.config.schema.vehicle import DIRECTIONS
 from rollerrig.results import Outcome, run_dataset
 from rollerrig.results.termination import segment_in_words
@@ -112,7 +112,7 @@ def require_restraint(simulation: _core.Simulation, model: AssembledModel, state
         f"it would roll off, twice as far every {math.log(2.0) / found.rate:.2g} s; needed: a coupler rod, "
         f"support.restraint, locked = ['x'] for {found.body}, or a force element with a stiffness in x to a body that is held"
     )
-    raise ConfigError([ConfigProblem(model.case.name, "vehicle", value, allowed)])
+    raise ConfigError.of(model.case.name, "vehicle", value, allowed)
 
 
 def rolled_off(simulation: _core.Simulation, model: AssembledModel) -> str:
@@ -227,7 +227,7 @@ def disturbances(model: AssembledModel) -> list[_core.Disturbance]:
             if coordinates[body][direction] < 0:
                 place = f"disturbance[{number}].{name}"
                 allowed = f"allowed: only 0, {disturbance.body} is locked or turns freely in {DIRECTIONS[direction]}"
-                raise ConfigError([ConfigProblem(model.case.name, place, f"{offset:g}", allowed)])
+                raise ConfigError.of(model.case.name, place, f"{offset:g}", allowed)
             offsets[body, direction] = offset
         yaw = DIRECTIONS.index("yaw")
         if given and coordinates[body][yaw] >= 0:

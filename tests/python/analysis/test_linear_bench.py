@@ -16,7 +16,7 @@ from rollerrig import _core
 from rollerrig.analysis import linear_bench
 from rollerrig.analysis.linear_bench import LinearBench
 from rollerrig.analysis.linear_system import margins_of
-from rollerrig.analysis.modes import linearise
+from rollerrig.analysis.modes import Lineariser
 from rollerrig.assembly.model import assemble
 from rollerrig.cases import on_track
 from rollerrig.config import ConfigError
@@ -74,7 +74,7 @@ def test_motions_are_those_of_the_modes() -> None:
     """The same equilibrium and the same Jacobian as the stability tables."""
     case = rr.load_case("bogie_rollers_constant")
     system = LinearBench(case, 60.0).system(["wheelset_1.axle_torque"], ["wheelset_1.y"])
-    expected = linearise(case, 60.0).matrix
+    expected = Lineariser(case).at(60.0).matrix
     np.testing.assert_allclose(system.a, expected, atol=1e-6 * np.abs(expected).max())
 
 

@@ -20,7 +20,7 @@ from rollerrig.analysis import (
 from rollerrig.analysis.control_loop import slow_wavelength
 from rollerrig.analysis.critical_speed import bracket, scan_linear
 from rollerrig.analysis.mode_table import diverging, modes_over_speed
-from rollerrig.analysis.modes import eigensystem, linearise, oscillates
+from rollerrig.analysis.modes import eigensystem, oscillates
 from rollerrig.config import Case, load_case
 from rollerrig.study.jobs import job, run_rounds
 
@@ -59,7 +59,7 @@ def test_frequency_and_damping_belong_to_the_eigenvalue(modes) -> None:
 
 
 def test_no_mode_is_counted_twice_and_driven_rollers_have_none(bogie) -> None:
-    linear = linearise(bogie, 60.0)
+    linear = Lineariser(bogie).at(60.0)
     values = np.linalg.eigvals(linear.matrix)
     assert not np.any(np.abs(values) < 1e-6), "a neutral eigenvalue is left"
     assert not any(body.startswith("roller") for body, _ in linear.rate_rows)
@@ -170,7 +170,7 @@ def test_a_free_vehicle_rolls_off_its_rollers() -> None:
 def test_a_warm_start_changes_no_mode(bogie) -> None:
     lineariser = Lineariser(bogie)
     lineariser.at(20.0)
-    warm, cold = lineariser.at(60.0).matrix, linearise(bogie, 60.0).matrix
+    warm, cold = lineariser.at(60.0).matrix, Lineariser(bogie).at(60.0).matrix
     # equilibria agree to 1e-7 N, of stiffnesses around 1e9 N/m
     assert warm == pytest.approx(cold, rel=1e-7, abs=1e-6 * np.abs(cold).max())
 
@@ -186,7 +186,7 @@ def test_a_vehicle_free_along_its_track_hunts_like_one_that_is_fixed() -> None:
     free = load_case("bogie_track").with_changes({"vehicle.cut": "vehicle"})
     held = free.with_changes({"vehicle.body.car_body.locked": ["x"]})
     speed = 300 / 3.6  # where hunting is the least damped motion of several hertz
-    modes = [np.linalg.eigvals(linearise(case, speed).matrix) for case in (free, held)]
+    modes = [np.linalg.eigvals(Lineariser(case).at(speed).matrix) for case in (free, held)]
     hunting = [max(m[(m.imag > 25) & (m.imag < 60)], key=lambda z: z.real) for m in modes]
     assert hunting[0] == pytest.approx(hunting[1], rel=1e-3)  # symmetric: lateral and longitudinal motion do not couple
 
@@ -215,7 +215,7 @@ def test_a_winding_bumpy_track_counts_as_it_begins() -> None:
             "support.irregularity": {"kind": "ore_b176", "level": "high"},
         }
     )
-    assert np.array_equal(linearise(winding, 60.0).matrix, linearise(plain, 60.0).matrix)
+    assert np.array_equal(Lineariser(winding).at(60.0).matrix, Lineariser(plain).at(60.0).matrix)
 
 
 def test_without_dampers_the_bogie_bounces_undamped_at_its_natural_frequency(bogie) -> None:

@@ -8,7 +8,7 @@ import pytest
 import rollerrig as rr
 from rollerrig.analysis import mode_table
 from rollerrig.analysis.critical_speed import linear_critical_speed
-from rollerrig.analysis.modes import eigensystem, linearise
+from rollerrig.analysis.modes import Lineariser, eigensystem
 from rollerrig.analysis.stability_sensitivity import suspension_parameters
 from rollerrig.simulation.sensitivity import changed_case
 
@@ -42,7 +42,7 @@ def test_eigenvalues(found) -> None:
     roots = found["growth_rate"].values + 1j * found["angular_frequency"].values
     moved = [
         eigensystem(
-            linearise(rr.load_case("bogie_rollers_constant").with_changes({key: value * (1 + w)}), speed).matrix
+            Lineariser(rr.load_case("bogie_rollers_constant").with_changes({key: value * (1 + w)})).at(speed).matrix
         ).values
         for w in (1e-3, -1e-3)
     ]

@@ -269,7 +269,7 @@ def build_case(
     file = document.file
     if WITHOUT in raw:
         allowed = "allowed: beside `base`, whose keys it takes away"
-        raise ConfigError([ConfigProblem(file, WITHOUT, show_value(raw[WITHOUT]), allowed)])
+        raise ConfigError.of(file, WITHOUT, show_value(raw[WITHOUT]), allowed)
     vehicle, problems = _part(raw, "vehicle", resolve_vehicle, document)
     support, mistakes = _part(raw, "support", resolve_support, document)
     problems += mistakes
@@ -293,14 +293,14 @@ def _build_from_base(document: Document, own_folder: Path | None, *, allow_code:
     """A case that says what is different from its `base`."""
     name, file = document.raw[BASE], document.file
     if not isinstance(name, str):
-        raise ConfigError([ConfigProblem(file, BASE, show_value(name), "allowed: a case of the catalogue or a file")])
+        raise ConfigError.of(file, BASE, show_value(name), "allowed: a case of the catalogue or a file")
     found, problems = refer("case", name, document, BASE)
     if found is None:
         raise ConfigError(problems)
     here = str((found.folder / Path(name).name).absolute())
     if here in above:
         allowed = "allowed: a case that does not start from this one again"
-        raise ConfigError([ConfigProblem(file, BASE, show_value(name), allowed)])
+        raise ConfigError.of(file, BASE, show_value(name), allowed)
     base = build_case(found, own_folder=found.folder, allow_code=allow_code, above=(*above, here))
     changes, problems = changes_in(document, base)
     raw, mistakes = changed_tables(base, changes, file)

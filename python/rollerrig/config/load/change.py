@@ -8,7 +8,7 @@ A case that only says what is different names another one as its `base`; each va
 """
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from fnmatch import fnmatchcase
 from functools import cache
 from typing import Any
@@ -115,21 +115,15 @@ def _write(raw: dict[str, Any], key: str, value: object, keys: set[str], file: s
     for part in path:
         if isinstance(holder, dict):
             holder = holder.setdefault(part, {})
-        elif isinstance(holder, list):
-            index = _index(holder, part)
-            if index is None:
-                return _no_such_item(holder, part, key, file)
+        elif (index := _index(holder, part)) is not None:
             holder = holder[index]
         else:
-            return ConfigProblem(file, key, show_value(value), f"allowed: keys that exist; '{part}' is inside a value")
-    if isinstance(holder, list):
-        index = _index(holder, last)
-        if index is None:
-            return _no_such_item(holder, last, key, file)
+            return _nowhere(holder, part, key, value, file)
+    if (index := _index(holder, last)) is not None:
         holder[index] = value
         return None
     if not isinstance(holder, dict):
-        return ConfigProblem(file, key, show_value(value), f"allowed: keys that exist; '{last}' is inside a value")
+        return _nowhere(holder, last, key, value, file)
     holder.pop(last, None)
     if value is not None:
         holder[last] = value
@@ -157,15 +151,20 @@ def _of_other_kinds(kind: object) -> frozenset[str]:
     return frozenset().union(*_keys_by_kind().values()) - own if own else frozenset()
 
 
-def _index(items: list[Any], part: str) -> int | None:
+def _index(items: Any, part: str) -> int | None:
+    """Number of the item of a list that a part of a key names; None where there is none, or no list."""
+    if not isinstance(items, list):
+        return None
     if part.isdecimal() and len(part) < 10:
         return int(part) if int(part) < len(items) else None
     labels = [item_label(items, index) for index in range(len(items))]
     return labels.index(part) if part in labels else None
 
 
-def _no_such_item(items: list[Any], part: str, key: str, file: str) -> ConfigProblem:
-    labels = [item_label(items, index) for index in range(len(items))]
+def _nowhere(holder: Any, part: str, key: str, value: object, file: str) -> ConfigProblem:
+    if not isinstance(holder, list):
+        return ConfigProblem(file, key, show_value(value), f"allowed: keys that exist; '{part}' is inside a value")
+    labels = [item_label(holder, index) for index in range(len(holder))]
     return ConfigProblem(file, key, f"no item '{part}'", one_of(labels), nearest(part, labels))
 
 
@@ -234,12 +233,14 @@ def leaves(table: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any
 
 def exists(raw: dict[str, Any], key: str) -> bool:
     """Whether a dotted key leads somewhere in the tables."""
-    holder: Any = raw
-    for part in whole_key(key).split("."):
-        if isinstance(holder, list):
-            holder = next((item for item in holder if isinstance(item, dict) and part in item.values()), None)
+    return value_in(raw, parts_of(whole_key(key))) is not None
+
+
+def value_in(tables: Any, path: Sequence[str]) -> Any:
+    """What stands in tables at the parts of a key; None: nothing."""
+    for part in path:
+        if (index := _index(tables, part)) is not None:
+            tables = tables[index]
         else:
-            holder = holder.get(part) if isinstance(holder, dict) else None
-        if holder is None:
-            return False
-    return True
+            tables = tables.get(part) if isinstance(tables, dict) else None
+    return tables

@@ -70,9 +70,9 @@ def check_new_code(
         elif isinstance(value, str) and (_match(["fmu"], rest) or _match(["fmu", "file"], rest)):
             found.append(Code(f"{table}.fmu", value, ""))
     return tuple(found), [
-        _elsewhere(file, f"{at}.{code.key}", repr(code.source), _kind(code), own_folder, "file")
+        _elsewhere(file, f"{at}.{code.key}", repr(code.source), code, own_folder, "file")
         for code in found
-        if not allow and not (code.is_file and _is_below(own_folder, code.source))
+        if not (allow or _is_below(own_folder, code))
     ]
 
 
@@ -94,8 +94,8 @@ def place_code(
             if code.is_file:
                 table["user"] = f"{(folder / code.source).absolute()}:{code.name}"
                 code = _code(key, table["user"])
-            if ":" in user and not allow and not (code.is_file and _is_below(own_folder, code.source)):
-                problems.append(_elsewhere(file, code.key, repr(table["user"]), _kind(code), own_folder))
+            if ":" in user and not (allow or _is_below(own_folder, code)):
+                problems.append(_elsewhere(file, code.key, repr(table["user"]), code, own_folder))
     return problems
 
 
@@ -113,18 +113,16 @@ def _place_fmus(
             if isinstance(path, str) and path and "\0" not in path:
                 path = str((folder / path).absolute())
                 table["fmu"] = {**fmu, "file": path} if isinstance(fmu, Mapping) else path
-        if isinstance(path, str) and path and not allow and not _is_below(own_folder, path):
-            problems.append(_elsewhere(file, f"{key}.fmu", repr(path), "a file", own_folder))
+        code = Code(f"{key}.fmu", str(path), "")
+        if isinstance(path, str) and path and not (allow or _is_below(own_folder, code)):
+            problems.append(_elsewhere(file, code.key, repr(path), code, own_folder))
     return problems
 
 
-def _kind(code: Code) -> str:
-    return "a file" if code.is_file else "a module of Python,"
-
-
 def _elsewhere(
-    file: str, key: str, value: str, what: str, own_folder: Path | None, whose: str = "case"
+    file: str, key: str, value: str, code: Code, own_folder: Path | None, whose: str = "case"
 ) -> ConfigProblem:
+    what = "a file" if code.is_file else "a module of Python,"
     where = f"the {whose}'s own folder" + ("" if own_folder is None else f", {own_folder.absolute()}")
     allowed = f"code from elsewhere: {what} outside {where}; runs only with --allow-code, or allow_code=True"
     return ConfigProblem(file, key, value, allowed)
@@ -139,9 +137,9 @@ def _code(key: str, user: str) -> Code:
     return Code(f"{key}.user", source, name)
 
 
-def _is_below(folder: Path | None, path: str) -> bool:
-    """Whether a file really lies in a folder: links are followed."""
+def _is_below(folder: Path | None, code: Code) -> bool:
+    """Whether code is a file that really lies in a folder: links are followed."""
     try:
-        return folder is not None and Path(path).resolve().is_relative_to(folder.resolve())
+        return folder is not None and code.is_file and Path(code.source).resolve().is_relative_to(folder.resolve())
     except (OSError, RuntimeError):  # links in a circle
         return False

@@ -96,7 +96,7 @@ def _number(one: FreeKey, case: Case, file: str, at: str) -> FreeKeyNumber:
     """A free key in SI; a ConfigError where it leads nowhere, or its numbers do not fit."""
 
     def refuse(key: str, value: object, allowed: str) -> NoReturn:
-        raise ConfigError([ConfigProblem(file, f"{at}.{key}", show_value(value), allowed)])
+        raise ConfigError.of(file, f"{at}.{key}", show_value(value), allowed)
 
     there = value_at(case, plain(case.model_dump(exclude_none=True)) if "*" in one.key else {}, one.key, file)
     if isinstance(there, ConfigProblem):

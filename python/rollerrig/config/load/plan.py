@@ -68,7 +68,7 @@ def load_plan(
         raise ConfigError(problems)
     if not plan.measure:
         allowed = "needed: what is computed of each case, such as [[measure]] with kind = 'critical_speed'"
-        raise ConfigError([ConfigProblem(document.file, "measure", "missing", allowed)])
+        raise ConfigError.of(document.file, "measure", "missing", allowed)
     found, problems = refer("case", plan.case, document, "case")
     if found is None:
         raise ConfigError(problems)

@@ -2,7 +2,7 @@
 
 Checks that a run ends: numbers kept, steps integrated, rail remembered. Each key may be in its range and their product not.
 
-    Case -> [check_size] -> problems that say which key to change, before anything is computed
+    Case -> [check_case] -> problems that say which key to change, before anything is computed
     Programme -> [check_programme] -> ConfigProblem, one per mistake
 """
 
@@ -25,13 +25,6 @@ MOST_STEPS = 1e9
 """Largest number of steps of a fixed-step method: hours for a wheelset, days for a vehicle."""
 
 
-def check_size(case: CaseTables, file: str) -> Iterator[ConfigProblem]:
-    """Runs that would not fit into memory, or not end within days; rail that is forgotten before all wheels have passed."""
-    yield from _results(case, file)
-    yield from _steps(case, file)
-    yield from _rail(case, file)
-
-
 def numbers_per_sample(case: CaseTables) -> int:
     """About how many numbers a run keeps at each output time."""
     part, bodies, axles = case.vehicle.part, case.vehicle.bodies, len(case.vehicle.wheelsets)
@@ -46,6 +39,7 @@ def numbers_per_sample(case: CaseTables) -> int:
 
 
 def _results(case: CaseTables, file: str) -> Iterator[ConfigProblem]:
+    """Runs that would not fit into memory."""
     duration, step = case.time.duration, case.time.output_step
     width = numbers_per_sample(case)
     if width * duration / step > MOST_NUMBERS:
@@ -58,6 +52,7 @@ def _results(case: CaseTables, file: str) -> Iterator[ConfigProblem]:
 
 
 def _steps(case: CaseTables, file: str) -> Iterator[ConfigProblem]:
+    """Runs that would not end within days."""
     duration, own = case.time.duration, case.integration
     asked = {
         "step": own.step if own.fixed else None,
@@ -137,7 +132,8 @@ def check_case(case: CaseTables, file: str) -> list[ConfigProblem]:
     problems += _restraint(case, file)
     problems += check_actuators(case, file)
     problems += check_patch(case, file)
-    problems += check_size(case, file)
+    for check in (_results, _steps, _rail):
+        problems += check(case, file)
     return list(dict.fromkeys(problems))
 
 

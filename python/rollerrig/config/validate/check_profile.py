@@ -131,7 +131,7 @@ def check_patch(case: CaseTables, file: str) -> Iterator[ConfigProblem]:
     patch = patch_size(case, roller)
     if patch <= LARGEST_SHARE * min(wheel, roller):
         return
-    load, modulus = _wheel_load(case), case.contact.material.young_modulus
+    load, modulus = wheel_load(case), case.contact.material.young_modulus
     reason = (
         f"the patch between wheel and roller is about {_length(patch)} long to either side (load {load:.3g} N, "
         f"E {modulus:.3g} Pa), and contact theory takes both for bodies much larger than it"
@@ -150,12 +150,12 @@ def patch_size(case: CaseTables, roller_radius: float) -> float:
     material = case.contact.material
     curvature = 0.5 * (1.0 / case.vehicle.data.wheel.radius + 1.0 / roller_radius)  # (14)
     ellipse = _core.hertz_ellipse(
-        _wheel_load(case), curvature, curvature, material.shear_modulus, material.poisson_ratio
+        wheel_load(case), curvature, curvature, material.shear_modulus, material.poisson_ratio
     )
     return float(ellipse[0])
 
 
-def _wheel_load(case: CaseTables) -> float:
+def wheel_load(case: CaseTables) -> float:
     """Mean over the whole vehicle [N]."""
     bodies = case.vehicle.data.body
     wheelsets = sum(body.kind == "wheelset" for body in bodies)

@@ -24,7 +24,7 @@ from rollerrig.config.schema.track import (
     rails_of_run,
 )
 from rollerrig.config.schema.vehicle import Body
-from rollerrig.config.validate.check_profile import check_profile, flange_clearance
+from rollerrig.config.validate.check_profile import check_profile, flange_clearance, wheel_load
 from rollerrig.irregularity import IrregularityError, read_measured_track
 from rollerrig.profiles import ProfileError, flange_angle, profile_from_spec
 from rollerrig.track import Segment, highest_speed, limit_of_lateral_force, plane_acceleration
@@ -153,10 +153,8 @@ def check_track(case: CaseTables, file: str) -> list[ConfigProblem]:
 
 def _give_way(case: CaseTables, foundation: Foundation, file: str) -> Iterator[ConfigProblem]:
     """Under a force as large as the wheel load a rail gives way by millimetres: neither by centimetres, nor not at all."""
-    vehicle = case.vehicle.data
-    wheels = 2 * sum(body.kind == "wheelset" for body in vehicle.body)
-    load = sum(body.mass for body in vehicle.body) * case.gravity / wheels
-    least, largest = (vehicle.wheel.profile.length_scale * give for give in GIVE)
+    load = wheel_load(case)
+    least, largest = (case.vehicle.data.wheel.profile.length_scale * give for give in GIVE)
     for part, where in ((foundation, "foundation"), (foundation.sleeper, "foundation.sleeper")):
         for key in ("lateral", "vertical", "roll"):
             law: LinearSupport | AngularSupport | None = getattr(part, key, None)

@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from html import escape
 from typing import Any
 
-from rollerrig.common.formatting import number
+from rollerrig.common.formatting import html_rows, number
 from rollerrig.config.errors import show_value
 from rollerrig.config.schema.case import CaseTables, Contact, SupportChoice, VehicleChoice
 from rollerrig.config.schema.support import Rig
@@ -151,11 +151,7 @@ def in_words(case: CaseTables) -> str:
 
 def in_html(case: CaseTables) -> str:
     """The same as a table."""
-    body = "".join(
-        f"<tr><th style='text-align:left'>{what}</th><td style='text-align:left'>{escape(words)}</td></tr>"
-        for what, words in rows(case)
-    )
-    return f"<p>{escape(_headline(case))}</p><table>{body}</table>"
+    return html_rows(_headline(case), rows(case))
 
 
 def _headline(case: CaseTables) -> str:

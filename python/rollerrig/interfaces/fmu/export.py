@@ -16,7 +16,7 @@ from pathlib import Path
 
 from rollerrig import _core
 from rollerrig.cases import as_case
-from rollerrig.config import Case, ConfigError, ConfigProblem
+from rollerrig.config import Case, ConfigError
 from rollerrig.interfaces.fmu.description import TOOL, Unit, model_description_2, model_description_3
 from rollerrig.interfaces.plant import assembled_model, controller_part, part_refused
 from rollerrig.results.files import output_file, write_bytes
@@ -183,7 +183,7 @@ def check_format(case: str, fmi: str, kind: str) -> None:
     """Refuse with a ConfigError what is not offered."""
     for key, value, allowed in (("fmi", fmi, tuple(DESCRIPTIONS)), ("kind", kind, KINDS)):
         if value not in allowed:
-            raise ConfigError([ConfigProblem(case, key, repr(value), f"allowed: {', '.join(allowed)}")])
+            raise ConfigError.of(case, key, repr(value), f"allowed: {', '.join(allowed)}")
 
 
 def export_part(case: Case | str, part: str, path: str | Path, *, fmi: str = "2", force: bool = False) -> Path:

@@ -18,7 +18,7 @@ import numpy as np
 from rollerrig import _core
 from rollerrig.cases import as_case
 from rollerrig.common.arrays import Array
-from rollerrig.config import Case, ConfigError, ConfigProblem
+from rollerrig.config import Case, ConfigError
 from rollerrig.config.errors import nearest, one_of
 from rollerrig.config.schema.units import Quantity
 from rollerrig.interfaces.plant import assembled_model
@@ -33,7 +33,10 @@ LARGEST_FRAME = 512
 
 @dataclass(frozen=True)
 class Served:
-    """A rig ready to be served: case (None: of a model file), period [s], variables that are commanded and sent, safe values."""
+    """A rig ready to be served: case (None: of a model file), period [s], variables that are commanded and sent, safe values.
+
+    Variables also by their indices, as the core counts them.
+    """
 
     name: str
     case: Case | None
@@ -42,20 +45,8 @@ class Served:
     inputs: tuple[_core.Variable, ...]
     outputs: tuple[_core.Variable, ...]
     safe: tuple[float, ...]
-
-    @property
-    def input_indices(self) -> list[int]:
-        """Indices of the inputs, as the core counts its variables."""
-        return self._indices(self.inputs)
-
-    @property
-    def output_indices(self) -> list[int]:
-        """Indices of the outputs, as the core counts its variables."""
-        return self._indices(self.outputs)
-
-    def _indices(self, variables: Sequence[_core.Variable]) -> list[int]:
-        plant = _core.Plant(self.assembled)
-        return [plant.find(variable.name) for variable in variables]
+    input_indices: list[int]
+    output_indices: list[int]
 
     @property
     def periods(self) -> int:
@@ -96,11 +87,11 @@ def serve_case(
     case = with_brake_unit(case, roles)
     for role in roles:
         if role not in there:
-            raise refused(case.name, "external", role, one_of(there), nearest(role, there))
+            raise ConfigError.of(case.name, "external", role, one_of(there), nearest(role, there))
         if not (table := getattr(case, role)).is_ours:
             allowed = "two controllers for one command: remove it, or leave its table out of --external"
             key, value = ("user", table.user) if table.user is not None else ("fmu", table.fmu.file)
-            raise refused(case.name, f"{role}.{key}", repr(value), allowed)
+            raise ConfigError.of(case.name, f"{role}.{key}", repr(value), allowed)
     period = _period(case.name, rate, case.time.sampling_step if case.sampled else 0.0)
     changes: dict[str, object] = {f"{role}.sample_time": period for role in roles}
     if case.sampled and case.time.method is None and not lock_step:
@@ -147,8 +138,10 @@ def _served(
     chosen = _chosen(name, variables, outputs)
     if max(len(inputs), len(chosen)) > LARGEST_FRAME:
         allowed = f"a frame holds at most {LARGEST_FRAME} numbers; name fewer with --outputs"
-        raise refused(name, "outputs", f"{len(chosen)} variables", allowed)
-    return Served(name, case, assembled, period, inputs, chosen, _safe(name, inputs, safe))
+        raise ConfigError.of(name, "outputs", f"{len(chosen)} variables", allowed)
+    number = {v.name: index for index, v in enumerate(variables)}
+    indices = ([number[v.name] for v in some] for some in (inputs, chosen))
+    return Served(name, case, assembled, period, inputs, chosen, _safe(name, inputs, safe), *indices)
 
 
 def describe(served: Served, *, session: int, lock_step: bool, patience: int) -> str:
@@ -182,14 +175,14 @@ def _period(name: str, rate: str | float, step: float) -> float:
     try:
         found = RATE.parse(number)
     except ValueError:
-        raise refused(name, "rate", repr(rate), f"allowed: a rate like '1 kHz', {RATE.bounds}") from None
+        raise ConfigError.of(name, "rate", repr(rate), f"allowed: a rate like '1 kHz', {RATE.bounds}") from None
     if step == 0.0:
         return 1.0 / found
     steps = 1.0 / found / step
     if round(steps) < 1 or abs(steps - round(steps)) > 1e-6 * steps:
         near = hertz(1.0 / (max(1, round(steps)) * step))
         allowed = f"allowed: a rate whose period is a multiple of time.sampling_step, {1e3 * step:g} ms; the nearest is {near}"
-        raise refused(name, "rate", hertz(found), allowed)
+        raise ConfigError.of(name, "rate", hertz(found), allowed)
     return round(steps) * step
 
 
@@ -202,7 +195,7 @@ def _chosen(name: str, variables: Sequence[_core.Variable], patterns: Sequence[s
         if not any(fnmatchcase(v.name, pattern) for v in outputs):
             names = [v.name for v in outputs]
             allowed = f"allowed: names of outputs, with '*' for anything, like '{names[0]}'"
-            raise refused(name, "outputs", repr(pattern), allowed, nearest(pattern, names))
+            raise ConfigError.of(name, "outputs", repr(pattern), allowed, nearest(pattern, names))
     return tuple(v for v in outputs if any(fnmatchcase(v.name, pattern) for pattern in patterns))
 
 
@@ -210,12 +203,12 @@ def _safe(name: str, inputs: Sequence[_core.Variable], given: Mapping[str, float
     names = [v.name for v in inputs]
     for own, value in given.items():
         if own not in names:
-            raise refused(name, "safe", repr(own), one_of(names), nearest(own, names))
+            raise ConfigError.of(name, "safe", repr(own), one_of(names), nearest(own, names))
         limits = inputs[names.index(own)]
         if not limits.least <= value <= limits.most or (limits.whole and value != round(value)):
             kind = "a whole number" if limits.whole else "a number"
             allowed = f"allowed: {kind} from {limits.least:g} to {limits.most:g}"
-            raise refused(name, f"safe: {own}", f"{value:g}", allowed)
+            raise ConfigError.of(name, f"safe: {own}", f"{value:g}", allowed)
     return tuple(float(given.get(v.name, v.start if v.name.startswith("run.") else 0.0)) for v in inputs)
 
 
@@ -231,11 +224,6 @@ def _finite(value: float) -> float | None:
 def hertz(rate: float) -> str:
     """A rate as people say it."""
     return f"{rate / 1e3:.3g} kHz" if rate >= 1e3 else f"{rate:.3g} Hz"
-
-
-def refused(name: str, key: str, value: str, allowed: str, hint: str = "") -> ConfigError:
-    """A mistake in what the user of a server asked for."""
-    return ConfigError([ConfigProblem(name, key, value, allowed, hint)])
 
 
 MEASURED_PERIODS = 1000
@@ -297,9 +285,9 @@ def open_server(
     except RuntimeError as error:  # of the system: in use, not of this machine
         if address.startswith("/"):
             allowed = f"allowed: a name that is not in use; if no server runs, remove /dev/shm{address}"
-            raise refused(served.name, "shm", address, f"{error}; {allowed}") from None
+            raise ConfigError.of(served.name, "shm", address, f"{error}; {allowed}") from None
         allowed = "allowed: a free port of this machine; 0 takes any"
-        raise refused(served.name, "udp", f"{address}:{port}", f"{error}; {allowed}") from None
+        raise ConfigError.of(served.name, "udp", f"{address}:{port}", f"{error}; {allowed}") from None
 
 
 def check_system(served: Served) -> None:
@@ -307,7 +295,7 @@ def check_system(served: Served) -> None:
     try:
         _core.require_real_time()
     except RuntimeError as error:
-        raise refused(
+        raise ConfigError.of(
             served.name, "serve", sys.platform, f"{error}; allowed: `--replay`, and `rollerrig run`"
         ) from None
 
@@ -332,7 +320,7 @@ def check_rate(served: Served, periods: int = MEASURED_PERIODS) -> float:
             f"one core of this machine holds {hertz(rate)} of this case: 99 of 100 steps take at most "
             f"{1e3 * longest:.3g} ms, {100 * LOAD:.0f} % of a period is allowed"
         )
-        raise refused(served.name, "rate", hertz(1.0 / served.period), allowed)
+        raise ConfigError.of(served.name, "rate", hertz(1.0 / served.period), allowed)
     return rate
 
 
