@@ -237,7 +237,7 @@ def exists(raw: dict[str, Any], key: str) -> bool:
 
 
 def value_in(tables: Any, path: Sequence[str]) -> Any:
-    """What stands in tables at the parts of a key; None: nothing."""
+    """What is in tables at the parts of a key; None: nothing."""
     for part in path:
         if (index := _index(tables, part)) is not None:
             tables = tables[index]

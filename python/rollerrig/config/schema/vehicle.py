@@ -99,23 +99,22 @@ class AngularSeriesDamper(Table):
     series_stiffness: PositiveAngularStiffness = Field(description="stiffness of the spring in series")
 
 
-def _one_law_each(stiffness: float | None, table: object, damping: float | None, damping_table: object) -> None:
-    if stiffness is not None and table is not None:
-        raise refused("table", "allowed: `stiffness` or `table`; for both at once write two elements")
-    if damping is not None and damping_table is not None:
-        raise refused("damping_table", "allowed: `damping` or `damping_table`; for both at once write two elements")
+class Law(Table):
+    """What laws along and about an axis have in common: one spring, one damper, and that it dissipates."""
+
+    @model_validator(mode="after")
+    def _consistent(self) -> "Law":
+        for one, table in (("stiffness", "table"), ("damping", "damping_table")):
+            if getattr(self, one) is not None and getattr(self, table) is not None:
+                raise refused(table, f"allowed: `{one}` or `{table}`; for both at once write two elements")
+        for speed, force in getattr(self, "damping_table", None) or ():
+            if speed * force < 0 or (speed == 0 and force != 0):
+                allowed = f"allowed: a force of the speed's sign, 0 at rest; [{speed:g}, {force:g}] would feed energy"
+                raise refused("damping_table", allowed)
+        return self
 
 
-def _dissipates(rows: tuple[tuple[float, float], ...] | None) -> None:
-    for speed, force in rows or ():
-        if speed * force < 0 or (speed == 0 and force != 0):
-            raise refused(
-                "damping_table",
-                f"allowed: a force of the speed's sign, 0 at rest; [{speed:g}, {force:g}] would feed energy",
-            )
-
-
-class LinearLaw(Table):
+class LinearLaw(Law):
     """Force of an element along one axis; all parts given act in parallel.
 
     The force on body b is minus the sum of the parts; between the rows of a table it is linear, beyond them it continues
@@ -133,14 +132,8 @@ class LinearLaw(Table):
     damper: SeriesDamper | None = optional(None, "a damper in series with its own spring, in parallel")
     preload: Force = optional(0.0, "force at the design position, positive as a positive deflection makes it")
 
-    @model_validator(mode="after")
-    def _consistent(self) -> "LinearLaw":
-        _one_law_each(self.stiffness, self.table, self.damping, self.damping_table)
-        _dissipates(self.damping_table)
-        return self
 
-
-class AngularLaw(Table):
+class AngularLaw(Law):
     """Moment of an element about one axis; all parts given act in parallel."""
 
     stiffness: AngularStiffness | None = optional(None, "moment per angle")
@@ -149,12 +142,6 @@ class AngularLaw(Table):
     damping_table: MomentOverRate | None = optional(None, "rows [angular speed, moment] in place of a damping")
     damper: AngularSeriesDamper | None = optional(None, "a damper in series with its own spring, in parallel")
     preload: Torque = optional(0.0, "moment at the design position")
-
-    @model_validator(mode="after")
-    def _consistent(self) -> "AngularLaw":
-        _one_law_each(self.stiffness, self.table, self.damping, self.damping_table)
-        _dissipates(self.damping_table)
-        return self
 
 
 class Element(Table):

@@ -19,22 +19,6 @@ class ClientError(Exception):
     """The server does not answer, or another controller has the rig; one line."""
 
 
-def open_link(address: str, timeout: float) -> "Datagrams | Rings":
-    """The connection to an address: '127.0.0.1:5005', or '/name' of shared memory that is there within the timeout [s].
-
-    Raises:
-        ClientError: it is no address, or there is no shared memory of that name.
-    """
-    if not address.startswith("/"):
-        return Datagrams(address)
-    until = time.monotonic() + timeout
-    while not (path := SHARED_MEMORY / address[1:]).is_file():
-        if time.monotonic() > until:
-            raise ClientError(f"{address}: no such shared memory; start `rollerrig serve CASE --shm {address}`")
-        time.sleep(0.02)
-    return Rings(path)
-
-
 class Datagrams:
     """Over UDP."""
 
@@ -128,3 +112,19 @@ class Rings:
 
     def _put(self, at: int, number: int) -> None:
         self._memory[at : at + 8] = struct.pack("<Q", number)
+
+
+def open_link(address: str, timeout: float) -> Datagrams | Rings:
+    """The connection to an address: '127.0.0.1:5005', or '/name' of shared memory that is there within the timeout [s].
+
+    Raises:
+        ClientError: it is no address, or there is no shared memory of that name.
+    """
+    if not address.startswith("/"):
+        return Datagrams(address)
+    until = time.monotonic() + timeout
+    while not (path := SHARED_MEMORY / address[1:]).is_file():
+        if time.monotonic() > until:
+            raise ClientError(f"{address}: no such shared memory; start `rollerrig serve CASE --shm {address}`")
+        time.sleep(0.02)
+    return Rings(path)
