@@ -127,10 +127,8 @@ def show_entry(name: Annotated[str, typer.Argument(help="Name of an entry.")]) -
     except KeyError:
         names = [entry for _, entry, _ in catalog_entries()]
         near = get_close_matches(name, names, n=1)
-        stop(
-            f"catalog: {name}: not in the catalogue"
-            + (f"; did you mean '{near[0]}'?" if near else f"; it has {', '.join(names)}")
-        )
+        cure = f"did you mean '{near[0]}'?" if near else f"it has {', '.join(names)}"
+        stop(f"catalog: {name}: not in the catalogue; {cure}")
 
 
 def show(

@@ -34,12 +34,8 @@ def line_rows(track: Track, case: Case | None = None) -> Rows:
     heading += ["speed km/h", "cant deficiency mm", "at most km/h"] if case else []
     rows, gravity = [heading], case.gravity if case else GRAVITY
     for i, segment in enumerate(line.segments):
-        row = [
-            f"{i} {segment.kind}",
-            f"{segment.start:g}",
-            f"{segment.end:g}",
-            *_curve(segment, track.cant_base, gravity),
-        ]
+        ends = [f"{segment.start:g}", f"{segment.end:g}"]
+        row = [f"{i} {segment.kind}", *ends, *_curve(segment, track.cant_base, gravity)]
         rows.append(row + (_run(case, track, segment) if case else []))
     return rows
 
@@ -63,17 +59,14 @@ def _run(case: Case, track: Track, segment: Segment) -> list[str]:
     speeds = speeds_on(case, segment)
     if speeds is None:
         return ["not reached", "", ""]
+    speed = f"{3.6 * speeds[1]:z.1f}"
     if segment.kind != "curve":
-        return [f"{3.6 * speeds[1]:z.1f}", "", ""]
+        return [speed, "", ""]
     curvature, cant = segment.curvature[0], segment.cant[0]
     left_over = plane_acceleration(speeds[1], curvature, cant, track.cant_base, case.gravity)
     outward = math.copysign(1.0, curvature) * left_over
     highest = highest_speed_on(case, track, segment)
-    return [
-        f"{3.6 * speeds[1]:z.1f}",
-        f"{1e3 * track.cant_base * outward / case.gravity:z.0f}",
-        f"{3.6 * highest:z.0f}",
-    ]
+    return [speed, f"{1e3 * track.cant_base * outward / case.gravity:z.0f}", f"{3.6 * highest:z.0f}"]
 
 
 def irregularity_lines(support: Rig | Track, rails: RailIrregularity | None = None) -> list[str]:

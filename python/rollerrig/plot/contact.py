@@ -256,8 +256,6 @@ def profile_figure(curve: xr.Dataset) -> Figure:
     curvature.plot(along, curve["curvature"], color=colour(0))
     curvature.set_ylabel("curvature [1/m]\nconvex > 0")
     limit = float(abs(curve["curvature"]).quantile(0.97))
-    curvature.set(
-        ylim=(-1.2 * limit, 1.2 * limit),
-        xlabel="abscissa, outward from the " + ("tape circle" if wheel else "highest point") + " [mm]",
-    )
+    origin = "tape circle" if wheel else "highest point"
+    curvature.set(ylim=(-1.2 * limit, 1.2 * limit), xlabel=f"abscissa, outward from the {origin} [mm]")
     return figure

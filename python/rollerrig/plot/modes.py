@@ -114,10 +114,8 @@ def _draw(axes: Axes, mode: xr.Dataset, view: str, phase_deg: float) -> None:
     amplitude = mode["shape_amplitude"].fillna(0.0).to_numpy()
     motion = amplitude * np.exp(1j * np.radians(mode["shape_phase"].to_numpy()))
     places, roles = mode["position"].to_numpy(), mode["role"].to_numpy()
-    outlines = [
-        _outline(str(role), place, view, places[roles == "wheelsets"])
-        for role, place in zip(roles, places, strict=True)
-    ]
+    wheelsets = places[roles == "wheelsets"]
+    outlines = [_outline(str(role), place, view, wheelsets) for role, place in zip(roles, places, strict=True)]
     moved = [_displacement(points, part, str(role)) for points, part, role in zip(outlines, motion, roles, strict=True)]
     # the phase at which what is drawn moves most; the same scale a quarter of a period later
     drawn = np.concatenate([m[:, [first, second]].ravel() for m in moved])

@@ -466,11 +466,8 @@ def _case(base: Case | Vehicle, name: str, support: Mapping[str, Any], cut: str 
         contact = {"material": MATERIAL, "friction": FRICTION}
         raw = {"vehicle": {"data": plain(base)}, "contact": contact, "time": {"duration": 6.0}}
         chosen = cut or "vehicle"
-    raw |= {
-        "name": name,
-        "description": name.partition("_on_")[0].replace("_", " "),
-        "support": {"data": dict(support)},
-    }
+    raw |= {"name": name, "description": name.partition("_on_")[0].replace("_", " ")}
+    raw["support"] = {"data": dict(support)}
     raw["vehicle"]["cut"] = chosen
     raw["motion"] = {"speed": "100 km/h"}
     for key in ("axle_torque", "disturbance"):

@@ -77,17 +77,8 @@ def deviations_table(found: xr.Dataset) -> Table:
          torque_text(row.predicted), "✔" if row.agrees else "✘"]
         for name, row in kinds if row.agrees is not None
     ]  # fmt: skip
-    header = (
-        "side",
-        "load",
-        "adhesion",
-        "border of",
-        "runs on either side",
-        "left on the axles",
-        "closed form",
-        "agree",
-    )
-    return Table(header, rows)
+    head = ("side", "load", "adhesion", "border of", "runs on either side", "left on the axles", "closed form", "agree")
+    return Table(head, rows)
 
 
 def _compared(row: Border) -> str:
