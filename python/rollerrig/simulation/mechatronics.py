@@ -96,7 +96,7 @@ def _memory(case: Case) -> tuple[float, float, float]:
 def _axles(model: AssembledModel) -> list[_core.AxleParts]:
     """Those of the model, then those that are only simulated, which have what the first one has."""
 
-    def parts(axle: AxleActuators, **own: bool) -> _core.AxleParts:
+    def parts(axle: AxleActuators, **own: Any) -> _core.AxleParts:
         given = {name: getattr(axle, name) for name in _core.AxleParts.fields if name not in own}
         return core_struct(_core.AxleParts, **given, **own)
 
@@ -271,7 +271,7 @@ def axle_torque(table: AnyAxleTorque) -> Any:
 def drive_command(control: RigControl) -> Any:
     """How the drives are asked for their torque; a lead without a time of its own has that of (D22)."""
     table = control.drive_command
-    given = {}
+    given: dict[str, Any] = {}
     if isinstance(table, LeadCommand) and table.ahead is None:
         lag = _core.torque_lag(motor(control.motor), control.sample_time, control.delay, 0.0)
         given = {"ahead": lag + 0.5 * control.sample_time}

@@ -210,14 +210,14 @@ def model_of(run: xr.Dataset) -> AssembledModel:
 
 
 def _frames(run: xr.Dataset, most: int) -> Frames:
-    def columns(of: xr.Dataset, *names: str) -> Array:
-        return of[list(names)].to_array().transpose("time", ...).to_numpy().reshape(run.sizes["time"], -1)
+    def columns(of: xr.Dataset) -> Array:
+        return of.to_array().transpose("time", ...).to_numpy().reshape(run.sizes["time"], -1)
 
-    moving = run.sel(body=RunInfo.of(run).moving)
+    moving = RunInfo.of(run).moving
     drawn = {
-        "position_mm": 1e3 * columns(moving, "longitudinal", "lateral", "vertical"),
-        "angle_mrad": 1e3 * columns(moving, "roll", "yaw"),
-        "force_kn": 1e-3 * columns(run, "lateral_force", "vertical_force"),
+        "position_mm": 1e3 * columns(run[["longitudinal", "lateral", "vertical"]].sel(body=moving)),
+        "angle_mrad": 1e3 * columns(run[["roll", "yaw"]].sel(body=moving)),
+        "force_kn": 1e-3 * columns(run[["lateral_force", "vertical_force"]]),
     }
     return thinned(run["time"].to_numpy(), drawn, ALLOWED, most)
 

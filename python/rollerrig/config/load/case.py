@@ -205,7 +205,9 @@ def load_vehicle(source: str | Path) -> Vehicle:
 def load_support(source: str | Path) -> Rig | Track:
     """Read a rig or track by catalogue name or path; raises ConfigError with all mistakes."""
     support, problems = resolve_support(read_document("support", source))
-    return _whole(support, problems)
+    if support is None:
+        raise ConfigError(problems)
+    return support
 
 
 def load_material(source: str | Path) -> Material:
