@@ -58,14 +58,14 @@ def _of_number(data: xr.Dataset, name: str, one: Statistics, points: Points) -> 
         picture = figures.tornado(ends, data[name].attrs, float(np.nanmean(one.values)))
         blocks.append(Picture(f"tornado_{name}", picture, f"Mean of {title} at the {what} of each varied key."))
     if one.quantiles:
-        rows = [
+        shares = [
             [share, *(number(own[key]) for key in ("value", "low", "high"))] for share, own in one.quantiles.items()
         ]
         caption = (
             f"Quantiles of the {int(np.isfinite(one.values).sum())} samples that gave a number, with intervals of 95 % as of "
             "independent ones; –: an end that so few do not have."
         )
-        blocks.append(Table(("of the samples are below", title, "from", "to"), rows, caption))
+        blocks.append(Table(("of the samples are below", title, "from", "to"), shares, caption))
     if one.sobol:
         names = ("first", "first_confidence", "total", "total_confidence")
         header = ("varied", "first order", "±", "total", "±")

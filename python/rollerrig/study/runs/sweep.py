@@ -386,8 +386,8 @@ def quantile(values: Array, share: float) -> dict[str, float]:
     """A quantile of independent samples, with its interval of 95 % by order statistics; NaN: an end that so few do not have."""
     from scipy.stats import quantile_test
 
-    low, high = quantile_test(values, p=share).confidence_interval(0.95)
-    return {"value": float(np.quantile(values, share)), "low": float(low), "high": float(high)}
+    low, high = np.asarray(quantile_test(values, p=share).confidence_interval(0.95)).tolist()
+    return {"value": float(np.quantile(values, share)), "low": low, "high": high}
 
 
 def _ends(column: Array, values: Array, *, sampled: bool) -> tuple[float, float]:
