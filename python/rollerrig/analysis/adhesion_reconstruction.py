@@ -48,7 +48,7 @@ UNBRAKED = 1e4
 """Pressure up to which no pad presses yet [Pa]."""
 
 RADIUS_ERROR = 0.01
-"""By how much axles may turn faster or slower than the train before they are braked [-]: their slip would be wrong by it."""
+"""Largest part by which axles may turn faster or slower than the train before they are braked [-]: their slip is wrong by it."""
 
 FRICTIONS = np.geomspace(0.01, 0.9, 12)
 """Friction at no slip at which the creep curve is computed [-]; in between its logarithm is interpolated."""

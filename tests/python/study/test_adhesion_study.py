@@ -48,6 +48,7 @@ def outcome() -> Found[Runs]:
     case = load_case("adhesion_brake").with_changes({"time.duration": "5 s", "contact.normal": "hertz"})
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("rollerrig.study.frame.PAGE_EVERY", 0.0)
+        patch.setattr("rollerrig.study.frame.PAGE_SHARE", math.inf)
         found = AdhesionStudy(case, quick=True).run(first_results=FIRST.append)
     assert found is not None
     return found
