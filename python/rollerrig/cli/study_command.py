@@ -6,8 +6,9 @@ function of rollerrig.cli.commands -> [study_command] -> typer command with the 
 from __future__ import annotations
 
 import inspect
+import json
 from collections.abc import Callable, Iterator, Mapping
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -88,10 +89,24 @@ def study_command(
         finally:
             commands.RUNNER.reset(token)
 
-    command.__name__, command.__doc__ = function.__name__, text or summary(function)
+    command.__name__, command.__doc__ = function.__name__, (text or summary(function)) + cost(function.__name__)
     command.__annotations__ = {one.name: one.annotation for one in found}
     command.__signature__ = inspect.Signature(found)  # type: ignore[attr-defined]
     return command
+
+
+@cache
+def costs() -> dict[str, dict[str, Any]]:
+    """What commands cost, as benchmarks/commands.py measured it: name -> example, processor_s."""
+    found: dict[str, dict[str, Any]] = json.loads(Path(__file__).with_name("costs.json").read_text(encoding="utf-8"))
+    return found
+
+
+def cost(name: str) -> str:
+    """A paragraph for the help of a command: what its example took."""
+    one = costs()[name]
+    took = f"{one['processor_s']:.0f} s" if one["processor_s"] < 100.0 else f"{one['processor_s'] / 60.0:.0f} min"
+    return f"\n\nCost: 'rollerrig {one['example']}' takes {took} of processor time (docs/performance.md)."
 
 
 def _parameter(name: str, annotation: Any, default: Any = inspect.Parameter.empty) -> inspect.Parameter:

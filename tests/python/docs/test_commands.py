@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import json
 import re
 from pathlib import Path
 
 import pytest
 import typer
 
+from rollerrig.cli import commands
 from rollerrig.cli.app import build_app
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -32,3 +34,12 @@ def test_commands_and_options_exist(page: Path) -> None:
     for command, options in shown(page):
         assert command in OPTIONS or command.startswith("-"), command
         assert set(options) <= OPTIONS.get(command, {"--help", "--version"}), command
+
+
+def test_what_commands_cost_stands_in_their_help_and_on_the_page() -> None:
+    costs = json.loads((ROOT / "python/rollerrig/cli/costs.json").read_text(encoding="utf-8"))
+    page = (ROOT / "docs/performance.md").read_text(encoding="utf-8")
+    assert set(costs) == set(commands.STUDIES)
+    for name, one in costs.items():
+        assert f"| `rollerrig {one['example']}` | {one['processor_s']:g} s |" in page
+        assert f"Cost: 'rollerrig {one['example']}' takes" in (GROUP.commands[name].help or "")
