@@ -382,7 +382,8 @@ class ControlStudy(Study[Found]):
         courses = figures.courses(results.courses, self.case.vehicle.data.wheel.radius)
         caption = "Leading axle over time: the case as shipped, and the worst runs of each kind that came to their end."
         sections = [
-            Section("Where variants fail", [range_chart(ranked, results.references[0]), ranking_table(self.case, ranked)]),
+            *([Section("Where variants fail", [range_chart(ranked, results.references[0]), ranking_table(self.case, ranked)])]
+              if ranked else []),
             Section("Where the error comes from", [
                 QUANTITIES.table(references, REFERENCE_COLUMNS, "the case, and where its error comes from", "run"),
                 Picture("courses", courses, caption)]),

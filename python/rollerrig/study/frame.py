@@ -17,7 +17,7 @@ from abc import ABC, abstractmethod
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
-from contextlib import nullcontext
+from contextlib import nullcontext, suppress
 from dataclasses import dataclass, fields
 from functools import cached_property
 from html import escape
@@ -207,10 +207,11 @@ class Study(ABC, Generic[R]):
             seconds = time.perf_counter() - begun
             if first_results is None or seconds < next_page:
                 return
-            if (found := self.collect(results())) is not None:
-                first_results(Outcome(self, found, True, taken_over, checkpoint, seconds, refined=True))
-                now = time.perf_counter() - begun
-                next_page = now + max(PAGE_EVERY, (now - seconds) / PAGE_SHARE)
+            with suppress(Exception):  # too little for a page yet: that ends no study, the last page says what is wrong
+                if (found := self.collect(results())) is not None:
+                    first_results(Outcome(self, found, True, taken_over, checkpoint, seconds, refined=True))
+            now = time.perf_counter() - begun
+            next_page = now + max(PAGE_EVERY, (now - seconds) / PAGE_SHARE)
 
         with checkpoint or nullcontext():
             done, interrupted = run_rounds(

@@ -257,6 +257,8 @@ def test_ctrl_c_keeps_what_is_there() -> None:
     assert found.results.references[0].curve == "as shipped"
     assert len(found.results.results) < 5
     assert found.statuses == ["interrupted"]
+    references = replace(found.results, results=[])  # interrupted, or shown for the first time, before any variant
+    assert found.study.sections(references, found.study.numbers(references))
 
 
 def test_files_hold_every_run_and_every_number_is_explained(outcome: Outcome[Found], tmp_path: Path) -> None:

@@ -129,6 +129,18 @@ def test_first_results_are_a_page_that_is_loaded_again_and_change_nothing_of_the
     run(Squares(), first_results=lambda _: pytest.fail("too soon"))
 
 
+def test_a_first_page_that_cannot_be_made_ends_no_study(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("rollerrig.study.frame.PAGE_EVERY", 0.0)
+    tried: list[Outcome[Any]] = []
+
+    def broken(found: Outcome[Any]) -> None:
+        tried.append(found)
+        raise ValueError
+
+    assert run(Squares(), first_results=broken).numbers["sum"] == 14.0
+    assert tried
+
+
 def test_the_progress_rises_to_one() -> None:
     shown: list[float] = []
     run(Squares(), progress=lambda fraction, _text: shown.append(fraction))
