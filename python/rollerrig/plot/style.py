@@ -212,8 +212,9 @@ def headline(figure: Figure, text: str) -> None:
 
 
 def legend_beside(axes: Axes, **options: Any) -> None:
-    """A legend to the right of the axes."""
-    axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), **options)
+    """A legend to the right of the axes, where something has a label."""
+    if axes.get_legend_handles_labels()[0]:
+        axes.legend(loc="center left", bbox_to_anchor=(1.0, 0.5), **options)
 
 
 def wheel_lines(axes: Axes, along: xr.DataArray, values: xr.DataArray) -> None:
