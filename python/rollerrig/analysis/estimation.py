@@ -8,10 +8,14 @@ Each number is sought over its range as u from 0 to 1, straight or logarithmic; 
     s = 1 where deviations were given and fit what is left, else the r.m.s. of that, √(Σ r² / (n - p))
     J = U S Vᵀ                                                    the combination V_k has the standard deviation s/S_k
 
-Residuals that follow each other, with a correlation ρ from one to the next, count as fewer: their rows of J are divided by
-√((1 + ρ)/(1 - ρ)), as of the mean of an autoregressive series. A number that may be anywhere in its range has 1/√12 of the range
-as its standard deviation: a combination that the data do not know better than that is not determined.
-Source: G. A. F. Seber, C. J. Wild, Nonlinear Regression (1989), ch. 2, 5 and 6.
+Residuals that follow each other, with a correlation ρ from one to the next, count as fewer, n (1 - ρ)/(1 + ρ), as those of the
+mean of an autoregressive series: so many degrees of freedom are left, and their rows of J are divided by the root of that share.
+What the fit took from ρ is given back: ρ = (r + p/n)/(1 - (p + 2)/n) of the correlation r that is found.
+
+A number that may be anywhere in its range has 1/√12 of the range as its standard deviation: a combination that the data do not
+know better than that is not determined.
+Source: G. A. F. Seber, C. J. Wild, Nonlinear Regression (1989), ch. 2, 5 and 6; the bias of r: M. G. Kendall, Biometrika 41
+(1954) 403, for a mean, here for p numbers.
 """
 
 from __future__ import annotations
@@ -39,7 +43,7 @@ PART = 0.3
 """Numbers with less of a combination are not named with it."""
 CHANCE = 1e-3
 """Probability below which given standard deviations do not fit what is left."""
-CLEAR = 3.0
+CLEAR = 2.0
 """Standard deviations of a correlation by chance, 1/√n, from which residuals follow each other."""
 EDGE = 1e-3
 """An estimate so near to an end of its range, over the range, is decided by it."""
@@ -60,6 +64,7 @@ class Estimate:
         cost: half the sum of squares, of a robust loss its sum.
         known: whether standard deviations of the data were given.
         scale: s.
+        freedom: degrees of freedom of the intervals, fewer where residuals follow each other; infinite where s is 1.
     """
 
     free: tuple[FreeNumber, ...]
@@ -72,6 +77,7 @@ class Estimate:
     cost: float
     known: bool
     scale: float
+    freedom: float
 
     @cached_property
     def values(self) -> dict[str, float]:
@@ -87,11 +93,9 @@ class Estimate:
     @cached_property
     def intervals(self) -> dict[str, tuple[float, float]]:
         """Name -> ends of the interval of 95 %, not beyond the range."""
-        from scipy.stats import norm, t
+        from scipy.stats import t
 
-        upper = 0.5 * (1.0 + CONFIDENCE)
-        factor = float(norm.ppf(upper) if self.known else t.ppf(upper, max(self.degrees_of_freedom, 1)))
-        half = factor * np.sqrt(np.diag(self.covariance))
+        half = float(t.ppf(0.5 * (1.0 + CONFIDENCE), self.freedom)) * np.sqrt(np.diag(self.covariance))
         ends = np.clip([self.places - half, self.places + half], 0.0, 1.0).T.tolist()
         return {one.name: (one.value(low), one.value(high)) for one, (low, high) in zip(self.free, ends, strict=True)}
 
@@ -127,10 +131,13 @@ def correlation(series: Array) -> float:
     return float(np.corrcoef(series[1:], series[:-1])[0, 1])
 
 
-def widening(series: Array) -> float:
-    """Factor on standard errors for residuals that follow each other by more than chance."""
-    follows = correlation(series)
-    return math.sqrt((1.0 + follows) / max(1.0 - follows, 1e-6)) if follows > CLEAR / math.sqrt(len(series)) else 1.0
+def widening(series: Array, fitted: int) -> float:
+    """Factor on standard errors for what so many fitted numbers left, where it follows each other by more than chance."""
+    found, count = correlation(series), len(series)
+    if not found > CLEAR / math.sqrt(count):
+        return 1.0
+    follows = min((found + fitted / count) / max(1.0 - (fitted + 2.0) / count, 0.1), 1.0 - 2.0 / count)
+    return math.sqrt((1.0 + follows) / (1.0 - follows))
 
 
 @one_blas_thread()
@@ -185,15 +192,18 @@ def estimate(
     rows, left = len(best.fun) - len(prior), len(best.fun) - len(free)
     if left < 0:
         raise ValueError(f"{rows} points cannot determine {len(free)} numbers")
-    at_end[:rows] /= widenings(best.fun[:rows])[:, None]
+    factors = widenings(best.fun[:rows])
+    at_end[:rows] /= factors[:, None]
+    count = float(np.sum(factors**-2.0)) + len(prior)
     deviation = math.sqrt(2.0 * float(best.cost) / left) if left else math.nan
     fits = known and not left * deviation**2 > chi2.isf(CHANCE, max(left, 1))
-    scale = 1.0 if fits else deviation
+    freedom = math.inf if fits else max(count - len(free), 1.0)
+    scale = 1.0 if fits else deviation * math.sqrt(left / len(best.fun) * count / freedom)
     sizes, rotation = _combinations(at_end)
     spread = scale / np.maximum(sizes, 1e-6)  # what nothing determines: to a million ranges
     covariance = (rotation.T * spread**2) @ rotation
     of_data = _combinations(at_end[:rows])
-    return Estimate(tuple(free), best.x, covariance, *of_data, deviation, left, float(best.cost), known, scale)
+    return Estimate(tuple(free), best.x, covariance, *of_data, deviation, left, float(best.cost), known, scale, freedom)
 
 
 def _combinations(jacobian: Array) -> tuple[Array, Array]:

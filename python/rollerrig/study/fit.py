@@ -50,11 +50,6 @@ class Compared:
         """Correlation of a residual of a run with the one before; NaN for other logs."""
         return correlation(self.residual[self.channel.fitted]) if self.record.kind == "run" else math.nan
 
-    @property
-    def widening(self) -> float:
-        """Factor of that on the standard errors."""
-        return widening(self.residual[self.channel.fitted]) if self.record.kind == "run" else 1.0
-
 
 @dataclass(frozen=True)
 class Fit:
@@ -150,7 +145,9 @@ class FitStudy(Study[Fit]):
                     "rms": one.rms(one.channel.fitted),
                     "rms_held_back": one.rms(np.logical_not(one.channel.fitted)),
                     "autocorrelation": one.autocorrelation,
-                    "widening": one.widening,
+                    "widening": widening(one.residual[one.channel.fitted], len(names))
+                    if one.record.kind == "run"
+                    else 1.0,
                 }
                 for one in results.compared
             },

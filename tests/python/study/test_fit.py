@@ -155,7 +155,8 @@ def test_a_model_that_lacks_something_widens_the_intervals() -> None:
     for one in whole.free:
         low, high = found.intervals[one.name]
         assert low <= one.start <= high, one.name
-    assert found.scale == pytest.approx(found.deviation) != 1.0
+    assert abs(found.values["roller_inertia"] - 705.0) > 10.0, "by noise alone 1 kg m^2"
+    assert found.scale > found.deviation > 1.0
 
 
 def test_without_a_known_torque_only_losses_over_inertia_are_determined() -> None:

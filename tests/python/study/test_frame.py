@@ -109,15 +109,16 @@ def test_first_results_are_a_page_that_is_loaded_again_and_change_nothing_of_the
 ) -> None:
     """Written after a job that is not the last, at most every so often; its summary says that something is missing."""
     monkeypatch.setattr("rollerrig.study.frame.PAGE_EVERY", 0.0)
-    first: list[tuple[str, dict[str, Any]]] = []
+    first: list[tuple[str, dict[str, Any], bool]] = []
 
     def write(found: Outcome[Any]) -> None:
         found.write(tmp_path)
-        first.append(((tmp_path / "report.html").read_text(), json.loads((tmp_path / "summary.json").read_text())))
-        assert (tmp_path / NAME).exists()  # a command that is killed now goes on
+        page, summary = ((tmp_path / name).read_text() for name in ("report.html", "summary.json"))
+        first.append((page, json.loads(summary), (tmp_path / NAME).exists()))
 
     run(Squares(), tmp_path, first_results=write).write(tmp_path)
-    page, summary = first[0]
+    page, summary, goes_on = first[0]
+    assert goes_on, "a command that is killed now repeats everything"
     assert '<meta http-equiv="refresh"' in page
     assert "First results: the command goes on" in page
     assert (summary["sum"], summary["interrupted"]) == (None, True)

@@ -240,7 +240,10 @@ class _Comparison:
         """Factor of each residual on its standard deviation: those of a run follow each other."""
         channels = [(record.kind, one.fitted.sum()) for record in self._records for one in record.channels]
         series = np.split(residuals, np.cumsum([count for _, count in channels])[:-1])
-        factors = [widening(one) if kind == "run" else 1.0 for (kind, _), one in zip(channels, series, strict=True)]
+        fitted = len(self._free)
+        factors = [
+            widening(one, fitted) if kind == "run" else 1.0 for (kind, _), one in zip(channels, series, strict=True)
+        ]
         return np.repeat(factors, [count for _, count in channels])
 
     def _channels(self, found: Values) -> Iterable[tuple[Array, Channel, Array]]:
