@@ -13,6 +13,9 @@ std::size_t at(int i) { return static_cast<std::size_t>(i); }
 void need(bool condition, std::string const& message) {
   if (!condition) throw std::invalid_argument(message);
 }
+/// Of an inner node: beyond it a step of any length looks infinitely long to it, and an error estimate loses its digits.
+constexpr Range relaxation_rate{0.0, 1e12, "at most 1e12"};
+
 /// What a law with an inner node divides by.
 template <NamedLaw Law>
 void need_law(Law const& law, std::string const& what) {
@@ -20,6 +23,8 @@ void need_law(Law const& law, std::string const& what) {
   if constexpr (HasNode<Law>) {
     check_value(law.node().damping, positive, what + Law::name, "damping of its inner node");
     check_value(law.node().stiffness, positive, what + Law::name, "stiffness at its inner node");
+    check_value(law.node().stiffness / law.node().damping, relaxation_rate, what + Law::name,
+                Label{"stiffness over damping of its inner node", "1/s"});
   }
 }
 

@@ -345,8 +345,9 @@ def drive_warning(draft: Draft) -> str:
     )
 
 
-READING_STEP = 1e-3
-"""Longest interval of the readings [s]: 50 in a period of 20 Hz."""
+READING_STEP, LONGEST_READING_STEP = 1e-3, 2e-3
+"""Interval of the readings [s]: 50 in a period of 20 Hz; 25 where the run's own step is as long, and shows no more: a reading at
+the end of a step is free, one within it costs as much as half a step."""
 
 MOST_READINGS = 20
 """Per output time: a run of which so little is kept has no readings."""
@@ -358,7 +359,11 @@ def readings_per_sample(case: Case) -> int:
     With actuators or controllers outputs are at multiples of the sampling step. On a scaled model all is as fast as its time.
     """
     output, scale = case.time.output_step, case.similitude.time if case.similitude else 1.0
-    wanted = math.ceil(scale * output / READING_STEP * (1.0 - 1e-9))
+    _, step = case.integration
+    interval = READING_STEP
+    if step and not case.sampled:
+        interval = min(max(interval, scale * step), LONGEST_READING_STEP)
+    wanted = math.ceil(scale * output / interval * (1.0 - 1e-9))
     if wanted > MOST_READINGS:
         return 1
     if not case.sampled:

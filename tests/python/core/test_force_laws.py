@@ -5,12 +5,14 @@ from __future__ import annotations
 from typing import Any, get_args
 
 import pytest
+from pydantic import ValidationError
 
 from rollerrig import _core
 from rollerrig.assembly.laws import direction_law
+from rollerrig.assembly.model import _PLAIN_BODY
 from rollerrig.config import AngularSupport, LinearSupport
 from rollerrig.config.schema.base import Table
-from rollerrig.config.schema.vehicle import AngularLaw, LinearLaw
+from rollerrig.config.schema.vehicle import AngularLaw, AngularSeriesDamper, LinearLaw, SeriesDamper
 
 
 def parameters(law: type[Table], key: str) -> set[str]:
@@ -55,3 +57,22 @@ def test_what_is_given_reaches_the_core() -> None:
     linear = direction_law(LinearLaw(stiffness=3.0, damping=0.0), 0.0)
     assert [values(one) for one in linear.laws] == [("StiffnessForceLaw", {"stiffness": 3.0})]
     assert not direction_law(None, 0.0).laws
+
+
+@pytest.mark.parametrize("damper", [SeriesDamper, AngularSeriesDamper])
+def test_a_damper_that_gives_way_within_a_picosecond_is_refused(damper: type[Table]) -> None:
+    damper.model_validate({"damping": 1.1e-3, "series_stiffness": 1e9})
+    with pytest.raises(ValidationError, match=r"at least 0\.001"):
+        damper.model_validate({"damping": 0.9e-3, "series_stiffness": 1e9})
+
+
+def test_the_core_refuses_such_a_damper_too() -> None:
+    builder = _core.ModelBuilder(9.81)
+    body = _core.Body(mass=1.0, inertia=[1.0] * 3, position=[0.0] * 3, locked=[False] * 6, **_PLAIN_BODY)
+    one, other = builder.add_body(body), builder.add_body(body)
+    laws = [_core.DirectionLaw(preload=0.0, laws=[_core.force_laws["damper"](damping=1.0, series_stiffness=1e13)])]
+    laws += [_core.DirectionLaw(preload=0.0, laws=[])] * 5
+    with pytest.raises(ValueError, match="stiffness over damping of its inner node must be at most 1e12"):
+        builder.add_element(
+            _core.ForceElement(body_a=one, body_b=other, point_on_b=(0.0, 0.0, 0.0), law=laws, clamped=False)
+        )

@@ -10,8 +10,10 @@ import pytest
 import xarray as xr
 
 import rollerrig as rr
+from rollerrig.analysis.signals import low_pass
 from rollerrig.assembly.model import assemble
 from rollerrig.config import Case, case_from_toml
+from rollerrig.results import dataset as dataset_module
 from rollerrig.results.termination import _reach
 from rollerrig.simulation import run as simulation_module
 
@@ -304,3 +306,20 @@ def test_readings_are_the_columns_of_the_rows_at_the_same_times() -> None:
     for name in rr._core.reading_fields:
         assert run[f"reading_{name}"].values[whole].tobytes() == run[name].values.tobytes()
     assert run["reading_distance"].values[whole].tobytes() == run["distance"].values.tobytes()
+
+
+def test_a_run_of_2_ms_is_read_at_its_steps(monkeypatch: pytest.MonkeyPatch) -> None:
+    case = rr.load_case("bogie_rollers_constant").with_changes({"time.duration": "2 s"})
+    at_steps = rr.simulate(case)
+    assert case.integration.step == 2e-3
+    assert "reading_time" not in at_steps.variables  # its outputs are at its steps
+    monkeypatch.setattr(dataset_module, "READING_STEP", 0.25e-3)
+    monkeypatch.setattr(dataset_module, "LONGEST_READING_STEP", 0.25e-3)
+    dense = rr.simulate(case)
+    assert dense.sizes["reading_time"] == 8001
+    for name, bound in (("lateral_force", 3e-5), ("vertical_force", 3e-5), ("wear_number", 1e-4)):
+        every = low_pass(dense[f"reading_{name}"].rename(reading_time="time"), 20.0).isel(time=slice(None, None, 8))
+        few = low_pass(at_steps[name], 20.0)
+        inner = slice(0.2, 1.8)  # a filter has nothing to lean on at the ends
+        deviation = abs(few.sel(time=inner).to_numpy() - every.sel(time=inner).to_numpy()).max()
+        assert deviation < bound * float(abs(every).max()), name

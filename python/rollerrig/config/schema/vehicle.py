@@ -85,14 +85,28 @@ class Body(Table):
         return self
 
 
+SHORTEST_RELAXATION = 1e-12
+"""Damping over series stiffness, at least [s]; the core asks for the same."""
+
+
 class SeriesDamper(Table):
     """A damper in series with a spring (Maxwell)."""
 
     damping: PositiveDamping = Field(description="damping")
     series_stiffness: PositiveStiffness = Field(description="stiffness of the spring in series")
 
+    @model_validator(mode="after")
+    def _relaxes(self) -> "SeriesDamper":
+        least = SHORTEST_RELAXATION * self.series_stiffness
+        if self.damping < least:
+            allowed = (
+                f"allowed: at least {least:g} beside that stiffness; a damper that gives way so fast carries nothing"
+            )
+            raise refused("damping", allowed)
+        return self
 
-class AngularSeriesDamper(Table):
+
+class AngularSeriesDamper(SeriesDamper):
     """A rotational damper in series with a rotational spring (Maxwell)."""
 
     damping: PositiveAngularDamping = Field(description="damping")
