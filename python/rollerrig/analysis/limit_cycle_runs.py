@@ -48,8 +48,8 @@ class LimitCycleSettings:
     window: float = 0.8
     longest: float = 16.0
     output_step: float = 5e-3
-    relative_tolerance: float = 1e-3
-    absolute_tolerance: float = 1e-6
+    relative_tolerance: float = 1e-4
+    absolute_tolerance: float = 1e-7
     tolerance_kmh: float = 1.0
 
 

@@ -234,8 +234,8 @@ def found(bogie):
 
 def test_the_bogie_on_rollers_hunts_below_its_linear_critical_speed(found) -> None:
     assert found.kind == "subcritical"
-    # runs from 3 mm, narrowed down to 2 km/h by other code, say 166
-    assert 3.6 * found.decays < 166 < 3.6 * found.lowest_cycle
+    # at 1e-5, and with exponential_adams at 1e-6, it persists at 165 km/h and decays at 163; at 1e-3 it decayed at 165, too
+    assert 3.6 * found.decays < 164 < 3.6 * found.lowest_cycle < 166
     assert 3.6 * found.jumps == pytest.approx(265.0)
     assert found.hysteresis == (pytest.approx(180 / 3.6), pytest.approx(180 / 3.6))
 
