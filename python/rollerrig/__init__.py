@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from rollerrig import plot as plot
+    from rollerrig.analysis.bifurcation import bifurcation as bifurcation
     from rollerrig.analysis.curving import curving as curving
     from rollerrig.analysis.linear_bench import linearize as linearize
     from rollerrig.analysis.mode_table import stability as stability
@@ -75,6 +76,7 @@ _NAMES = {
     "analysis.linear_bench": "linearize",
     "analysis.mode_table": "stability",
     "analysis.runs_together": "compare_runs",
+    "analysis.bifurcation": "bifurcation",
     "analysis.stability_sensitivity": "stability_sensitivity",
     "analysis.wheel_rail_forces": "wheel_forces",
     "assembly.model": "assemble",

@@ -65,6 +65,10 @@ class Lineariser:
 
     Each speed starts from the equilibrium of the one before, the first one from a state `near` it: neighbouring speeds in order
     are fastest.
+
+    Attributes:
+        case, model: what is linearised.
+        kept: places in the core's states of those of the matrix: all but the rates of driven rollers.
     """
 
     def __init__(self, case: Case, near: Array | None = None) -> None:
@@ -73,8 +77,8 @@ class Lineariser:
         simulation = _core.Simulation(self.model.core)
         self._near = near
         driven = {simulation.rate_index[self.model.body_index(name)][4] for name in self.model.rollers}
-        self._kept = np.array([i for i in range(simulation.state_count) if i not in driven])
-        row_of = {int(state_index): row for row, state_index in enumerate(self._kept)}
+        self.kept = np.array([i for i in range(simulation.state_count) if i not in driven])
+        row_of = {int(state_index): row for row, state_index in enumerate(self.kept)}
         self._rows = {
             (body, direction): row_of[simulation.rate_index[b][d]]
             for b, body in enumerate(self.model.bodies)
@@ -105,7 +109,7 @@ class Lineariser:
         state = np.ascontiguousarray(found["x"], dtype=np.float64)
         self._near = state
         full = simulation.jacobian(0.0, state)[0]
-        return Linearisation(speed, np.array(full[np.ix_(self._kept, self._kept)]), state, self._rows, self._inertia)
+        return Linearisation(speed, np.array(full[np.ix_(self.kept, self.kept)]), state, self._rows, self._inertia)
 
 
 LEAST_FREQUENCY = 2 * np.pi * 0.05

@@ -293,6 +293,7 @@ def stability(
     tolerance_kmh: Annotated[float, Option(least=0.01, most=100.0)] = 1.0,
     processes: Annotated[int, Option(least=1, most=2, default=2)] = 1,
     contacts_kmh: Annotated[float | None, Option(least=1.0, most=600.0)] = None,
+    branch: Switch = False,
     progress: Progress | None = None,
 ) -> Outcome[Any]:
     """Eigenvalues, damping, frequency and mode shapes over speed; limit cycles; critical speeds.
@@ -307,13 +308,14 @@ def stability(
         tolerance_kmh: to which the critical speed by continuation is found [km/h].
         processes: with 2, the two sweeps run at a time.
         contacts_kmh: also compare the contact models, on rig and track, with a run at this speed [km/h].
+        branch: also follow the limit cycles, stable and unstable, from the linear critical speed on, with folds.
         progress: called with the fraction done and a short text.
     """
     from rollerrig.analysis import LimitCycleSettings
     from rollerrig.study.stability import StabilityStudy
 
     settings = LimitCycleSettings(disturbance, perturbation, longest=longest, tolerance_kmh=tolerance_kmh)
-    study = StabilityStudy(_case(case), tuple(speeds_kmh), limit_cycles, settings, contacts_kmh)
+    study = StabilityStudy(_case(case), tuple(speeds_kmh), limit_cycles, settings, contacts_kmh, branch)
     return _outcome(study, processes, progress)
 
 

@@ -14,6 +14,7 @@ from rollerrig.plot.contact import (
 )
 from rollerrig.plot.hunting import (
     amplitude_over_speed,
+    bifurcation_diagram,
     hunting_over_time,
     limit_cycle_diagram,
     ramp_over_speed,
@@ -38,6 +39,7 @@ from rollerrig.plot.wheel_rail_forces import wheel_forces as wheel_forces_over_t
 __all__ = [
     "accelerations_along",
     "amplitude_over_speed",
+    "bifurcation_diagram",
     "comparison_figure",
     "contact_figure",
     "creep_comparison_figure",

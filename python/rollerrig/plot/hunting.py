@@ -10,6 +10,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from rollerrig.common.arrays import Mask
 from rollerrig.plot.style import (
     COLOURS,
     GREY,
@@ -147,6 +148,48 @@ def limit_cycle_diagram(cycles: xr.Dataset, modes: xr.Dataset | None = None) -> 
         if float(np.nan_to_num(1e-3 * cycles["cycle_guiding_force"].to_numpy()).max(initial=0.0)) > 100.0:
             logarithmic(force, "y")
         return figure
+
+
+@into_axes
+def bifurcation_diagram(branch: xr.Dataset) -> Figure:
+    """Amplitude of limit cycles over speed along their branch, stable parts solid, unstable ones dashed, with its folds.
+
+    Args:
+        branch: Dataset of `bifurcation`.
+    """
+    label = "lateral amplitude of the leading wheelset [mm]"
+    with panels([label], "speed [km/h]", 4.8, legend=False) as (figure, (axes,)):
+        linear = float(branch.attrs["linear_critical_speed_kmh"])
+        speed = np.concatenate([[linear], branch["speed"].to_numpy()])
+        amplitude = np.concatenate([[0.0], 1e3 * branch["amplitude"].to_numpy()])
+        stable = branch["stable"].to_numpy() == 1
+        for holds, name, style in ((True, "stable", "-"), (False, "unstable", "--")):
+            for number, part in enumerate(_stretches(stable == holds)):
+                one = slice(part.start, part.stop + 1)  # from the point before it
+                line(
+                    axes,
+                    speed[one],
+                    amplitude[one],
+                    0 if holds else 1,
+                    style,
+                    name if number == 0 else "",
+                    linewidth=1.6,
+                )
+        for fold in json.loads(branch.attrs["folds"]):
+            at = fold["speed_kmh"], fold["amplitude_mm"]
+            axes.plot(*at, "o", color="black", markersize=4)
+            axes.annotate(f"fold, {at[0]:.2f} km/h", at, (-6, -3), textcoords="offset points", fontsize=8, ha="right")
+        critical_line(axes, linear, f"linear critical speed {linear:.2f} km/h")
+        axes.margins(x=0.2)
+        axes.set_ylim(bottom=0.0)
+        axes.legend(loc="upper left")
+        return figure
+
+
+def _stretches(holds: Mask) -> list[slice]:
+    """Ranges of places at which something holds."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[0], holds.astype(int), [0]])))
+    return [slice(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True)]
 
 
 def _sweep(axes: Sequence[Axes], one: xr.Dataset, sweep: str, drawn: dict[str, Any]) -> None:

@@ -13,9 +13,18 @@ import numpy as np
 import xarray as xr
 
 from rollerrig.analysis import Diagram, LimitCycleSettings, limit_cycle_table, stability
+from rollerrig.analysis.bifurcation import bifurcation
 from rollerrig.analysis.critical_speed import HIGHEST_KMH, LinearCriticalSpeed, scan_above
 from rollerrig.config import Case, Track
-from rollerrig.plot import damping_map, damping_over_speed, frequency_over_speed, mode_shape, mode_shapes, root_locus
+from rollerrig.plot import (
+    bifurcation_diagram,
+    damping_map,
+    damping_over_speed,
+    frequency_over_speed,
+    mode_shape,
+    mode_shapes,
+    root_locus,
+)
 from rollerrig.plot.modes import shape_speed, shown_modes
 from rollerrig.results.termination import in_words
 from rollerrig.study import contact_models as contact_effects
@@ -26,6 +35,8 @@ from rollerrig.study.jobs import Chains, Done, Round, job
 from rollerrig.study.limit_cycles import cycle_chains, cycle_diagram
 from rollerrig.study.quantities import Numbers
 from rollerrig.study.report import VIEW, Block, Picture, Section, Table, Text
+
+BRANCH = "branch of limit cycles"
 
 SUSPENSION_WORDS = ("car body", "bogie", "bogies", "front bogie", "rear bogie")
 """How the names of those modes begin whose shapes are drawn together."""
@@ -125,13 +136,47 @@ def _shape_table(mode: xr.Dataset) -> Table:
     return Table(["body", *directions], rows, caption)
 
 
+BRANCH_COLUMNS = {
+    "amplitude_mm": ("amplitude", 1e3),
+    "speed_kmh": ("speed", 1.0),
+    "frequency_hz": ("frequency", 1.0),
+    "multiplier": ("multiplier", 1.0),
+    "speed_slope_kmh_per_mm": ("speed_slope", 1.0),
+}
+"""Column of branch.csv -> variable, and factor."""
+
+
+def branch_numbers(branch: xr.Dataset) -> dict[str, Any]:
+    """The branch of `bifurcation`: its folds, why it ends, its limit cycles."""
+    columns = {key: factor * branch[name].to_numpy() for key, (name, factor) in BRANCH_COLUMNS.items()}
+    stable = branch["stable"].to_numpy() == 1
+    points = [{key: float(values[i]) for key, values in columns.items()} for i in range(len(stable))]
+    points = [{**one, "stable": bool(holds)} for one, holds in zip(points, stable, strict=True)]
+    return {"folds": json.loads(branch.attrs["folds"]), "ended": str(branch.attrs["ended"]), "points": points}
+
+
+def branch_sentences(branch: Mapping[str, Any], linear_kmh: float) -> list[str]:
+    """The lowest fold, and where the branch ends."""
+    if not branch["points"]:
+        return [f"The branch of limit cycles cannot be followed: {branch['ended']}."]
+    below = [fold for fold in branch["folds"] if fold["speed_kmh"] < linear_kmh]
+    lowest = min(below, key=lambda fold: float(fold["speed_kmh"]), default=None)
+    found = f"Limit cycles begin at the linear critical speed, {linear_kmh:.2f} km/h"
+    if lowest is not None:
+        at = f"{lowest['speed_kmh']:.2f} km/h, with {lowest['amplitude_mm']:.2f} mm"
+        found += (
+            f"; the lowest speed at which this branch has one is {at}, where a stable and an unstable one meet (fold)"
+        )
+    return [f"{found}. The branch ends {branch['ended']}."]
+
+
 MOST_CYCLE_SPEEDS = 20
 """Runs are made at no more speeds than this, spread over the range."""
 
 
 @dataclass(frozen=True)
 class Results:
-    """Modes over speed, limit-cycle diagram, effects of the contact models; None and empty where not asked for.
+    """Modes over speed, limit-cycle diagram, effects of the contact models, branch; None and empty where not asked for.
 
     `above` is the linear critical speed above the range of the modes, where that has none.
     """
@@ -140,6 +185,7 @@ class Results:
     above: LinearCriticalSpeed | None
     diagram: Diagram | None
     contact: tuple[ContactEffect, ...]
+    branch: xr.Dataset | None
 
 
 @dataclass(frozen=True)
@@ -154,6 +200,7 @@ class StabilityStudy(Study[Results]):
     with_limit_cycles: bool = True
     settings: LimitCycleSettings = field(default_factory=LimitCycleSettings)
     contacts_kmh: float | None = None
+    branch: bool = False
 
     command = "stability"
     heading = "Stability: {case.name}"
@@ -162,7 +209,7 @@ class StabilityStudy(Study[Results]):
         "saturation beyond its slope.",
         "Rollers or rails are speed-controlled at each speed; torques keep their value at time 0.",
     )
-    writes = ("stability.nc", "modes.csv", "shapes.csv", "limit_cycles.csv", "contact_effects.csv", VIEW)
+    writes = ("stability.nc", "modes.csv", "shapes.csv", "limit_cycles.csv", "contact_effects.csv", "branch.csv", VIEW)
     formats = ("svg",)
 
     @property
@@ -180,6 +227,8 @@ class StabilityStudy(Study[Results]):
             yield cycle_chains(self.case, cycle_speeds(self.speeds_kmh), self.settings)
         if self.contacts_kmh is not None:
             yield contact_effects.contact_effect_jobs(self.case, self.speeds_kmh, self.contacts_kmh)
+        if self.branch and not none:
+            yield {BRANCH: job(bifurcation, self.case, self.speeds_kmh)}
 
     def collect(self, done: Done) -> Results | None:
         contact = tuple(result for result in done.values() if isinstance(result, ContactEffect))
@@ -190,7 +239,7 @@ class StabilityStudy(Study[Results]):
             linear = above.speed_kmh if above else float(done["modes"].attrs["linear_critical_speed_kmh"])
             found = cycle_diagram(cycle_speeds(self.speeds_kmh), linear, self.settings, done)
             diagram = found if found.up or found.down else None
-        return Results(done["modes"], above, diagram, contact)
+        return Results(done["modes"], above, diagram, contact, done.get(BRANCH))
 
     # --------------------------------------------------------------------------------------------------- numbers
 
@@ -215,6 +264,8 @@ class StabilityStudy(Study[Results]):
             found["limit_cycles"] = cycles.cycle_numbers(results.diagram, self.settings)
         if results.contact:
             found["contact_effects"] = [asdict(one) for one in results.contact]
+        if results.branch is not None:
+            found["branch"] = branch_numbers(results.branch)
         return found
 
     def summary(self, results: Results, numbers: Numbers) -> list[str]:
@@ -229,6 +280,8 @@ class StabilityStudy(Study[Results]):
             "vehicle is not restrained; on rollers it needs a longitudinal restraint, e.g. locked = ['x'] for its car body."
             for one in numbers["diverging"]
         ]
+        if results.branch is not None:
+            lines += branch_sentences(numbers["branch"], numbers["linear_critical_speed_kmh"])
         return lines if results.diagram is None else [*lines, *cycles.continuation_sentences(results.diagram)]
 
     def shown(self, results: Results) -> Mapping[str, xr.Dataset]:
@@ -245,6 +298,8 @@ class StabilityStudy(Study[Results]):
             found["limit_cycles.csv"] = self.quantities.csv(points, "limit_cycles.points.*")
         if results.contact:
             found["contact_effects.csv"] = self.quantities.csv(numbers["contact_effects"], "contact_effects.*")
+        if results.branch is not None:
+            found["branch.csv"] = self.quantities.csv(numbers["branch"]["points"], "branch.points.*")
         return found
 
     # ---------------------------------------------------------------------------------------------------- report
@@ -256,6 +311,8 @@ class StabilityStudy(Study[Results]):
             points = numbers["limit_cycles"]["points"]
             blocks = cycles.cycle_blocks(results.diagram, results.modes, self.settings, points)
             found.append(Section("Limit cycles", blocks))
+        if results.branch is not None and numbers["branch"]["points"]:
+            found.append(Section("Branch of limit cycles", self._branch(results.branch, numbers)))
         found.append(Section("Mode shapes", shape_blocks(results.modes)))
         if results.contact:
             text = (
@@ -265,6 +322,20 @@ class StabilityStudy(Study[Results]):
             table = self.quantities.table(numbers["contact_effects"], "contact_effects.*")
             found.append(Section("Effect of the contact model", [Text(text), table]))
         return found
+
+    def _branch(self, branch: xr.Dataset, numbers: Numbers) -> list[Block]:
+        said = branch_sentences(numbers["branch"], numbers["linear_critical_speed_kmh"])
+        caption = (
+            "Limit cycles that begin at the linear critical speed, found as periodic solutions. Between two stable ones lies an "
+            "unstable one: a disturbance beyond it goes to the one above. Branches that do not begin there are not found."
+        )
+        drawn = Picture("branch", bifurcation_diagram(branch), caption)
+        table = self.quantities.table(
+            numbers["branch"]["points"],
+            "branch.points.*",
+            "Largest magnitude of a Floquet multiplier: what is left of a small deviation after one period.",
+        )
+        return [*(Text(one) for one in said), drawn, table]
 
     def _modes(self, modes: xr.Dataset, runs: xr.Dataset | None, numbers: Numbers) -> list[Block]:
         drawn = (

@@ -13,11 +13,11 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from rollerrig.analysis import LimitCycleSettings
+from rollerrig.analysis import LimitCycleSettings, bifurcation
 from rollerrig.cli.app import build_app
 from rollerrig.config import ConfigError, load_case
 from rollerrig.results import load_run
-from rollerrig.study.stability import MOST_CYCLE_SPEEDS, StabilityStudy, cycle_speeds, line_sentences
+from rollerrig.study.stability import MOST_CYCLE_SPEEDS, StabilityStudy, branch_sentences, cycle_speeds, line_sentences
 
 runner = CliRunner()
 
@@ -50,7 +50,7 @@ def test_numbers_are_registered_and_those_of_the_bogie(folder) -> None:
     missing = [
         key
         for key in StabilityStudy.quantities.unreported(summary)
-        if not key.startswith(("contact_effects", "diverging.*"))
+        if not key.startswith(("contact_effects", "diverging.*", "branch."))
     ]
     assert missing == ["crossings"]  # there are some
     assert summary["linear_critical_speed_kmh"] == pytest.approx(253.09, abs=0.01)
@@ -226,3 +226,33 @@ def test_ctrl_c_ends_the_command_with_130(tmp_path) -> None:
     _, errors = process.communicate(timeout=60)
     assert process.returncode == 130, errors
     assert "Traceback" not in errors
+
+
+def test_the_branch_of_limit_cycles_is_followed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(bifurcation, "LONGEST_STEP", 3e-3)
+    monkeypatch.setattr(bifurcation, "LARGEST_AMPLITUDE", 2e-3)
+    options = ("--speeds-kmh", "220:260:20", "--no-limit-cycles", "--branch", "--out", str(tmp_path))
+    result = run("cooperrider_bogie", *options)
+    assert result.exit_code == 0, result.output
+    assert (
+        "Limit cycles begin at the linear critical speed, 247.32 km/h. The branch ends at the largest" in result.output
+    )
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    assert StabilityStudy.quantities.unexplained(summary) == []
+    points = summary["branch"]["points"]
+    assert [point["stable"] for point in points] == [False] * len(points)
+    assert len((tmp_path / "branch.csv").read_text().splitlines()) == len(points) + 1
+    assert "Branch of limit cycles" in (tmp_path / "report.html").read_text()
+
+
+def test_the_lowest_fold_is_said() -> None:
+    points = [{"amplitude_mm": 1.0}]
+    folds = [{"speed_kmh": 230.0, "amplitude_mm": 1.0}, {"speed_kmh": 220.371, "amplitude_mm": 4.457}]
+    said = branch_sentences({"points": points, "folds": folds, "ended": "there"}, 224.1)
+    assert said == [
+        "Limit cycles begin at the linear critical speed, 224.10 km/h; the lowest speed at which this branch has one is "
+        "220.37 km/h, with 4.46 mm, where a stable and an unstable one meet (fold). The branch ends there."
+    ]
+    assert branch_sentences({"points": [], "folds": [], "ended": "no cycle"}, 224.1) == [
+        "The branch of limit cycles cannot be followed: no cycle."
+    ]
