@@ -95,10 +95,10 @@ class Simulation {
       throw nb::value_error("values must have `reading_width` columns");
     if (times.shape(0) != values.shape(0))
       throw nb::value_error("times and values must have room for equally many readings");
-    readings_.emplace(Readings{every, rows_of(times, values), 0});
+    readings_.emplace(every, rows_of(times, values));
     kept_ = {std::move(times), std::move(values)};
   }
-  std::size_t reading_count() const { return readings_ ? readings_->table.filled : 0; }
+  std::size_t reading_count() const { return readings_ ? readings_->filled() : 0; }
 
   /// Advances to t_stop and writes one row per output time; returns status and rows filled so far.
   std::tuple<int, int> advance(double t_stop, Vector times, Table rows, int filled) {

@@ -323,3 +323,31 @@ def test_a_run_of_2_ms_is_read_at_its_steps(monkeypatch: pytest.MonkeyPatch) -> 
         inner = slice(0.2, 1.8)  # a filter has nothing to lean on at the ends
         deviation = abs(few.sel(time=inner).to_numpy() - every.sel(time=inner).to_numpy()).max()
         assert deviation < bound * float(abs(every).max()), name
+
+
+def test_readings_within_a_step_are_those_of_the_state_there() -> None:
+    """A long step is read where its forces bend; the others lie on parabolas between."""
+    case = rr.load_case("bogie_rollers_traction").with_changes({"time.duration": "3 s"})
+    read, dense = rr.simulate(case), rr.simulate(case.with_changes({"time.output_step": "1 ms"}))
+    assert json.loads(read.attrs["solver_statistics"])["steps"] < 0.3 * read.sizes["reading_time"]
+    assert "reading_time" not in dense.variables
+    for name, size in (("lateral_force", "vertical_force"), ("vertical_force", "vertical_force"), ("wear_number",) * 2):
+        off = np.abs(read[f"reading_{name}"].to_numpy() - dense[name].to_numpy())
+        assert off.max() < 1e-4 * float(dense[size].max()), name
+    assert read["reading_distance"].to_numpy() == pytest.approx(dense["distance"].to_numpy(), abs=1e-5)
+    rows = read["vertical_force"].to_numpy()
+    assert read["reading_vertical_force"].to_numpy()[::10].tobytes() == rows.tobytes()
+
+
+def test_readings_do_not_depend_on_the_slices_of_a_run() -> None:
+    case = rr.load_case("bogie_rollers_traction").with_changes({"time.duration": "1 s"})
+    model, found = assemble(case), []
+    for slice_length in (1.0, 0.0137):
+        simulation = simulation_module.prepare(model, output_step=1e-3)
+        times, values = np.empty(1001), np.empty((1001, simulation.reading_width))
+        simulation.keep_readings(10, times, values)
+        room = np.empty(102), np.empty((102, simulation.width))
+        simulation_module.march(simulation, 1.0, *room, slice_length=slice_length, begin_at=0.0)
+        assert simulation.reading_count == 1001
+        found.append(values.tobytes())
+    assert found[0] == found[1]

@@ -3,8 +3,11 @@
 //
 //   Driver -> [advance] -> times, rows; times, readings
 #pragma once
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
+#include <vector>
 
 #include "rollerrig/status.hpp"
 
@@ -30,10 +33,37 @@ struct TimedRows {
 };
 
 /// What is read of the plant between the rows: Driver::reading_width() numbers at each output time, a row at every `every`-th.
-struct Readings {
-  int every{1};
-  TimedRows table{};
-  std::int64_t shown{0};
+/// Where several lie within one step of the integrator, only as many are evaluated as their bend asks for: the states are cubics
+/// there, and between readings that lie on a line the others lie on the parabola through three of them.
+class Readings {
+ public:
+  Readings(int every, TimedRows const& table) : table_{table}, every_{every} {}
+
+  std::size_t filled() const { return table_.filled; }
+  /// One output of a run; whether a row is due.
+  bool read(Driver& driver, double t, double const* x, double const* z);
+  /// After it, those that follow within the integrator's last step.
+  void read_ahead(Driver& driver);
+
+ private:
+  static constexpr double straight = 1e-3;   ///< deviation from a line, over the size of the reading [-]
+  static constexpr double least_wear = 0.1;  ///< size of a wear number that counts [N]
+
+  void evaluate(Driver& driver, std::size_t k);
+  void refine(Driver& driver, std::size_t from, std::size_t to);
+  bool is_straight(std::size_t from, std::size_t middle, std::size_t to) const;
+  double* row(std::size_t k) { return table_.values + table_.width * (first_ + k); }
+  double const* row(std::size_t k) const { return table_.values + table_.width * (first_ + k); }
+
+  TimedRows table_;
+  int every_;
+  std::int64_t shown_{0};
+  double last_{std::numeric_limits<double>::quiet_NaN()},
+      interval_{0.0};     ///< time of the last one, since the one before [s]
+  bool alone_{false};     ///< the last one was not there already
+  std::size_t ahead_{0};  ///< how many are
+  std::size_t first_{0};  ///< of those that were read together
+  std::vector<double> x_, z_;
 };
 
 /// Driver::advance(), with its outputs in tables.
