@@ -445,11 +445,13 @@ def replay(case: Case | str, log: xr.Dataset | str, *, progress: Progress | None
         ResultsError: the log lacks a column or a unit, its times do not rise, or its speeds or torques contradict each other.
         StartError: the case finds no equilibrium to start from.
     """
+    from xarray import Dataset
+
     from rollerrig.analysis.rig_log import read_rig_log
     from rollerrig.study.replay import ReplayStudy
 
     whole = _case(case)
-    measured = read_rig_log(log, whole) if isinstance(log, str) else log
+    measured = log if isinstance(log, Dataset) else read_rig_log(log, whole)
     return _outcome(ReplayStudy(whole, measured), progress=progress)
 
 

@@ -44,6 +44,7 @@ class ReplayStudy(Study[xr.Dataset]):
     log: xr.Dataset
 
     command = "replay"
+    heading = "{case.name}: the rig's controller on the log {log.file}"
     assumes = (ASSUMED,)
     writes = ("replay.nc", "doubtful.csv")
     resumable = False
@@ -51,10 +52,6 @@ class ReplayStudy(Study[xr.Dataset]):
     def __post_init__(self) -> None:
         """Refuse a case whose controller cannot run on a log."""
         check_case(self.case)
-
-    @property
-    def title(self) -> str:
-        return f"{self.case.name}: the rig's controller on the log {self.log.attrs['file']}"
 
     def rounds(self, done: Done) -> Iterator[Round]:
         yield {self.command: job(replay, self.case, self.log)}
