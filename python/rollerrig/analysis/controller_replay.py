@@ -4,6 +4,9 @@ Case, log of a rig -> [replay] -> the core's controller, sample by sample: virtu
     -> estimates of force and torque, as the rig has them at the instant and without their delay, with bands of 95 %
     -> samples whose estimate is not to be relied on, and why
 
+The core's controller alone does not show its estimates: they are those of the linear equations in loop_stability, which tests hold
+against runs of the core to round-off.
+
 An estimate is late by its delay. The rows that follow say what it was late for: without the delay it is that of a later sample.
 What is left then is noise of the sensors and what the estimator filters away. The former follows from the sensors of the case
 and the estimator's impulse responses; the latter is about what the estimator loses of its own result (Tukey's twicing).

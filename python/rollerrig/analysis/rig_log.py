@@ -66,7 +66,7 @@ def read_rig_log(path: str | Path, case: Case) -> xr.Dataset:
 
     Of each wheelset NAME: `NAME.axle_speed [rad/s]`, `NAME.roller_speed [rad/s]`, `NAME.roller_torque [N m]` of its drive; with
     [brake] `NAME.cylinder_pressure [Pa]` or `NAME.brake_torque [N m]`; with motors `NAME.motor_torque [N m]`; in these units or
-    others, speeds also of the circumference [m/s]. A column `measured_...` goes before the one without.
+    others, speeds also of the circumference [m/s]. A column `measured_...` goes before the one without, of torques where the case has a flange.
 
     Returns:
         Over `time`, the controller's sample times from the first row on, and `axle`: inputs of `_core.ControllerPlant`, and those
@@ -90,10 +90,12 @@ def read_rig_log(path: str | Path, case: Case) -> xr.Dataset:
         return np.stack([np.interp(at, time, column) for column in values.T], axis=1)
 
     found = {name: (unit, meaning, values) for name, unit, meaning, values in _measured(case, log, axles)}
-    drive = found["drive_torque"][2]
-    integral = sampled(cumulative_trapezoid(drive, time, axis=0, initial=0))
     data = {name: variable(("time", "axle"), sampled(v), unit, text) for name, (unit, text, v) in found.items()}
-    mean = np.concatenate([sampled(drive)[:1], np.diff(integral, axis=0) / period])
+    drive = found["drive_torque"][2]
+    now, integral = sampled(drive), sampled(cumulative_trapezoid(drive, time, axis=0, initial=0))
+    flange = case.sensors.roller_torque is not None  # read at the samples alone
+    mean = 0.5 * (now[1:] + now[:-1]) if flange else np.diff(integral, axis=0) / period
+    mean = np.concatenate([now[:1], mean])
     data["roller_torque"] = variable(("time", "axle"), mean, "N m", "of the roller's drive, mean since the last sample")
     start = case.vehicle.data.wheel.radius * float(found["axle_speed"][2][0].mean())
     if column_of(log, "train.speed"):
@@ -108,7 +110,7 @@ def _check_time(case: Case, log: Log, time: Array) -> None:
     slowest = 1.0 / case.rig_control.estimator.bandwidth  # type: ignore[union-attr]
     if len(time) < 3 or time[-1] - time[0] < LEAST_PERIODS * slowest:
         needed = f"needed: {LEAST_PERIODS * slowest:g} s, {LEAST_PERIODS} periods of the estimator's bandwidth"
-        raise ResultsError(f"{log.file}: time: {len(time)} rows from first to last; {needed}")
+        raise ResultsError(f"{log.file}: time: {len(time)} rows over {np.ptp(time):g} s; {needed}")
     if problem := time_problem(time):
         raise ResultsError(f"{log.file}: time: {problem}")
     if (apart := float(np.median(np.diff(time)))) > 1.001 * slowest / ROWS_A_PERIOD:
@@ -126,11 +128,14 @@ def _measured(case: Case, log: Log, axles: list[str]) -> Iterator[tuple[str, str
     yield "axle_speed", "rad/s", "measured speed of the axle", speed
     rolling = {"rad/s": 1.0, "m/s": 1.0 / rig.roller_radius}
     yield "roller_speed", "rad/s", "measured speed of the roller", _per_axle(log, axles, "roller_speed", rolling)
-    yield "drive_torque", "N m", "of the roller's drive now", _per_axle(log, axles, "roller_torque", {"N m": 1.0})
+    # What is read at samples alone stands still in between: where there is no flange, the drive's own torque is better.
+    own = case.sensors.roller_torque is None and column_of(log, f"{axles[0]}.roller_torque")
+    torque = _per_axle(log, axles, "roller_torque", {"N m": 1.0}, measured=not own)
+    yield "drive_torque", "N m", "of the roller's drive now", torque
     if brake is not None and not brake.motors_stand_in:
         yield "brake_torque", "N m", "of the axle's friction brake", _brake_torque(case, log, axles, speed)
     if case.traction is not None or (brake is not None and (brake.electrodynamic or brake.motors_stand_in)):
-        yield "motor_torque", "N m", "of the axle's motor", _per_axle(log, axles, "motor_torque", {"N m": 1.0})
+        yield "motor_torque", "N m", "of the axle's motor", _motor_torque(log, axles)
     if control.loads == "measured":
         yield "axle_load", "N", "vertical force under the axle", _per_axle(log, axles, "axle_load", {"N": 1.0})
     if case.sanding is not None:
@@ -145,13 +150,20 @@ def _measured(case: Case, log: Log, axles: list[str]) -> Iterator[tuple[str, str
             yield name, unit, meaning, _per_axle(log, axles, name, {unit: 1.0})
 
 
-def _per_axle(log: Log, axles: list[str], name: str, units: dict[str, float]) -> Array:
-    """A column of each axle in SI, shape (row, axle); one of the train counts for each of them."""
+def _per_axle(log: Log, axles: list[str], name: str, units: dict[str, float], *, measured: bool = True) -> Array:
+    """A column of each axle in SI, if need be as measured, shape (row, axle); one of the train counts for each of them."""
     if name in log.columns:
         return np.repeat(log_quantity(log, name, units)[:, None], len(axles), axis=1)
 
-    prefix = "measured_" if column_of(log, f"{axles[0]}.measured_{name}") else ""
+    prefix = "measured_" if measured and column_of(log, f"{axles[0]}.measured_{name}") else ""
     return np.column_stack([log_quantity(log, f"{axle}.{prefix}{name}", units) for axle in axles])
+
+
+def _motor_torque(log: Log, axles: list[str]) -> Array:
+    """Torque of the motors as a rig logs it, or as a run of ours has it, what drives and what brakes apart."""
+    apart = [name for name in ("traction_torque", "electrodynamic_torque") if column_of(log, f"{axles[0]}.{name}")]
+    names = ["motor_torque"] if column_of(log, f"{axles[0]}.motor_torque") or not apart else apart
+    return np.asarray(np.sum([_per_axle(log, axles, name, {"N m": 1.0}) for name in names], axis=0))
 
 
 def _brake_torque(case: Case, log: Log, axles: list[str], speed: Array) -> Array:

@@ -62,6 +62,25 @@ def test_the_log_of_a_run_gives_the_estimates_and_the_virtual_train_of_the_run(f
     assert largest(found["virtual_axle_speed"] - found["virtual_speed"]) < 1e-9
 
 
+@pytest.mark.parametrize(
+    ("name", "changes"),
+    [
+        # A controller that samples every fourth row: of the torque in between it takes the mean.
+        ("adhesion_brake", {"brake.demand": [[0.0, 0.0], [0.1, "3.8 bar"]], "time.sampling_step": "0.5 ms",
+                            "time.output_step": "0.5 ms", "rig_control.sample_time": "2 ms"}),
+        ("adhesion_start", {"time.output_step": "1 ms", "rig_control.axle_torque.kind": "extrapolated"}),  # by motors
+    ],
+)  # fmt: skip
+def test_other_samples_and_motors(name: str, changes: dict[str, object], tmp_path: Path) -> None:
+    case = load_case(name).with_changes({"contact.normal": "hertz", "time.duration": "0.7 s", **changes})
+    run = simulate(case)[[*COLUMNS, "traction_torque"]]
+    found = replay(case, read_rig_log(export(run, tmp_path / "rig.csv"), case))
+    every = round((run.sizes["time"] - 1) / (found.sizes["time"] - 1))
+    for ours, theirs in (("force_at_once", "estimated_force"), ("virtual_axle_speed", "virtual_speed")):
+        expected = run[theirs].transpose("time", "axle").to_numpy()[::every]
+        np.testing.assert_allclose(found[ours], expected, rtol=1e-9, atol=1e-6)
+
+
 @pytest.mark.parametrize("kind", ["filtered_derivative", "kalman"])
 def test_with_the_noise_of_its_sensors_too(kind: str, tmp_path: Path) -> None:
     """The rollers' sensors stay exact, since a run records true speeds of rollers alone. The flange's reading before the
@@ -223,7 +242,7 @@ def lines(rows: int = 700, step: float = 1e-3) -> str:
         (lines().replace("\n0.1,", "\n#0.1,").replace("\n0.10", "\n#0.10"), "time: 0.11 s follows 0.099 s: a gap, rows"),
         (lines().replace("\n0.1,60", "\n0.1,"), "axle_speed: row 101 has no number"),
         (lines(100, 1e-2), r"rows are 0.01 s apart; allowed: 0.005 s, 1/10 of a period of the estimator's bandwidth"),
-        (lines(300), r"time: 300 rows from first to last; needed: 0.5 s"),
+        (lines(300), r"time: 300 rows over 0.299 s; needed: 0.5 s"),
     ],
 )  # fmt: skip
 def test_a_log_that_is_none_is_refused_in_a_line(case: Case, tmp_path: Path, text: str, message: str) -> None:
