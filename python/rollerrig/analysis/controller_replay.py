@@ -4,8 +4,8 @@ Case, log of a rig -> [replay] -> the core's controller, sample by sample: virtu
     -> estimates of force and torque, as the rig has them at the instant and without their delay, with bands of 95 %
     -> samples whose estimate is not to be relied on, and why
 
-The core's controller alone does not show its estimates: they are those of the linear equations in loop_stability, which tests hold
-against runs of the core to round-off.
+The core's controller alone does not show its estimates: they are those of the linear equations in loop_stability, which tests
+compare with runs of the core, to round-off.
 
 An estimate is late by its delay. The rows that follow say what it was late for: without the delay it is that of a later sample.
 What is left then is noise of the sensors and what the estimator filters away. The former follows from the sensors of the case
@@ -30,7 +30,7 @@ from rollerrig.analysis.loop_stability import ESTIMATED, estimator_matrices
 from rollerrig.assembly.actuators import assemble_with_actuators
 from rollerrig.common.arrays import Array, Mask
 from rollerrig.config import Case
-from rollerrig.config.schema.rig_control import Encoder
+from rollerrig.config.schema.rig_control import Encoder, RigControl
 from rollerrig.interfaces.plant import controller_part
 from rollerrig.results import variable
 from rollerrig.results.files import ResultsError
@@ -63,7 +63,7 @@ REASONS = {
     "torque": "the torque found is not that of brake and motor",
     "limit": "the drive is at its limit",
     "sliding": "the wheel slides on its roller",
-    "locked": "the wheel is locked: the torque of its brake is a reaction",
+    "locked": "the wheel stands: the torque of its brake is a reaction",
 }
 """Why an estimate is not to be relied on."""
 
@@ -159,56 +159,54 @@ def replay(case: Case, log: xr.Dataset) -> xr.Dataset:
 
     Returns:
         The log, and over `time` and `axle`: `force_at_once`, `torque_at_once` and `torque_taken` as the rig has them at the
-        instant; `force`, `torque` without their delay, half widths `force_band`, `torque_band` of their intervals,
-        which hold 95 % where the sensors of the case have noise;
-        `torque_known` of brake and motor, and `torque_expected`, the same as the estimator would find it; `virtual_axle_speed`,
-        `drive_command`. `train_speed` (time) of the virtual train; `doubtful` (reason, time, axle), see REASONS; `axle_load`
-        (axle). Attributes: `force_noise`, `torque_noise`, `force_delay_s`, `torque_delay_s`.
+        instant; `force`, `torque` without their delay, half widths `force_band`, `torque_band` of their intervals, which
+        hold 95 % where the sensors of the case have noise; `torque_known` of brake and motor, and `torque_expected`, the same as
+        the estimator would find it; `virtual_axle_speed`, `drive_command`. `train_speed` (time) of the virtual train; `doubtful`
+        (reason, time, axle), see REASONS; `axle_load` (axle).
+        Attributes: `force_noise`, `torque_noise`, `force_delay_s`, `torque_delay_s`.
 
     Raises:
         ConfigError: the case has no such controller of ours.
         ResultsError: the torques of drive and brake contradict each other.
         StartError: the case finds no equilibrium to start from.
     """
-    estimator = _estimator_of(case)
-    part = controller_part(case, "rig_control")
-    known = sum(
-        (log[name].to_numpy() for name in ("brake_torque", "motor_torque") if name in log),
-        np.zeros(log["axle_speed"].shape),
-    )
-    speeds = log["roller_speed"].to_numpy(), log["axle_speed"].to_numpy()
-    at_once = estimator.run(*speeds, log["roller_torque"].to_numpy(), known)
-    found, lost = estimator.found_and_lost(*speeds, log["roller_torque"].to_numpy())
-    expected = estimator.estimate_of(found[0], known)[1]
-    noise, of_lost = estimator.noise(case)
-    window = round(1.0 / (estimator.loop.bandwidth / (2.0 * math.pi) * estimator.loop.sample))
-    mean = uniform_filter1d(lost**2, window, axis=1, mode="nearest") - (of_lost**2)[:, None, None]
-    band = NORMAL * np.sqrt((noise**2)[:, None, None] + np.maximum(mean, 0.0))
+    estimator, part = _estimator_of(case), controller_part(case, "rig_control")
     law = part.controller.controller
     assert isinstance(law, _core.RigControl)
-    load = np.array(law.train.static_load)
-    _check_signs(log, found[1], expected, LEAST_TORQUE * load * estimator.loop.assumed.wheel_radius)
-    doubtful = _doubtful(case, log, estimator, at_once, found, expected, noise)
+    found = _estimates(case, log, estimator).assign_coords(axle_load=("axle", np.array(law.train.static_load)))
+    _check_signs(found, estimator.loop.assumed.wheel_radius)
+    doubtful = _doubtful(case, found, estimator)
+    found["doubtful"] = (("reason", "time", "axle"), np.stack(list(doubtful.values())))
+    return found.assign_coords(reason=list(doubtful)).assign(_controller(part, log))
+
+
+def _estimates(case: Case, log: xr.Dataset, estimator: _Estimator) -> xr.Dataset:
+    """The log with what the estimator finds, at the instant and without its delay, and what is known of the torques."""
+    known = np.zeros(log["axle_speed"].shape)
+    for name in ("brake_torque", "motor_torque"):
+        known = known + (log[name].to_numpy() if name in log else 0.0)
+    roller, wheel, mean_torque = (log[name].to_numpy() for name in ("roller_speed", "axle_speed", "roller_torque"))
+    at_once = estimator.run(roller, wheel, mean_torque, known)
+    (force, torque), lost = estimator.found_and_lost(roller, wheel, mean_torque)
+    noise, of_lost = estimator.noise(case)
+    window = round(2.0 * math.pi / (estimator.loop.bandwidth * estimator.loop.sample))
+    rest = uniform_filter1d(lost**2, window, axis=1, mode="nearest") - (of_lost**2)[:, None, None]
+    band = NORMAL * np.sqrt((noise**2)[:, None, None] + np.maximum(rest, 0.0))
     data = {
         "force_at_once": ("N", "force on the axle as estimated at the instant, forward", at_once[0]),
         "torque_at_once": ("N m", "torque on the axle as estimated at the instant", at_once[1]),
         "torque_taken": ("N m", "torque on the axle that the virtual train takes", at_once[2]),
-        "force": ("N", "force on the axle without the delay of its estimate, forward", found[0]),
-        "torque": ("N m", "torque on the axle without the delay of its estimate", found[1]),
+        "force": ("N", "force on the axle without the delay of its estimate, forward", force),
+        "torque": ("N m", "torque on the axle without the delay of its estimate", torque),
         "force_band": ("N", "half width of the interval of 95 % of the force", band[0]),
         "torque_band": ("N m", "half width of the interval of 95 % of the torque", band[1]),
         "torque_known": ("N m", "torque of brake and motor on the axle", known),
-        "torque_expected": ("N m", "the same as the estimator would find it", expected),
+        "torque_expected": ("N m", "the same as the estimator would find it", estimator.estimate_of(force, known)[1]),
     }
-    whole = log.assign(
-        {name: variable(("time", "axle"), values, unit, text) for name, (unit, text, values) in data.items()}
-    )
-    whole = whole.assign(_controller(part, log))
-    whole["doubtful"] = (("reason", "time", "axle"), np.stack(list(doubtful.values())))
     delay = (estimator.delay + estimator.sensor_delay) * estimator.loop.sample
-    return whole.assign_coords(reason=list(doubtful), axle_load=("axle", load)).assign_attrs(
-        force_noise=noise[0], torque_noise=noise[1], force_delay_s=delay[0], torque_delay_s=delay[1]
-    )
+    return log.assign(
+        {name: variable(("time", "axle"), values, unit, text) for name, (unit, text, values) in data.items()}
+    ).assign_attrs(force_noise=noise[0], torque_noise=noise[1], force_delay_s=delay[0], torque_delay_s=delay[1])
 
 
 def _estimator_of(case: Case) -> _Estimator:
@@ -257,30 +255,36 @@ def _controller(part: _core.ControllerPart, log: xr.Dataset) -> dict[str, tuple]
     }
 
 
-def _doubtful(
-    case: Case, log: xr.Dataset, estimator: _Estimator, at_once: Array, found: Array, expected: Array, noise: Array
-) -> dict[str, Mask]:
+def _doubtful(case: Case, found: xr.Dataset, estimator: _Estimator) -> dict[str, Mask]:
     """Samples whose estimate is not to be relied on, by REASONS, shape (time, axle)."""
-    control, loop = case.rig_control, estimator.loop
+    control, p, memory = case.rig_control, estimator.loop.assumed, estimator.memory
     assert control is not None
-    wheel, roller = loop.assumed.wheel_radius * log["axle_speed"].to_numpy(), log["roller_speed"].to_numpy()
-    torque, drive = np.abs(log["drive_torque"].to_numpy()), control.motor
-    largest = min(control.feedback.largest, drive.largest_torque or math.inf)
-    power, speed = drive.largest_power or math.inf, drive.largest_speed or math.inf
-    at_limit = (
-        (torque > AT_LIMIT * largest) | (torque * np.abs(roller) > AT_LIMIT * power) | (roller > AT_LIMIT * speed)
-    )
-    sample = np.arange(len(wheel))[:, None] * np.ones_like(wheel)
-    ends = estimator.memory, len(wheel) - float((estimator.delay + estimator.sensor_delay).max())
-    clear = np.maximum(CLEAR * noise, LATE * np.abs(found).max(axis=(1, 2)))
+    wheel, roller = p.wheel_radius * found["axle_speed"].to_numpy(), p.roller_radius * found["roller_speed"].to_numpy()
+
+    def off(one: str, other: str, noise: str) -> Mask:
+        largest = float(np.abs(found[other][memory:]).max())
+        difference = np.abs(found[one].to_numpy() - found[other].to_numpy())
+        return np.asarray(difference > max(CLEAR * found.attrs[noise], LATE * largest))
+
+    start = np.zeros(wheel.shape, dtype=bool)
+    start[:memory], start[len(wheel) - math.ceil((estimator.delay + estimator.sensor_delay).max()) :] = True, True
     return {
-        "start": (sample < ends[0]) | (sample >= ends[1]),
-        "late": np.abs(at_once[0] - found[0]) > clear[0],
-        "torque": np.abs(found[1] - expected) > clear[1],
-        "limit": at_limit,
-        "sliding": np.abs(wheel - loop.assumed.roller_radius * roller) > control.protection.slip,
+        "start": start,
+        "late": off("force_at_once", "force", "force_noise"),
+        "torque": off("torque_expected", "torque", "torque_noise"),
+        "limit": _at_limit(control, np.abs(found["drive_torque"].to_numpy()), np.abs(roller) / p.roller_radius),
+        "sliding": np.abs(wheel - roller) > control.protection.slip,
         "locked": np.abs(wheel) < control.locked_speed,
     }
+
+
+def _at_limit(control: RigControl, torque: Array, speed: Array) -> Mask:
+    """Where drives of a torque [N m] at a speed [rad/s] are at their limits, both without signs."""
+    drive = control.motor
+    largest = min(control.feedback.largest, drive.largest_torque or math.inf)
+    power = AT_LIMIT * (drive.largest_power or math.inf)
+    beyond = speed > AT_LIMIT * (drive.largest_speed or math.inf)
+    return np.asarray((torque > AT_LIMIT * largest) | (torque * speed > power) | beyond)
 
 
 def torque_ratio(found: Array, expected: Array) -> Array:
@@ -290,13 +294,15 @@ def torque_ratio(found: Array, expected: Array) -> Array:
     return np.asarray(np.divide((found * expected).sum(axis=0), square, out=none, where=square > 0.0))
 
 
-def _check_signs(log: xr.Dataset, found: Array, expected: Array, least: Array) -> None:
+def _check_signs(found: xr.Dataset, radius: float) -> None:
     """Refuse with a ResultsError a drive whose torques and speeds say that the brake drives, or the motor brakes."""
-    ratio = torque_ratio(found, expected)
-    for k, axle in enumerate(log["axle"].to_numpy()):
-        if np.sqrt((expected[:, k] ** 2).mean()) > least[k] and ratio[k] < 0.0:
+    expected = found["torque_expected"]
+    ratio = torque_ratio(found["torque"].to_numpy(), expected.to_numpy())
+    shows = (expected**2).mean("time") ** 0.5 > LEAST_TORQUE * radius * found["axle_load"]
+    for axle, factor, clear in zip(found["axle"].to_numpy(), ratio, shows.to_numpy(), strict=True):
+        if clear and factor < 0.0:
             raise ResultsError(
-                f"{log.attrs['file']}: {axle}: by drive and speeds its torque is {ratio[k]:.2g} times that of brake and motor; "
+                f"{found.attrs['file']}: {axle}: by drive and speeds its torque is {factor:.2g} times that of brake and motor; "
                 "allowed: roller_torque positive where it drives the wheel forward, torques of brakes negative"
             )
 

@@ -66,7 +66,8 @@ def read_rig_log(path: str | Path, case: Case) -> xr.Dataset:
 
     Of each wheelset NAME: `NAME.axle_speed [rad/s]`, `NAME.roller_speed [rad/s]`, `NAME.roller_torque [N m]` of its drive; with
     [brake] `NAME.cylinder_pressure [Pa]` or `NAME.brake_torque [N m]`; with motors `NAME.motor_torque [N m]`; in these units or
-    others, speeds also of the circumference [m/s]. A column `measured_...` goes before the one without, of torques where the case has a flange.
+    others, speeds also of the circumference [m/s]. A column `measured_...` goes before the one without, of the drive's torque
+    where the case has a flange.
 
     Returns:
         Over `time`, the controller's sample times from the first row on, and `axle`: inputs of `_core.ControllerPlant`, and those
