@@ -31,6 +31,7 @@ EXAMPLES = {
     "adhesion": "adhesion adhesion_brake --no-error-budget",
     "wsp": "wsp adhesion_brake --quick",
     "reconstruct": "reconstruct adhesion_brake stop.csv",
+    "replay": "replay adhesion_brake rig.csv",
     "control": "control adhesion_brake",
     "lateral": "lateral adhesion_lateral",
     "scale": "scale adhesion_brake --strategy dlr --run",
@@ -44,12 +45,14 @@ IN_TURN = {"paper", "stability", "compare", "adhesion", "wsp", "control", "later
 
 
 def write_logs(folder: Path) -> None:
-    """The logs of `reconstruct` and `fit`, from runs of the program's own."""
+    """The logs of `reconstruct`, `replay` and `fit`, from runs of the program's own."""
     from rollerrig import load_case, simulate
     from rollerrig.results import export
     from rollerrig.study.runs.adhesion import track_case
 
     export(simulate(track_case(load_case("adhesion_brake"))).isel(time=slice(None, None, 5)), folder / "stop.csv")
+    rig = load_case("adhesion_brake").with_changes({"time.duration": "10 s", "time.output_step": "1 ms"})
+    export(simulate(rig)[["axle_speed", "roller_speed", "roller_torque", "cylinder_pressure"]], folder / "rig.csv")
     torque = [[0.0, 0.0], [10.0, 0.0], [11.0, 300.0], [60.0, 300.0], [61.0, 0.0]]
     case = load_case("bogie_rollers_traction").with_changes({
         "vehicle.cut": "leading_wheelset",

@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from rollerrig.cli.commands import limit_cycle as limit_cycle
     from rollerrig.cli.commands import paper as paper
     from rollerrig.cli.commands import reconstruct as reconstruct
+    from rollerrig.cli.commands import replay as replay
     from rollerrig.cli.commands import response as response
     from rollerrig.cli.commands import scale as scale
     from rollerrig.cli.commands import sweep as sweep
@@ -83,7 +84,7 @@ _NAMES = {
     "catalog": "catalog_entries catalog_text",
     "catalog.starting_case": "starting_case",
     "cli.commands": "adhesion compare conicity contact control creep envelope fit lateral limit_cycle paper "
-    "reconstruct response scale sweep wsp",
+    "reconstruct replay response scale sweep wsp",
     "config": "Case ConfigError explain json_schema load_case",
     "contact_analysis.profile_curve": "profile",
     "interfaces.fmu.export": "export_fmu export_part",

@@ -45,6 +45,8 @@ ANSWERS = {
     # Errors of the means are 0.003 to 0.015, docs/measured.md.
     "14_measured_adhesion": ([r"0\.5 %: measured 0\.251, here 0\.24\d", r"2\.9 %: .* here 0\.30\d, error -0\.00\d",
                               r"19\.0 %: .* error \+0\.00\d"], []),
+    "15_replay": ([r"12\.2 ms late", r"wheelset_1: torque .* 0\.90\d times that by pressure",
+                   r"wheelset_1: force off by 3\d N at the instant, [3-7] N without the delay"], ["replay/report.html"]),
     "09_gymnasium": ([r"always filled: .* slip 100 %", r"vent above 20 %: .* slip 2\d %"], []),
 }  # fmt: skip
 """Script -> patterns of its output in their order, and files that it leaves."""

@@ -26,12 +26,11 @@ from rollerrig.assembly.model import assemble
 from rollerrig.cases import wheelsets
 from rollerrig.common.arrays import Array
 from rollerrig.config import Case, ConfigError
-from rollerrig.config.schema.units import unit_factor
 from rollerrig.config.write.toml import plain
 from rollerrig.contact_analysis.traction_curve import LoadedWheel, traction_coefficient
 from rollerrig.results import RunInfo, variable
 from rollerrig.results.files import ResultsError
-from rollerrig.results.logs import Log, read_log, time_problem
+from rollerrig.results.logs import log_quantity, read_log, time_problem
 from rollerrig.simulation.starting_state import equilibrium_dataset
 
 LEAST_ELASTICITY = 0.5
@@ -95,31 +94,13 @@ def read_stop(path: str | Path, case: Case) -> StopLog:
     """
     log, radius = read_log(path), case.vehicle.data.wheel.radius
     axles = tuple(body.name for body in wheelsets(case))
-    time = _column(log, "time", {"s": 1.0})
+    time = log_quantity(log, "time", {"s": 1.0})
     if problem := time_problem(time):
         raise ResultsError(f"{log.file}: time: {problem}")
-    turning = [_column(log, f"{axle}.axle_speed", {"rad/s": 1.0, "m/s": 1.0 / radius}) for axle in axles]
-    pressure = [_column(log, f"{axle}.cylinder_pressure", {"Pa": 1.0}) for axle in axles]
-    train = _column(log, "train_speed", {"m/s": 1.0})
+    turning = [log_quantity(log, f"{axle}.axle_speed", {"rad/s": 1.0, "m/s": 1.0 / radius}) for axle in axles]
+    pressure = [log_quantity(log, f"{axle}.cylinder_pressure", {"Pa": 1.0}) for axle in axles]
+    train = log_quantity(log, "train_speed", {"m/s": 1.0})
     return StopLog(log.file, time, train, axles, np.column_stack(turning), np.column_stack(pressure))
-
-
-def _column(log: Log, name: str, units: dict[str, float]) -> Array:
-    """A column in SI; `units` it may be in, and what one of them is in that of the result."""
-    if name not in log.columns:
-        there = ", ".join(log.columns)
-        raise ResultsError(f"{log.file}: no column '{name} [{next(iter(units))}]'; there are {there[:200]}")
-    given = log.units[name]
-    for unit, scale in units.items():
-        factor = unit_factor(given, unit) if given else None
-        if factor is not None:
-            values = float(factor) * scale * log.columns[name]
-            if not np.isfinite(values).all():
-                row = int(np.argmax(~np.isfinite(values))) + 1
-                raise ResultsError(f"{log.file}: {name}: row {row} has no number")
-            return values
-    said = f"[{given}] is no unit of it" if given else "has no unit"
-    raise ResultsError(f"{log.file}: {name} {said}; write '{name} [{next(iter(units))}]'")
 
 
 def check_case(case: Case) -> None:

@@ -19,6 +19,7 @@ from rollerrig.analysis.mode_names import HUNTING_SHARE, wheelset_lateral_share
 from rollerrig.analysis.modes import Lineariser, eigensystem, energy_shares, oscillates
 from rollerrig.assembly.actuators import assemble_with_actuators
 from rollerrig.assembly.laws import angular, linear_coefficients
+from rollerrig.assembly.model import AssembledModel
 from rollerrig.cases import wheelsets, without_actuators
 from rollerrig.common.arrays import Array, Complex
 from rollerrig.config import Case, Rig
@@ -242,7 +243,14 @@ def loop_of(case: Case, creep: float, *, sliding: bool) -> Loop | None:
     motors = (control.motor, *((case.traction.motor,) if case.traction is not None else ()))
     if any(motor.rotor_inertia for motor in motors):  # the plant has none
         return None
-    model, table, estimates = assemble_with_actuators(case), control.feedback, control.estimator
+    return linear_loop(assemble_with_actuators(case), creep, sliding=sliding)
+
+
+def linear_loop(model: AssembledModel, creep: float, *, sliding: bool) -> Loop:
+    """The loop of a model with [rig_control] of one of ESTIMATORS, whatever its torques are measured by; see `loop_of`."""
+    case, control = model.case, model.case.rig_control
+    assert control is not None
+    table, estimates = control.feedback, control.estimator
     assert isinstance(estimates, BandwidthEstimator)
     assumed = assumed_parameters(model)
     gains = (0.0, 0.0)

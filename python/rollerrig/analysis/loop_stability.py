@@ -2,6 +2,7 @@
 
 Loop, Plant -> [sampled_matrix] -> growth rate and frequency, gain limit
 run of a lightly excited rig -> [measured_growth] -> the same, from the tracking error
+Loop -> [estimator_matrices] -> the estimator alone, as one matrix from sample to sample
 
 The linear controller is written from the equations (D1) to (D5), (D10) of docs/theory/rig_control.md and not from the core's
 code, so that runs of the core check it; the plant is the core's exact linearisation.
@@ -146,8 +147,11 @@ _ESTIMATORS: dict[str, Callable[[Loop, dict[str, Array]], None]] = {
     "kalman": _kalman,
 }
 
-_STATES = ("roller_estimate", "wheel_estimate", "force", "axle_torque", "wheel_rate", "late", "correction", "last_torque",
-           "slope", "virtual", "sum", "feed_forward")  # fmt: skip
+_OF_ESTIMATOR = ("roller_estimate", "wheel_estimate", "force", "axle_torque", "wheel_rate", "late", "correction",
+                 "last_torque", "slope")  # fmt: skip
+ESTIMATED = (*_OF_ESTIMATOR, "taken")
+"""States of `estimator_matrices`."""
+_STATES = (*_OF_ESTIMATOR, "virtual", "sum", "feed_forward")
 
 
 def _plant_step(loop: Loop, plant: Plant) -> Array:
@@ -178,6 +182,20 @@ def _torque_of_axle(loop: Loop, z: dict[str, Array]) -> Array:
     z["slope"] = z["slope"] + low_pass * ((estimate - z["last_torque"]) / h - z["slope"])
     z["last_torque"] = estimate
     return estimate + loop.ahead * z["slope"]
+
+
+def estimator_matrices(loop: Loop) -> tuple[Array, Array]:
+    """F and G of one sample of the estimator of an axle, z' = F z + G u.
+
+    u are speeds of roller and wheel, mean torque of the drive and known torque of the axle, z the states of ESTIMATED; `taken`
+    is what the virtual axle takes for its torque.
+    """
+    inputs = ("roller", "wheel", "mean", "brake")
+    z = dict(zip((*ESTIMATED, *inputs), np.eye(len(ESTIMATED) + len(inputs)), strict=True))
+    _ESTIMATORS[loop.estimator](loop, z)
+    z["taken"] = _torque_of_axle(loop, z)
+    both = np.stack([z[name] for name in ESTIMATED])
+    return both[:, : len(ESTIMATED)], both[:, len(ESTIMATED) :]
 
 
 def _controller(loop: Loop, z: dict[str, Array]) -> Array:

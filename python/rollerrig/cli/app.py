@@ -19,6 +19,7 @@ COMMANDS = (
     "adhesion",
     "wsp",
     "reconstruct",
+    "replay",
     "control",
     "lateral",
     "scale",

@@ -432,6 +432,31 @@ def reconstruct(
     return _outcome(ReconstructionStudy(whole, stop, piece_m), progress=progress)
 
 
+def replay(case: Case | str, log: xr.Dataset | str, *, progress: Progress | None = None) -> Outcome[Any]:
+    """The rig's estimators and virtual train on the log of a rig: estimated forces with their errors, where they are wrong.
+
+    Args:
+        case: with [rig_control]: a name of the catalogue or a TOML file.
+        log: speeds and torques of the rig, .csv, .mat, .nc, .parquet or .npz of `rollerrig serve`: time [s] and of each wheelset
+            NAME.axle_speed [rad/s], NAME.roller_speed [rad/s], NAME.roller_torque [N m] and NAME.cylinder_pressure [Pa] or
+            NAME.brake_torque [N m], or in other units.
+        progress: called with the fraction done and a short text.
+
+    Raises:
+        ConfigError: the case has no rig's controller of ours, or one that takes what no log has.
+        ResultsError: the log lacks a column or a unit, its times do not rise, or its speeds or torques contradict each other.
+        StartError: the case finds no equilibrium to start from.
+    """
+    from xarray import Dataset
+
+    from rollerrig.analysis.rig_log import read_rig_log
+    from rollerrig.study.replay import ReplayStudy
+
+    whole = _case(case)
+    measured = log if isinstance(log, Dataset) else read_rig_log(log, whole)
+    return _outcome(ReplayStudy(whole, measured), progress=progress)
+
+
 def control(
     case: Case | str,
     *,
@@ -785,7 +810,7 @@ def paper(*, quick: Switch = False, processes: Processes = 1, progress: Progress
     return _outcome(PaperStudy(QUICK if quick else FULL), processes, progress)
 
 
-_FUNCTIONS = (paper, run, stability, response, compare, curving, adhesion, wsp, reconstruct, control, lateral, scale, envelope,
-              creep, conicity, fit)  # fmt: skip
+_FUNCTIONS = (paper, run, stability, response, compare, curving, adhesion, wsp, reconstruct, replay, control, lateral, scale,
+              envelope, creep, conicity, fit)  # fmt: skip
 STUDIES = {function.__name__: parameters(function) for function in _FUNCTIONS}
 """Function that is a command -> its arguments."""

@@ -289,6 +289,7 @@ def write_record(path: Path, served: Served, server: Any, *, lock_step: bool) ->
             sensors=server.sensors(),
             inputs=np.array([v.name for v in served.inputs]),
             outputs=np.array([v.name for v in served.outputs]),
+            units=np.array([v.unit for v in served.outputs]),
             period=served.period,
             lock_step=lock_step,
         )

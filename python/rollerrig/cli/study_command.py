@@ -273,6 +273,7 @@ SPECIAL: dict[str, dict[str, Any]] = {
     "wsp": {"prepare": prepare_wsp},
     "fit": {"refused": (FileNotFoundError, ValueError, RuntimeError)},
     "reconstruct": {"refused": (FileNotFoundError, ValueError)},
+    "replay": {"refused": (FileNotFoundError, ValueError)},
     "scale": {
         "prepare": prepare_scale,
         "switches": {"run": (RUN, False, "error_budget")},

@@ -1,6 +1,6 @@
 """Measured signals from a file: columns of numbers with their units.
 
-    .csv, .mat, .nc, .parquet -> [read_log] -> Log: name of a column -> values, unit
+    .csv, .mat, .nc, .parquet, .npz of `rollerrig serve --record` -> [read_log] -> Log: name of a column -> values, unit
 
 A heading is `name` or `name [unit]`; a table is separated by commas, by tabs, or by semicolons with decimal commas. A file that
 `rollerrig export` or `simulate` wrote has its columns by the same names.
@@ -19,6 +19,7 @@ import numpy as np
 
 from rollerrig.common.arrays import Array
 from rollerrig.common.input_files import LARGEST_TABLE, check_input, read_input
+from rollerrig.config.schema.units import unit_factor
 from rollerrig.results.files import ResultsError
 from rollerrig.results.other_formats import table_columns
 
@@ -92,6 +93,38 @@ def _numbers(name: str, values: Any, file: str) -> Array:
     return numbers[:0] if wrong else numbers
 
 
+def column_of(log: Log, name: str) -> str:
+    """The column of a name, also with '_' in place of '.' as MATLAB writes it; "" where there is none."""
+    return next((one for one in (name, name.replace(".", "_")) if one in log.columns), "")
+
+
+def log_quantity(log: Log, name: str, units: Mapping[str, float]) -> Array:
+    """A column in SI.
+
+    Args:
+        log: of the columns.
+        name: of the column, see `column_of`.
+        units: in which it may be -> what one of it is in the unit of the result, which is the first one.
+
+    Raises:
+        ResultsError: there is no such column, it has no unit or one of something else, or a row has no number.
+    """
+    needed = f"'{name} [{next(iter(units))}]'"
+    if not (column := column_of(log, name)):
+        raise ResultsError(f"{log.file}: no column {needed}; there are {', '.join(log.columns)[:200]}")
+    given = log.units[column]
+    for unit, scale in units.items():
+        factor = unit_factor(given, unit) if given else None
+        if factor is not None:
+            values = float(factor) * scale * log.columns[column]
+            if not np.isfinite(values).all():
+                row = int(np.argmax(~np.isfinite(values))) + 1
+                raise ResultsError(f"{log.file}: {name}: row {row} has no number")
+            return values
+    said = f"[{given}] is no unit of it" if given else "has no unit"
+    raise ResultsError(f"{log.file}: {name} {said}; write {needed}")
+
+
 def time_problem(time: Array) -> str:
     """What is wrong with the times of a log, in words; "" where they rise without a gap."""
     steps = np.diff(time)
@@ -138,4 +171,12 @@ def _parquet(path: str | Path) -> Mapping[str, Any]:
     return {name: table[name].to_numpy() for name in table.column_names}
 
 
-READERS = {".csv": _csv, ".mat": _mat, ".nc": _netcdf, ".parquet": _parquet}
+def _record(path: str | Path) -> Mapping[str, Any]:
+    """What `rollerrig serve --record` sent in each period."""
+    with np.load(check_input(path, LARGEST_TABLE), allow_pickle=False) as kept:
+        sensors, period = kept["sensors"], float(kept["period"])
+        heads = [f"{name} [{unit}]" for name, unit in zip(kept["outputs"], kept["units"], strict=True)]
+    return {"time [s]": period * np.arange(len(sensors)), **dict(zip(heads, sensors.T, strict=True))}
+
+
+READERS = {".csv": _csv, ".mat": _mat, ".nc": _netcdf, ".parquet": _parquet, ".npz": _record}

@@ -17,6 +17,7 @@ _HOME = {
     "WspStudy": "wsp",
     "ProtectionComparison": "protection_comparison",
     "ReconstructionStudy": "reconstruction",
+    "ReplayStudy": "replay",
     "ControlStudy": "control",
     "LateralStudy": "lateral",
     "EnvelopeStudy": "envelope",

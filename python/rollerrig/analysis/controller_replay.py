@@ -1,0 +1,320 @@
+"""The rig's controller on the log of a rig: its estimates and virtual train, what an estimate is off by, where it is wrong.
+
+Case, log of a rig -> [replay] -> the core's controller, sample by sample: virtual train, torques of the drives
+    -> estimates of force and torque, as the rig has them at the instant and without their delay, with bands of 95 %
+    -> samples whose estimate is not to be relied on, and why
+
+The core's controller alone does not show its estimates: they are those of the linear equations in loop_stability, which tests
+compare with runs of the core, to round-off.
+
+An estimate is late by its delay. The rows that follow say what it was late for: without the delay it is that of a later sample.
+What is left then is noise of the sensors and what the estimator filters away. The former follows from the sensors of the case
+and the estimator's impulse responses; the latter is about what the estimator loses of its own result (Tukey's twicing).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+import xarray as xr
+from scipy.integrate import cumulative_trapezoid
+from scipy.ndimage import uniform_filter1d
+from scipy.signal import fftconvolve
+
+from rollerrig import _core
+from rollerrig.analysis.control_loop import Loop, linear_loop
+from rollerrig.analysis.loop_stability import ESTIMATED, estimator_matrices
+from rollerrig.assembly.actuators import assemble_with_actuators
+from rollerrig.common.arrays import Array, Mask
+from rollerrig.config import Case
+from rollerrig.config.schema.rig_control import Encoder, RigControl
+from rollerrig.interfaces.plant import controller_part
+from rollerrig.results import variable
+from rollerrig.results.files import ResultsError
+from rollerrig.simulation.mechatronics import estimator_response
+
+NORMAL = 1.96
+"""Half width of the interval of 95 % in standard deviations."""
+
+FORGOTTEN = 1e-4
+"""Part of an error at the start that no longer counts [-]."""
+
+LATE = 0.05
+"""Part of the largest force or torque by which an estimate may be off before it is named."""
+
+CLEAR = 6.0
+"""Standard deviations of noise beyond which a difference is not due to the sensors."""
+
+LEAST_TORQUE = 0.01
+"""Least known torque of an axle, over its load and wheel radius, from which signs of torques show [-]."""
+
+AT_LIMIT = 0.99
+"""Part of a limit from which on a drive is at it [-]."""
+
+JOINED = 0.1
+"""Pauses shorter than this do not part two episodes [s]."""
+
+REASONS = {
+    "start": "the estimator settles, or no later rows are left",
+    "late": "the force changes faster than the estimator follows",
+    "torque": "the torque found is not that of brake and motor",
+    "limit": "the drive is at its limit",
+    "sliding": "the wheel slides on its roller",
+    "locked": "the wheel stands: the torque of its brake is a reaction",
+}
+"""Why an estimate is not to be relied on."""
+
+
+@dataclass(frozen=True)
+class _Estimator:
+    """The linear estimator of a case.
+
+    Attributes:
+        loop: that has it.
+        delay: of force and torque, with exact sensors [samples].
+        sensor_delay: of the measured speeds [samples].
+    """
+
+    loop: Loop
+    delay: Array
+    sensor_delay: float
+
+    @property
+    def memory(self) -> int:
+        """Samples after which FORGOTTEN of the start is left."""
+        states = ESTIMATED.index("late")  # those before decide force and torque
+        size = np.abs(np.linalg.eigvals(estimator_matrices(self.loop)[0][:states, :states]))
+        return math.ceil(
+            math.log(FORGOTTEN) / math.log(size[size < 1.0].max())
+        )  # 1: a state that this estimator does not have
+
+    def run(self, roller_speed: Array, wheel_speed: Array, torque: Array, known: Array) -> Array:
+        """Force and torque as estimated, and the torque that the virtual axle takes, shape (3, time, axle)."""
+        own, given = estimator_matrices(self.loop)
+        z = np.zeros((len(ESTIMATED), roller_speed.shape[1]))
+        z[ESTIMATED.index("roller_estimate")], z[ESTIMATED.index("wheel_estimate")] = roller_speed[0], wheel_speed[0]
+        rows, found = [ESTIMATED.index(name) for name in ("force", "axle_torque", "taken")], []
+        for measured in np.stack([roller_speed, wheel_speed, torque, known], axis=1):
+            z = own @ z + given @ measured
+            found.append(z[rows])
+        return np.stack(found, axis=1)
+
+    def without_delay(self, estimate: Array, sensors: float) -> Array:
+        """Force and torque of later samples, the last one held; `sensors`: delay beside that of the estimator [samples]."""
+        count = estimate.shape[1]
+        later = (np.minimum(np.arange(count) + round(delay + sensors), count - 1) for delay in self.delay)
+        return np.stack([one[rows] for one, rows in zip(estimate, later, strict=True)])
+
+    def estimate_of(self, force: Array, torque: Array) -> Array:
+        """Its estimates of a force and a torque that act, (D1), (D2), without the delay, shape (2, time, axle)."""
+        p, h = self.loop.assumed, self.loop.sample
+        rates = p.roller_radius * force / p.roller_inertia, (torque - p.wheel_radius * force) / p.wheelset_inertia
+        roller, wheel = (cumulative_trapezoid(rate, dx=h, axis=0, initial=0) for rate in rates)
+        none = np.zeros_like(force)
+        return self.without_delay(self.run(roller, wheel, none, none)[:2], 0.0)
+
+    def found_and_lost(self, roller_speed: Array, wheel_speed: Array, torque: Array) -> tuple[Array, Array]:
+        """Force and torque without the delay, and the part of them that the estimator loses, each (2, time, axle)."""
+        estimate = self.run(roller_speed, wheel_speed, torque, np.zeros_like(torque))[:2]
+        found = self.without_delay(estimate, self.sensor_delay)
+        return found, found - self.estimate_of(*found)
+
+    def noise(self, case: Case) -> tuple[Array, Array]:
+        """Standard deviations of both through noise and steps of the sensors, each of force and torque, shape (2,)."""
+        length = 3 * self.memory
+        impulses = np.zeros((3, length, 3))  # of one quantity each
+        impulses[range(3), self.memory, range(3)] = 1.0
+        variances = np.zeros((2, 2))
+        for answers, sums in zip(self.found_and_lost(*impulses), variances, strict=True):
+            for source, (response, variance) in enumerate(_sensor_noise(case, self.loop.sample)):
+                sums += variance * (fftconvolve(answers[:, :, source], response[None, :], axes=1) ** 2).sum(axis=1)
+        found, lost = np.sqrt(variances)
+        return found, lost
+
+
+def _sensor_noise(case: Case, sample: float) -> Iterator[tuple[Array, float]]:
+    """Reading of a unit of white noise and variance of that noise: speeds of roller and wheel, torque of the drive."""
+    for sensor in (case.sensors.rollers, case.sensors.axles):
+        response, variance = np.zeros(1), 0.0
+        if isinstance(sensor, Encoder) and sensor.counts > 0.0:
+            response = np.zeros(sensor.window + 1)
+            response[0], response[-1] = 1.0, -1.0
+            count = 2.0 * math.pi / (sensor.counts * sensor.window * sample)
+            variance = (sensor.jitter**2 + 1.0 / 12.0) * count**2
+        yield response, variance
+    flange = case.sensors.roller_torque
+    variance = flange.noise**2 + flange.resolution**2 / 12.0 if flange is not None else 0.0
+    yield np.array([0.5, 0.5]), variance
+
+
+def replay(case: Case, log: xr.Dataset) -> xr.Dataset:
+    """Run the rig's controller of a case on the log of a rig.
+
+    Args:
+        case: with [rig_control].
+        log: of `rollerrig.analysis.rig_log.read_rig_log`.
+
+    Returns:
+        The log, and over `time` and `axle`: `force_at_once`, `torque_at_once` and `torque_taken` as the rig has them at the
+        instant; `force`, `torque` without their delay, half widths `force_band`, `torque_band` of their intervals, which
+        hold 95 % where the sensors of the case have noise; `torque_known` of brake and motor, and `torque_expected`, the same as
+        the estimator would find it; `virtual_axle_speed`, `drive_command`. `train_speed` (time) of the virtual train; `doubtful`
+        (reason, time, axle), see REASONS; `axle_load` (axle).
+        Attributes: `force_noise`, `torque_noise`, `force_delay_s`, `torque_delay_s`.
+
+    Raises:
+        ConfigError: the case has no such controller of ours.
+        ResultsError: the torques of drive and brake contradict each other.
+        StartError: the case finds no equilibrium to start from.
+    """
+    estimator, part = _estimator_of(case), controller_part(case, "rig_control")
+    law = part.controller.controller
+    assert isinstance(law, _core.RigControl)
+    found = _estimates(case, log, estimator).assign_coords(axle_load=("axle", np.array(law.train.static_load)))
+    _check_signs(found, estimator.loop.assumed.wheel_radius)
+    doubtful = _doubtful(case, found, estimator)
+    found["doubtful"] = (("reason", "time", "axle"), np.stack(list(doubtful.values())))
+    return found.assign_coords(reason=list(doubtful)).assign(_controller(part, log))
+
+
+def _estimates(case: Case, log: xr.Dataset, estimator: _Estimator) -> xr.Dataset:
+    """The log with what the estimator finds, at the instant and without its delay, and what is known of the torques."""
+    known = np.zeros(log["axle_speed"].shape)
+    for name in ("brake_torque", "motor_torque"):
+        known = known + (log[name].to_numpy() if name in log else 0.0)
+    roller, wheel, mean_torque = (log[name].to_numpy() for name in ("roller_speed", "axle_speed", "roller_torque"))
+    at_once = estimator.run(roller, wheel, mean_torque, known)
+    (force, torque), lost = estimator.found_and_lost(roller, wheel, mean_torque)
+    noise, of_lost = estimator.noise(case)
+    window = round(2.0 * math.pi / (estimator.loop.bandwidth * estimator.loop.sample))
+    rest = uniform_filter1d(lost**2, window, axis=1, mode="nearest") - (of_lost**2)[:, None, None]
+    band = NORMAL * np.sqrt((noise**2)[:, None, None] + np.maximum(rest, 0.0))
+    data = {
+        "force_at_once": ("N", "force on the axle as estimated at the instant, forward", at_once[0]),
+        "torque_at_once": ("N m", "torque on the axle as estimated at the instant", at_once[1]),
+        "torque_taken": ("N m", "torque on the axle that the virtual train takes", at_once[2]),
+        "force": ("N", "force on the axle without the delay of its estimate, forward", force),
+        "torque": ("N m", "torque on the axle without the delay of its estimate", torque),
+        "force_band": ("N", "half width of the interval of 95 % of the force", band[0]),
+        "torque_band": ("N m", "half width of the interval of 95 % of the torque", band[1]),
+        "torque_known": ("N m", "torque of brake and motor on the axle", known),
+        "torque_expected": ("N m", "the same as the estimator would find it", estimator.estimate_of(force, known)[1]),
+    }
+    delay = (estimator.delay + estimator.sensor_delay) * estimator.loop.sample
+    return log.assign(
+        {name: variable(("time", "axle"), values, unit, text) for name, (unit, text, values) in data.items()}
+    ).assign_attrs(force_noise=noise[0], torque_noise=noise[1], force_delay_s=delay[0], torque_delay_s=delay[1])
+
+
+def _estimator_of(case: Case) -> _Estimator:
+    model = assemble_with_actuators(case)
+    loop = linear_loop(model, 0.0, sliding=True)
+    delay = np.array([late for _, late in estimator_response(model).values()]) / loop.sample
+    rollers = case.sensors.rollers  # an encoder's speed is a mean over its window
+    mean_over = rollers.window if isinstance(rollers, Encoder) and rollers.counts > 0.0 else 0
+    return _Estimator(loop, delay, 0.5 * mean_over)
+
+
+def _controller(part: _core.ControllerPart, log: xr.Dataset) -> dict[str, tuple]:  # type: ignore[type-arg]
+    """The core's controller on the log: speeds of the virtual axles, commands of the drives, speed of the train."""
+    started = _core.ControllerPart(
+        name=part.name,
+        step=part.step,
+        controller=part.controller,
+        axles=part.axles,
+        train_speed=log.attrs["train_speed"],
+        axle_speed=log["axle_speed"].to_numpy()[0].tolist(),
+        roller_speed=log["roller_speed"].to_numpy()[0].tolist(),
+    )
+    plant = _core.ControllerPlant(started)
+    plant.start()
+    index = {(one.name, one.causality): number for number, one in enumerate(plant.variables)}
+    inputs = {
+        number: log[str(name)].sel(axle=axle).to_numpy()
+        for name in log.data_vars
+        for axle in part.axles
+        for owner in (axle, "train")
+        if (number := index.get((f"{owner}.{name}", "input"))) is not None
+    }
+    names = [f"{axle}.{name}" for name in ("virtual_speed", "roller_torque_command") for axle in part.axles]
+    outputs = [index[name, "output"] for name in (*names, "train.speed")]
+    found = np.empty((log.sizes["time"], len(outputs)))
+    for k, row in enumerate(np.stack(list(inputs.values()), axis=1).tolist()):
+        for number, value in zip(inputs, row, strict=True):
+            plant.set_input(number, value)
+        plant.advance((k + 1) * plant.period)
+        found[k] = [plant.get(number) for number in outputs]
+    axles = len(part.axles)
+    return {
+        "virtual_axle_speed": variable(("time", "axle"), found[:, :axles], "rad/s", "speed of the virtual axle"),
+        "drive_command": variable(("time", "axle"), found[:, axles:-1], "N m", "command of the roller's drive"),
+        "train_speed": variable("time", found[:, -1], "m/s", "of the virtual train"),
+    }
+
+
+def _doubtful(case: Case, found: xr.Dataset, estimator: _Estimator) -> dict[str, Mask]:
+    """Samples whose estimate is not to be relied on, by REASONS, shape (time, axle)."""
+    control, p, memory = case.rig_control, estimator.loop.assumed, estimator.memory
+    assert control is not None
+    wheel, roller = p.wheel_radius * found["axle_speed"].to_numpy(), p.roller_radius * found["roller_speed"].to_numpy()
+
+    def off(one: str, other: str, noise: str) -> Mask:
+        largest = float(np.abs(found[other][memory:]).max())
+        difference = np.abs(found[one].to_numpy() - found[other].to_numpy())
+        return np.asarray(difference > max(CLEAR * found.attrs[noise], LATE * largest))
+
+    start = np.zeros(wheel.shape, dtype=bool)
+    start[:memory], start[len(wheel) - math.ceil((estimator.delay + estimator.sensor_delay).max()) :] = True, True
+    return {
+        "start": start,
+        "late": off("force_at_once", "force", "force_noise"),
+        "torque": off("torque_expected", "torque", "torque_noise"),
+        "limit": _at_limit(control, np.abs(found["drive_torque"].to_numpy()), np.abs(roller) / p.roller_radius),
+        "sliding": np.abs(wheel - roller) > control.protection.slip,
+        "locked": np.abs(wheel) < control.locked_speed,
+    }
+
+
+def _at_limit(control: RigControl, torque: Array, speed: Array) -> Mask:
+    """Where drives of a torque [N m] at a speed [rad/s] are at their limits, both without signs."""
+    drive = control.motor
+    largest = min(control.feedback.largest, drive.largest_torque or math.inf)
+    power = AT_LIMIT * (drive.largest_power or math.inf)
+    beyond = speed > AT_LIMIT * (drive.largest_speed or math.inf)
+    return np.asarray((torque > AT_LIMIT * largest) | (torque * speed > power) | beyond)
+
+
+def torque_ratio(found: Array, expected: Array) -> Array:
+    """Torque found over torque expected of each axle by least squares, shape (axle,); NaN where none is expected."""
+    square = (expected**2).sum(axis=0)
+    none = np.full_like(square, math.nan)
+    return np.asarray(np.divide((found * expected).sum(axis=0), square, out=none, where=square > 0.0))
+
+
+def _check_signs(found: xr.Dataset, radius: float) -> None:
+    """Refuse with a ResultsError a drive whose torques and speeds say that the brake drives, or the motor brakes."""
+    expected = found["torque_expected"]
+    ratio = torque_ratio(found["torque"].to_numpy(), expected.to_numpy())
+    shows = (expected**2).mean("time") ** 0.5 > LEAST_TORQUE * radius * found["axle_load"]
+    for axle, factor, clear in zip(found["axle"].to_numpy(), ratio, shows.to_numpy(), strict=True):
+        if clear and factor < 0.0:
+            raise ResultsError(
+                f"{found.attrs['file']}: {axle}: by drive and speeds its torque is {factor:.2g} times that of brake and motor; "
+                "allowed: roller_torque positive where it drives the wheel forward, torques of brakes negative"
+            )
+
+
+def episodes(found: xr.Dataset) -> list[tuple[str, str, float, float]]:
+    """Axle, reason, begin and end [s] of what is not to be relied on; pauses of less than JOINED are no end."""
+    time, period = found["time"].to_numpy(), float(found["time"][1] - found["time"][0])
+    pieces = []
+    for axle in found["axle"].to_numpy():
+        for reason in found["reason"].to_numpy():
+            at = time[found["doubtful"].sel(axle=axle, reason=reason).to_numpy()]
+            if at.size:
+                parts = np.split(at, np.flatnonzero(np.diff(at) > JOINED) + 1)
+                pieces += [(str(axle), str(reason), float(part[0]), float(part[-1]) + period) for part in parts]
+    return sorted(pieces, key=lambda piece: piece[2])
