@@ -2,7 +2,7 @@
 
 Case, AssembledModel, the user's controllers -> [with_faults] -> controllers that are asked in time, with the faults of the case
 
-Brake unit and slide protection of a case with faults are asked as a user's are, our own through `_core.ControllerPlant`. All physics
+Brake unit and slide protection of a case with faults are asked as a user's are, our own through `_core.ControllerPlant`. Physics
 stays in the core: a fault only changes what goes in and comes out.
 """
 
@@ -22,8 +22,8 @@ from rollerrig.results import Draft
 from rollerrig.simulation.controllers import BRAKE_UNIT, COMMANDS, Measurements, UserController, ask
 from rollerrig.simulation.mechatronics import controller_of
 
-FILL, VENT = 0.0, 2.0
-"""Commands of a dump valve."""
+FILL = 0.0
+"""Command of a dump valve."""
 
 
 def faulty_roles(case: Case) -> list[str]:
@@ -134,7 +134,6 @@ class FaultyController:
 MEASURED: Mapping[tuple[str, str], tuple[str, Callable[[float, Any], float]]] = {
     (BRAKE_UNIT, "isolated"): ("brake_demand", lambda _, __: 0.0),
     (BRAKE_UNIT, "never_vents"): ("dump_valve", lambda _, __: FILL),
-    (BRAKE_UNIT, "always_vents"): ("dump_valve", lambda _, __: VENT),
     ("slide_protection", "silent_sensor"): ("axle_speed", lambda _, __: 0.0),
     ("slide_protection", "wheel_radius"): ("axle_speed", lambda speed, fault: speed / fault.factor),
 }

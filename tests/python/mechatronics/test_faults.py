@@ -52,7 +52,7 @@ def torques(run: xr.Dataset) -> tuple[float, float]:
 
 
 @pytest.mark.parametrize(
-    ("kind", "part"), [("isolated", 0.0), ("always_vents", 0.0), ("pads", 0.8), ("never_vents", 1.0)]
+    ("kind", "part"), [("isolated", 0.0), ("pads", 0.8), ("never_vents", 1.0)]
 )
 def test_the_axle_brakes_by_its_part_and_the_other_as_before(kind: str, part: float) -> None:
     """On a dry rail, where no dump valve acts: torques of both axles at the same speed."""
@@ -91,6 +91,16 @@ def test_an_axle_without_a_speed_is_taken_for_locked_and_vented() -> None:
     assert abs(own) < 0.2 * abs(other)
     late = run["reference_speed_error"].sel(time=slice(0.5, None))
     assert float(abs(late).max()) < 0.05
+
+
+def test_a_silent_sensor_of_one_axle_of_two_ends_in_a_lock_of_the_other() -> None:
+    """The only speed left is the reference, and falls with its axle by 1.6 m/s^2 until all valves fill below 5 km/h."""
+    run = simulate(with_fault("silent_sensor", stop("low", "9 s")))
+    last = run.isel(time=-1)
+    assert float(last["axle_speed"].sel(axle=SOUND)) < 0.05 * float(last["train_speed"]) / 0.46
+    assert float(last["train_speed"] - last["reference_speed"]) > 5.0
+    case = with_fault("silent_sensor", stop("low", "9 s"))
+    assert record_of(run, case).measures["odometer_error_m"] < -20.0
 
 
 def test_an_odometer_counts_too_much_by_the_radius_of_smaller_wheels() -> None:

@@ -24,7 +24,7 @@ class NoFault(Fault):
 class IsolatedBrake(Fault):
     """A brake that is cut off."""
 
-    kind: Literal["isolated"] = Field(description="the brake is cut off: no demand reaches it")
+    kind: Literal["isolated"] = Field(description="the brake is cut off, as by a dump valve that stays open to vent")
 
 
 class DraggingBrake(Fault):
@@ -40,12 +40,6 @@ class StuckFilling(Fault):
     kind: Literal["never_vents"] = Field(
         description="the dump valve stays open to fill: the slide protection has no effect"
     )
-
-
-class StuckVenting(Fault):
-    """A dump valve that lets all air out."""
-
-    kind: Literal["always_vents"] = Field(description="the dump valve stays open to vent: the axle does not brake")
 
 
 class OtherPads(Fault):
@@ -75,7 +69,7 @@ OF_SENSORS = ("silent_sensor", "wheel_radius")
 """Kinds that need a slide protection."""
 
 AnyFault = Annotated[
-    NoFault | IsolatedBrake | DraggingBrake | StuckFilling | StuckVenting | OtherPads | SilentSensor | OtherWheels,
+    NoFault | IsolatedBrake | DraggingBrake | StuckFilling | OtherPads | SilentSensor | OtherWheels,
     Discriminator("kind"),
     by_kind(),
 ]
