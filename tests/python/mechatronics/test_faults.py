@@ -51,9 +51,7 @@ def torques(run: xr.Dataset) -> tuple[float, float]:
     return float(last.sel(axle=FAULTY)), float(last.sel(axle=SOUND))
 
 
-@pytest.mark.parametrize(
-    ("kind", "part"), [("isolated", 0.0), ("pads", 0.8), ("never_vents", 1.0)]
-)
+@pytest.mark.parametrize(("kind", "part"), [("isolated", 0.0), ("pads", 0.8), ("never_vents", 1.0)])
 def test_the_axle_brakes_by_its_part_and_the_other_as_before(kind: str, part: float) -> None:
     """On a dry rail, where no dump valve acts: torques of both axles at the same speed."""
     run = simulate(with_fault(kind))

@@ -388,7 +388,7 @@ def statistics(data: xr.Dataset, points: Points) -> dict[str, Statistics]:
 
 
 def _by_word(values: Array, points: Points) -> dict[str, dict[str, dict[str, float]]]:
-    """Of each varied key with words: each of them -> mean of a number, and mean difference to the first word with its interval.
+    """Means of a number by varied key and word, each with the mean difference to the first word and its interval.
 
     Differences are of cases in pairs, alike in all other varied keys, which only a grid has; the interval of 95 % takes the pairs
     for draws of what else is varied. NaN where there is nothing, or one pair.
