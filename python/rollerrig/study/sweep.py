@@ -284,10 +284,10 @@ def _listed(values: Any) -> list[Any]:
 
 def _word_tables(numbers: Numbers) -> Iterator[Table]:
     """A table of all numbers for each varied key whose values are words."""
-    for key in next(iter(numbers.values()), {}).get("words", ()):
+    first = next(iter(numbers.values()), None)
+    for key, words in (first["words"] if first and "words" in first else {}).items():
         units = ["" if one["unit"] in ("1", "") else f" [{one['unit']}]" for one in numbers.values()]
         header = [f"{name.replace('_', ' ')}{unit}" for name, unit in zip(numbers, units, strict=True)]
-        words = next(iter(numbers.values()))["words"][key]
         rows = [
             [word.replace("_", " "), *(_word_text(one["words"][key][word]) for one in numbers.values())]
             for word in words
