@@ -24,7 +24,7 @@ ACTUATORS = (
 )
 """Tables of a case beside vehicle, support and contact: what acts on the vehicle, and degraded adhesion."""
 
-_NO_ACTUATORS: dict[str, object] = {**dict.fromkeys(ACTUATORS), "contact.pure_rolling": False}
+_NO_ACTUATORS: dict[str, object] = {**dict.fromkeys(ACTUATORS), "fault": None, "contact.pure_rolling": False}
 
 CATALOG_TRACK, CATALOG_RIG = "uic60_track", "full_scale_rig"
 """Supports on which a case is put; they get the head and gauge of its own."""

@@ -275,9 +275,10 @@ def _train(run: xr.Dataset, case: Case) -> dict[str, float]:
     begin = acting[0] if acting.size else -1
     run_since = way[-1] - way[begin]
     tables = [one for one in (case.slide_protection, case.wheel_slip_control) if one is not None]
-    wrong = run["reference_speed_error"].to_numpy()[speed > LEAST_SPEED]
+    wrong = run["reference_speed_error"].to_numpy()
     if not all(table.is_ours for table in tables):
         wrong = np.full_like(wrong, np.nan)
+    fast = speed > LEAST_SPEED
     return {
         "distance_m": way[-1],
         "duration_s": run.attrs["stopped_at_s"],
@@ -285,8 +286,9 @@ def _train(run: xr.Dataset, case: Case) -> dict[str, float]:
         "mean_deceleration_mps2": 0.5 * (speed[begin] ** 2 - speed[-1] ** 2) / run_since
         if run_since > 0.0
         else math.nan,
-        "reference_speed_error_rms_mps": rms(wrong),
-        "reference_speed_error_largest_mps": largest(wrong),
+        "reference_speed_error_rms_mps": rms(wrong[fast]),
+        "reference_speed_error_largest_mps": largest(wrong[fast]),
+        "odometer_error_m": np.trapezoid(wrong, run["time"].to_numpy()),
         "energy_relative_residual": run.attrs["energy_relative_residual"],
     }
 

@@ -1,6 +1,7 @@
 """The rail that a rig reproduces: its creep curve and the peak of it, from the core's laws.
 
-Case, ellipse of a wheel, adhesion of the rail -> [creep_curve] -> friction and force over slip -> [creep_peak, slipperiest_peak]
+Case, ellipse of a wheel, adhesion of the rail -> [creep_curve] -> friction and force over slip -> [creep_peak, rail_peak]
+    -> [slipperiest_peak, available_adhesion] of the rail of a test
 """
 
 import math
@@ -9,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rollerrig import _core
-from rollerrig.assembly.laws import core_law
+from rollerrig.assembly.laws import adhesion_map, core_law
 from rollerrig.assembly.model import AssembledModel
 from rollerrig.common.arrays import Array
 from rollerrig.config import Case, Condition
@@ -80,6 +81,27 @@ def creep_peak(case: Case, patch: Patch, adhesion: float) -> tuple[float, float]
     return float(_SLIPS[np.flatnonzero(forces >= FULL_SLIDING * largest)[0]]), largest
 
 
+def rail_peak(case: Case, patch: Patch, rail: Condition, speed: float) -> tuple[float, float]:
+    """Peak of the creep curve of a rail: slip and force over load there [-].
+
+    Args:
+        case: with [adhesion], whose creep law it is.
+        patch: of a wheel.
+        rail: its condition.
+        speed: of the train [m/s].
+    """
+    assert case.adhesion is not None
+    motion = case.motion.model_copy(update={"speed": speed})
+    own = case.model_copy(update={"motion": motion, "adhesion": case.adhesion.model_copy(update={"rail": rail})})
+    at, peak = _SLIPS, (math.nan, math.nan)
+    for _ in range(2):
+        forces = creep_curve(own, patch, rail.friction.mu_0, at)[1]
+        k = int(np.argmax(forces))
+        peak = float(at[k]), float(forces[k])
+        at = np.linspace(at[max(k - 1, 0)], at[min(k + 1, at.size - 1)], 41)
+    return peak
+
+
 def slipperiest_peak(case: Case, patch: Patch, speed: float) -> tuple[float, float]:
     """Peak of the creep curve of the most slippery rail of a test: slip and force over load there [-].
 
@@ -88,26 +110,39 @@ def slipperiest_peak(case: Case, patch: Patch, speed: float) -> tuple[float, flo
         patch: of a wheel.
         speed: of the train [m/s].
     """
-    motion = case.motion.model_copy(update={"speed": speed})
-    rails = (
-        {}
-        if case.adhesion is None
-        else {str(r): r for r in (case.adhesion.rail, *(p.rail for p in case.adhesion.piece))}
-    )
-    own = [case.model_copy(update={"motion": motion, "adhesion": case.adhesion.model_copy(update={"rail": rail})})
-           for rail in rails.values() if case.adhesion is not None]  # fmt: skip
-    if not own:
+    if case.adhesion is None:
         return math.inf, math.nan
-    peaks = []
-    for one in own:
-        at = _SLIPS
-        for _ in range(2):
-            forces = creep_curve(one, patch, rail_shape(one).friction.mu_0, at)[1]
-            k = int(np.argmax(forces))
-            peak = float(at[k]), float(forces[k])
-            at = np.linspace(at[max(k - 1, 0)], at[min(k + 1, at.size - 1)], 41)
-        peaks.append(peak)
-    return min(peaks, key=lambda peak: peak[1])
+    rails = {str(r): r for r in (case.adhesion.rail, *(piece.rail for piece in case.adhesion.piece))}
+    return min((rail_peak(case, patch, rail, speed) for rail in rails.values()), key=lambda peak: peak[1])
+
+
+def available_adhesion(case: Case, patch: Patch, places: Array, speeds: Array) -> Array:
+    """Largest force over load that the rail gives an axle at any slip, at instants [-].
+
+    Friction at no slip is that of each place, where conditions blend, too; the height of the peak over it is that of the
+    condition whose piece the place is in, at six speeds and linear between.
+
+    Args:
+        case: with [adhesion].
+        patch: of a wheel.
+        places: of the axle [m], or times [s] where the pieces of the rail begin at times.
+        speeds: of the train at the same instants [m/s].
+    """
+    adhesion = case.adhesion
+    assert adhesion is not None
+    friction = _core.rail_friction(adhesion_map(adhesion), np.ascontiguousarray(places))
+    begins = [piece.time if adhesion.over_time else piece.distance for piece in adhesion.piece]
+    rails = (adhesion.rail, *(piece.rail for piece in adhesion.piece))
+    inside = np.searchsorted(np.array(begins, dtype=float), places, side="right")
+    grid = np.linspace(float(speeds.min()), float(speeds.max()), 6)
+    found, known = np.array(friction, dtype=float), dict[str, Array]()
+    for k in np.unique(inside):
+        rail = rails[k]
+        if str(rail) not in known:
+            peaks = [rail_peak(case, patch, rail, float(speed))[1] for speed in grid]
+            known[str(rail)] = np.array(peaks) / rail.friction.mu_0
+        found[inside == k] *= np.interp(speeds[inside == k], grid, known[str(rail)])
+    return found
 
 
 def grip_slip(case: Case, patch: Patch, adhesion: float) -> float:

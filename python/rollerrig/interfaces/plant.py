@@ -19,6 +19,7 @@ from rollerrig.config import Case, ConfigError
 from rollerrig.config.errors import nearest
 from rollerrig.results.files import output_file, write_bytes
 from rollerrig.simulation.controllers import UserController, roles_of, with_brake_unit
+from rollerrig.simulation.faults import refuse_faults
 from rollerrig.simulation.mechatronics import mechatronic_setup
 from rollerrig.simulation.run import check_fixed_step, integrator_settings
 from rollerrig.simulation.starting_state import disturbances, starting_state
@@ -101,6 +102,7 @@ def assembled_model(case: Case, *, external: Collection[str] = (), may_drift: bo
             vehicle on its rollers; the fixed step is unstable.
         StartError: no equilibrium was found to start from.
     """
+    refuse_faults(case)
     case = with_brake_unit(case, external)
     controllers = _external_controllers(case, external)
     model = assemble_as_run(case)

@@ -212,9 +212,9 @@ def ask(controller: UserController, role: str, measurements: Measurements) -> Ar
     field = COMMANDS[role]
     command = field.name
     name = f"{role}, controller {getattr(controller, 'name', type(controller).__name__)}"
-    given = json.dumps({k: np.round(v, 6).tolist() for k, v in measurements.items()})
 
     def failed(what: str) -> ControllerError:
+        given = json.dumps({k: np.round(v, 6).tolist() for k, v in measurements.items()})
         return ControllerError(f"t = {measurements['time']:.4g} s, {name}: {what}; it was given {given}")
 
     copies = {k: np.array(v) if k != "time" else v for k, v in measurements.items()}
@@ -222,6 +222,8 @@ def ask(controller: UserController, role: str, measurements: Measurements) -> Ar
         answer = controller.step(copies)
     except FmuError as error:
         raise failed(str(error)) from error
+    except ControllerError:  # of the one inside a controller with faults
+        raise
     except Exception as error:
         raise failed(f"raised {type(error).__name__}: {error}") from error
     if not isinstance(answer, Mapping) or set(answer) != {command}:

@@ -175,23 +175,28 @@ def _force_sensor(table: ForceSensor) -> _core.ForceSensor:
 
 def _controllers(model: AssembledModel, users: Mapping[str, UserController]) -> list[_core.SampledController]:
     """Those of the case, in the order of the core's registry."""
-    case = model.case
-    found = []
-    for name, law in _core.controllers.items():
-        table = getattr(case, name)
-        if table is None:
-            continue
-        radius = case.vehicle.data.wheel.radius
-        if isinstance(table, RigControl):
-            controller = rig_controller(model)
-        elif name == "brake_unit" and case.brake is not None:
-            controller = law(pneumatics=pneumatics(case.brake), reservoir=reservoirs(model))
-        elif name == "slide_protection":
-            controller = law(law=slide_protection(table, radius))
-        else:
-            controller = core_struct(law, table, without=_TIMING, wheel_radius=radius)
-        found.append(_core.SampledController(sampling=_sampling(case, name, users), controller=controller))
-    return found
+    names = [name for name in _core.controllers if getattr(model.case, name) is not None]
+    return [
+        _core.SampledController(sampling=_sampling(model.case, name, users), controller=controller_of(model, name))
+        for name in names
+    ]
+
+
+def controller_of(model: AssembledModel, name: str) -> Any:
+    """Our own controller of a table that the case has.
+
+    Raises:
+        StartError: the virtual train's vehicle has no equilibrium on track.
+    """
+    case, law = model.case, _core.controllers[name]
+    table, radius = getattr(case, name), case.vehicle.data.wheel.radius
+    if isinstance(table, RigControl):
+        return rig_controller(model)
+    if name == "brake_unit" and case.brake is not None:
+        return law(pneumatics=pneumatics(case.brake), reservoir=reservoirs(model))
+    if name == "slide_protection":
+        return law(law=slide_protection(table, radius))
+    return core_struct(law, table, without=_TIMING, wheel_radius=radius)
 
 
 def slide_protection(table: SlideProtection | TableSlideProtection, wheel_radius: float) -> Any:

@@ -40,6 +40,7 @@ from rollerrig.simulation.controllers import (
     users_controllers,
     with_brake_unit,
 )
+from rollerrig.simulation.faults import add_reference_speed, faulty_roles, refuse_faults, with_faults
 from rollerrig.simulation.mechatronics import mechatronic_setup
 from rollerrig.simulation.starting_state import recorded_state, rolled_off, starting_state
 
@@ -95,11 +96,13 @@ def simulate(
         >>> simulate(case)["lateral"].sel(body="wheelset_1").sizes["time"]
         51
     """
-    case = with_brake_unit(as_case(case), controllers or {})
+    case = as_case(case)
+    case = with_brake_unit(case, {*(controllers or {}), *faulty_roles(case)})
     users = users_controllers(case, controllers or {})
     model = assemble_as_run(case)
+    asked = with_faults(model, users)
     step = case.time.output_step / readings_per_sample(case)
-    simulation = prepare(model, users, may_drift=may_drift, output_step=step)
+    simulation = prepare(model, asked, may_drift=may_drift, output_step=step)
     recording = _room(case, simulation.width, simulation.reading_width)
     if recording.every > 1:
         simulation.keep_readings(recording.every, recording.reading_times, recording.readings)
@@ -111,7 +114,7 @@ def simulate(
             recording.times,
             recording.rows,
             slice_length=case.time.output_step,
-            users=users,
+            users=asked,
             report=progress and _reporter(case, recording.rows, progress),
         )
     except KeyboardInterrupt:
@@ -121,7 +124,7 @@ def simulate(
     finally:
         close_controllers(users)
     ended = outcome(simulation, model, code, failure)
-    return _results(model, recording, simulation, ended, provenance_of(users))
+    return _results(model, recording, simulation, ended, provenance_of(users), asked)
 
 
 def _results(
@@ -130,6 +133,7 @@ def _results(
     simulation: _core.Simulation,
     ended: Outcome,
     provenance: Mapping[str, str],
+    asked: Mapping[str, UserController],
 ) -> xr.Dataset:
     """The Dataset of a run with all its attributes."""
     filled, read = recording.filled, simulation.reading_count
@@ -140,6 +144,7 @@ def _results(
             read = int(np.searchsorted(recording.reading_times[:read], recording.times[filled]))
     draft = run_draft(model, recording.times[:filled], recording.rows[:filled], ended)
     add_readings(draft, model, recording.reading_times[:read], recording.readings[:read])
+    add_reference_speed(draft, asked)
     add_termination(draft, model)
     spells = simulation.contact_losses()
     names = [wheel.name for wheel in model.wheels]
@@ -189,6 +194,8 @@ def prepare(
         ConfigError: the fixed step is unstable, a disturbance moves what is locked, or nothing holds the vehicle on its rollers.
         StartError: no equilibrium was found to start from.
     """
+    if not users:
+        refuse_faults(model.case)
     start = starting_state(model, may_drift=may_drift)
     simulation = _core.Simulation(model.core, mechatronic_setup(model, users))
     begin(simulation, model, start, output_step=output_step)

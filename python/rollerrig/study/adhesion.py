@@ -374,6 +374,14 @@ def findings(numbers: Numbers) -> Iterator[str]:
         track, rig = (number(numbers[where]["regrip_adhesion"]["mean"], 3) for where in ("track", "rig"))
         force = f"the largest force on an axle that has slid is {track} of its load on track, {rig} on the rig"
         yield f"Readhesion is not reproduced: {force}."
+    counted = numbers["track"]["odometer_error_m"]["mean"]
+    if counted and numbers["track"]["beyond_peak_s"]["mean"]:
+        most = number(numbers["track"]["reference_speed_error_largest_mps"]["mean"], 2)
+        yield (
+            f"The train's odometer, the reference speed of its slide protection integrated, counts {counted:+.3g} m on track "
+            f"beyond the {number(numbers['track']['distance_m']['mean'])} m that the train runs; that speed is off by up to "
+            f"{most} m/s."
+        )
     if numbers["causes"]:
         yield from _cause_lines(numbers)
     if numbers["dead_time"]:

@@ -133,6 +133,19 @@ def _on_track(text: str) -> TestRecord:
     return recorded(case_from_toml(text, allow_code=True))
 
 
+OF_PROTECTION = {
+    "largest_slip": "largest_slip",
+    "longest_lock": "longest_lock_s",
+    "dump_cycles": "dump_cycles",
+    "odometer_error": "odometer_error_m",
+}
+"""Number of the slide protection in a test -> measure of its record."""
+
+
+def _of(support: int, key: str) -> Callable[..., Any]:
+    return lambda *records: records[support][key]
+
+
 def _largest(name: str) -> Callable[..., Any]:
     return lambda forces, *_: abs(forces[name]).max()
 
@@ -175,6 +188,7 @@ MEASURES: Mapping[str, Measure] = {
         "mean_slip_rig": lambda _, rig: rig["mean_slip"],
         "air_track": lambda track, _: 1e-3 * track["air_litres"],
         "air_rig": lambda _, rig: 1e-3 * rig["air_litres"],
+        **{f"{name}_{on}": _of(k, key) for name, key in OF_PROTECTION.items() for k, on in enumerate(("track", "rig"))},
     }),
     "creep": Measure("creep", _creep, {
         "longitudinal_force": lambda _, force: force[0],

@@ -249,7 +249,7 @@ class SweepStudy(Study[Sweep]):
             ends = ["–" if one[key] is None else one[key] for key in ("least", "median", "largest")]
             rows.append([name.replace("_", " "), one["unit"] if one["unit"] != "1" else "", *ends])
         overview = Table(("number", "unit", "least", "median", "largest"), rows, "Of all finished cases.")
-        sections = [Section("Overview", [Text(how), varied, overview])]
+        sections = [Section("Overview", [Text(how), varied, overview, *_word_tables(numbers["numbers"])])]
         pictured = [name for name, one in found.items() if np.isfinite(one.values).any()]
         sections += [_of_number(data, name, found[name], points) for name in pictured[:MOST_PICTURED]]
         if more := ", ".join(pictured[MOST_PICTURED:]):
@@ -280,6 +280,32 @@ def _listed(values: Any) -> list[Any]:
     if hasattr(values, "tolist"):
         return list(values.tolist())
     return list(values) if isinstance(values, Iterable) and not isinstance(values, str) else [values]
+
+
+def _word_tables(numbers: Numbers) -> Iterator[Table]:
+    """A table of all numbers for each varied key whose values are words."""
+    first = next(iter(numbers.values()), None)
+    for key, words in (first["words"] if first and "words" in first else {}).items():
+        units = ["" if one["unit"] in ("1", "") else f" [{one['unit']}]" for one in numbers.values()]
+        header = [f"{name.replace('_', ' ')}{unit}" for name, unit in zip(numbers, units, strict=True)]
+        rows = [
+            [word.replace("_", " "), *(_word_text(one["words"][key][word]) for one in numbers.values())]
+            for word in words
+        ]
+        caption = (
+            "Means of all finished cases with a word; in brackets the change from the first word, of cases that are otherwise "
+            "alike, with its interval of 95 % where there are several."
+        )
+        yield Table((key.replace("_", " "), *header), rows, caption)
+
+
+def _word_text(one: Numbers) -> str:
+    if one["mean"] is None:
+        return "–"
+    text = number(one["mean"])
+    if one["low"] is None or one["low"] == one["high"]:
+        return text
+    return f"{text} ({one['change']:+.3g}, {one['low']:+.3g} … {one['high']:+.3g})"
 
 
 def _span(ends: Mapping[str, float | None]) -> float:

@@ -238,6 +238,7 @@ def _support_numbers(found: StopTests, judged: Sequence[Judgement]) -> dict[str,
         "tests": len(found.tests),
         "stopped": sum(one.stopped for one in found.tests),
         "dry_distance_m": None if found.dry is None else found.dry.measures["distance_m"],
+        "dry_build_up_s": None if found.dry is None else found.dry.measures["build_up_s"],
     }
     for name in MEASURED:
         values = found.values(name)
@@ -274,8 +275,9 @@ NOT_QUOTED = (
 )
 CLAIMS = (
     NOT_QUOTED,
-    "K_wet is 100 / (100 + increase over dry in %). Distances run from the demand to motion.stop_speed, at which the train "
-    "counts as stationary; below 2 m/s no slip and no lock is counted.",
+    "K_wet is 100 / (100 + increase over dry in %), both of the way after the brake's build-up: each distance is less by the "
+    "first speed times the equivalent time of the dry stop's build-up, the integral of 1 - p / p_max. Distances themselves are "
+    "from the demand to motion.stop_speed, at which the train counts as stationary; below 2 m/s no slip and no lock is counted.",
     "The length of a flat is an estimate of its order, from the energy dissipated under a locked wheel, (H1) and (H2) of "
     "docs/theory/wheel_flats.md; on the rig it is that of the train which the rig stands for, whose wheels would slide.",
     "Intervals are of 95 %, of the mean over starts that draw adhesion, pads, load, speed and demand by [ensemble] of the case, "
@@ -414,7 +416,7 @@ def _criteria_table(numbers: Numbers) -> Table:
 
 def _stop_tables(numbers: Numbers) -> Iterator[Table]:
     first = ("distance_m", "increase_over_dry", "k_wet", "mean_deceleration_mps2", "air_litres", "dump_cycles")
-    second = ("adhesion_utilisation", "large_slip_share", "longest_lock_s", "flat_length_m")
+    second = ("adhesion_utilisation", "large_slip_share", "longest_lock_s", "flat_length_m", "odometer_error_m")
     for names, caption in ((first, "Distances, air, dump cycles."), (second, "Sliding.")):
         rows = [
             (stop.replace("_", " "), on, *(_ends_text(name, own[on][name]) for name in names))

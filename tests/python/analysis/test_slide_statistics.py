@@ -63,3 +63,6 @@ def test_a_protection_that_is_not_ours_has_no_reference_speed_and_no_error_of_it
     measures = record_of(run, case.model_copy(update={"slide_protection": foreign})).measures
     assert math.isnan(measures["reference_speed_error_rms_mps"])
     assert math.isnan(measures["reference_speed_error_largest_mps"])
+    assert math.isnan(measures["odometer_error_m"])
+    fast = run.assign(reference_speed_error=0.25 + 0.0 * run["reference_speed_error"])
+    assert record_of(fast, case).measures["odometer_error_m"] == pytest.approx(0.25 * float(run["time"][-1]), rel=1e-9)

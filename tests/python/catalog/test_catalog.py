@@ -35,7 +35,8 @@ def test_what_the_project_promises_is_there() -> None:
         "bogie_rollers_ramp", "bogie_rollers_constant", "bogie_rollers_traction", "bogie_track", "wheelset_rollers",
         "contact_benchmark_track", "contact_benchmark_rollers", "vehicle_track_irregular", "vehicle_curve", "vehicle_rollers",
         "adhesion_brake", "adhesion_start", "adhesion_step", "adhesion_recovery", "adhesion_lateral", "adhesion_sanding",
-        "adhesion_valves", "adhesion_train", "adhesion_coach", "locomotive_traction", "eurosprinter_traction", "sanding_trial",
+        "adhesion_valves", "adhesion_train", "adhesion_coach", "adhesion_coach_valves", "adhesion_rig_as_built",
+        "locomotive_traction", "eurosprinter_traction", "sanding_trial",
         "scaled_brake", "cooperrider_bogie", "suspended_wheelset",
     }  # fmt: skip
     assert {"steel", "steel_contact_benchmark", "paper"} <= set(catalog_names("material"))

@@ -30,7 +30,8 @@ from rollerrig.config.schema.plan import CriticalSpeedMeasure
 from rollerrig.results import load_run
 from rollerrig.study import measures
 from rollerrig.study.checkpoint import NAME
-from rollerrig.study.runs.sweep import FAILED, Axis, Points, quantile, resized, sobol_indices, sweep_rows
+from rollerrig.study.report import Table
+from rollerrig.study.runs.sweep import FAILED, Axis, Points, quantile, resized, sobol_indices, statistics, sweep_rows
 from rollerrig.study.sweep import SweepStudy, sweep_study
 
 PLAN = """
@@ -399,6 +400,25 @@ def test_the_command_writes_all_files_and_explains_its_numbers(tmp_path: Path) -
     assert {path.name for path in (out / "figures").iterdir()} >= {"map_growth_rate.png", "tornado_growth_rate.png"}
 
 
+def test_words_that_are_varied_have_their_means_and_changes_in_pairs() -> None:
+    """Full sliding is the friction itself, 0.2 to 0.4, whatever the law; a known change of +2, +4, +6 has its interval."""
+    vary = {"contact.creep": ["table", "kalker_saturated"], "contact.friction": [0.2, 0.3, 0.4]}
+    study = sweep_study(load_case("wheelset_rollers"), vary, {"kind": "creep", "longitudinal": -1.0}, "grid")
+    outcome = study.run()
+    assert outcome is not None
+    words = outcome.numbers["numbers"]["longitudinal_force"]["words"]["creep"]
+    assert [one["mean"] for one in words.values()] == pytest.approx([0.3, 0.3], rel=1e-3)
+    assert study.quantities.unexplained(outcome.numbers) == []
+    tables = [block for section in study.sections(outcome.results, outcome.numbers) for block in section.blocks]
+    table = next(block for block in tables if isinstance(block, Table) and block.header[0] == "creep")
+    assert [row[0] for row in table.rows] == ["table", "kalker saturated"]
+    values = {"longitudinal_force": [1.0, 5.0, 2.0, 3.0, 9.0, math.nan]}
+    data = xr.Dataset({name: ("case", one) for name, one in values.items()})
+    change = statistics(data, study.points)["longitudinal_force"].words["creep"]["kalker_saturated"]
+    half = float(stats.t.ppf(0.975, 1)) * 1.0  # two pairs, +2 and +4: standard error sqrt(2) / sqrt(2)
+    assert change == pytest.approx({"mean": 6.0, "change": 3.0, "low": 3.0 - half, "high": 3.0 + half})
+
+
 # ------------------------------------------------------------------------------------------------------ bad plans
 
 
@@ -500,14 +520,15 @@ def test_bad_input_leaves_nothing_behind(tmp_path: Path) -> None:
         "paper_critical_speed",
         "paper_critical_speed_near",
         "stopping_distance_fidelity",
+        "axle_faults",
         "flange_force_misalignment",
     ],
 )
 def test_a_plan_that_ships_is_whole_and_its_first_case_has_numbers(name: str) -> None:
 
     study = SweepStudy(load_plan(name))
-    if name == "stopping_distance_fidelity":
-        assert len(study.points) == 200
+    if study.whole.plan.measure[0].kind == "adhesion":
+        assert len(study.points) == (200 if name == "stopping_distance_fidelity" else 7)
         measure = study.whole.plan.measure[0].model_copy(update={"longest": 3.0})
         plan = study.whole.plan.model_copy(update={"measure": (measure,)})
         study = SweepStudy(replace(study.whole, plan=plan))

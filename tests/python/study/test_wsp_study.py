@@ -10,20 +10,27 @@ from typing import Any
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from rollerrig import ConfigError, load_case
-from rollerrig.analysis.slide_statistics import SLIP_EDGES, TestRecord
+from rollerrig.analysis.slide_statistics import SLIP_EDGES, TestRecord, axle_load
+from rollerrig.analysis.virtual_rail import patch_of, rail_peak
+from rollerrig.assembly.model import assemble
 from rollerrig.config import CRITERIA, Case, Programme, load_programme
 from rollerrig.config.load.resolve import resolve_programme
 from rollerrig.config.read import Document
 from rollerrig.config.schema.programme import CriterionName
+from rollerrig.results.run_info import RunInfo
 from rollerrig.study.frame import Outcome
+from rollerrig.study.jobs import whole_run
 from rollerrig.study.runs.adhesion import track_case
 from rollerrig.study.runs.wsp import (
     MEASURES,
     Judgement,
     StopTests,
     Support,
+    adhesion_utilisation,
+    build_up,
     check_case,
     dry_case,
     judgements,
@@ -79,8 +86,11 @@ def test_distances_are_those_since_the_demand_and_k_wet_is_that_of_the_trade(out
     for on in ("track", "rig"):
         own = outcome.numbers["stops"]["low_26"][on]
         increase = 100.0 * own["increase_over_dry"]["mean"]
-        assert own["k_wet"]["mean"] == pytest.approx(100.0 / (100.0 + increase), rel=1e-4)
-        assert own["distance_m"]["mean"] == pytest.approx(own["dry_distance_m"] * (1.0 + increase / 100.0), rel=1e-9)
+        assert own["k_wet"]["mean"] == pytest.approx(100.0 / (100.0 + increase), rel=5e-4)
+        way = 26.0 / 3.6 * own["dry_build_up_s"]
+        assert own["distance_m"]["mean"] - way == pytest.approx(
+            (own["dry_distance_m"] - way) * (1.0 + increase / 100.0), rel=1e-9
+        )
         assert 0.6 < own["k_wet"]["mean"] < 0.95  # the axles slide
         assert 0.4 < own["adhesion_utilisation"]["mean"] < 1.0
         assert own["tests"] == own["stopped"] == 2
@@ -219,7 +229,7 @@ GOOD = {
     "largest_slip": 0.3, "flat_length_m": 0.01, "large_slip_share": 0.01, "adhesion_utilisation": 0.7,
     "contact_lost_s": 0.0, "energy_relative_residual": 1e-6, "force_error_rms": 0.02, "drive_oscillation_nm": 5.0,
     "drive_limited_share": 0.001, "tracking_rms": 0.001, "duration_s": 50.0, "beyond_peak_s": 20.0,
-    "drive_oscillation_spell_s": 0.25,
+    "drive_oscillation_spell_s": 0.25, "build_up_s": 1.5,
 }  # fmt: skip
 DRY = {**GOOD, "distance_m": 600.0, "beyond_peak_s": 0.0, "dump_cycles": 0.0}
 LIMITS: dict[CriterionName, float] = {
@@ -355,6 +365,46 @@ def test_a_dry_stop_that_is_no_reference_decides_nothing_that_needs_it(dry: Test
     for name, one in found.items():
         needs_it = name in ("k_wet", "increase_over_dry")
         assert (one.verdict, reason in one.why) == (("not decided", True) if needs_it else ("met", False)), name
+
+
+def test_k_wet_is_the_ratio_of_decelerations_where_the_brake_builds_up_and_then_holds() -> None:
+    """s = v t + v^2 / 2 a: what is left of both distances without v t is in the ratio of the decelerations."""
+    speed, waiting, dry, wet = ALL.stop[0].speed, 1.7, 0.9, 0.5
+    own, reference = (
+        record({**GOOD, "distance_m": speed * waiting + speed**2 / (2.0 * rate), "build_up_s": waiting})
+        for rate in (wet, dry)
+    )
+    found = StopTests(ALL.stop[0], "track", load_case("adhesion_brake"), 1, [own], reference)
+    assert found.values("k_wet") == pytest.approx([wet / dry], rel=1e-12)
+    assert found.values("increase_over_dry") == pytest.approx([dry / wet - 1.0], rel=1e-12)
+
+
+def test_the_build_up_of_a_pressure_that_rises_evenly_lasts_half_of_its_rise() -> None:
+    time = np.linspace(0.0, 10.0, 1001)
+    pressure = 3.8e5 * np.minimum(1.0, time / 3.0)
+    run = xr.Dataset({"cylinder_pressure": (("time", "axle"), np.stack([pressure, pressure], 1))}, {"time": time})
+    assert build_up(run) == pytest.approx(1.5, rel=1e-3)
+
+
+def test_axles_that_stay_on_the_peak_of_the_creep_curve_use_all_of_the_adhesion() -> None:
+    """Of each place and speed, also behind a change of the rail; the forces of a run replaced by those."""
+    pieces = [{"distance": "15 m", "rail": "very_low"}]
+    changes = {"time.duration": "4 s", "motion.speed": "36 km/h", "adhesion.piece": pieces, "contact.normal": "hertz"}
+    case = track_case(load_case("adhesion_brake").with_changes(changes))
+    run = whole_run(case)
+    real = adhesion_utilisation(run, case)
+    assert 0.4 < real < 1.0  # the brake builds up most of the time
+    patch, load = patch_of(assemble(case)), axle_load(run)
+    places = {body.name: body.position[0] for body in RunInfo.of(run).wheelsets}
+    force = run["creep_force"].copy(deep=True)
+    for axle, place in places.items():
+        at = run["train_distance"].to_numpy() + place
+        peaks = [
+            rail_peak(case, patch, case.adhesion.rail if x < 15.0 else case.adhesion.piece[0].rail, float(v))[1]  # type: ignore[union-attr]
+            for x, v in zip(at[::20], run["train_speed"].to_numpy()[::20], strict=True)
+        ]
+        force.loc[{"axle": axle}] = -load * np.interp(np.arange(at.size), np.arange(at.size)[::20], peaks)
+    assert adhesion_utilisation(run.assign(creep_force=force), case) == pytest.approx(1.0, rel=0.01)
 
 
 def test_a_drag_braking_need_not_stop_and_is_judged_by_what_it_has() -> None:

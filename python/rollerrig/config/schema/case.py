@@ -19,6 +19,7 @@ from rollerrig.config.schema.contact import (
     Strips,
 )
 from rollerrig.config.schema.ensemble import Ensemble
+from rollerrig.config.schema.faults import AnyFault
 from rollerrig.config.schema.rig_control import RigControl, Sensors
 from rollerrig.config.schema.support import AnySupport
 from rollerrig.config.schema.units import Damping, Quantity, RollerRadius, RunningSpeed, Torque
@@ -354,6 +355,9 @@ class CaseTables(Table):
     )
     sensors: Sensors = optional(Sensors(), "what the controllers see")
     rig_control: RigControl | None = optional(None, "controller of the roller drives")
+    fault: tuple[AnyFault, ...] = Field(
+        default=(), max_length=16, description="faults of single axles' brakes and sensors"
+    )
 
     ensemble: Ensemble = optional(
         Ensemble(), "what differs between the tests of an ensemble, as adhesion and wsp make them"

@@ -9,6 +9,7 @@ from rollerrig import _core
 from rollerrig.config.errors import ConfigProblem, nearest, show_value
 from rollerrig.config.schema.brakes import MOST_AXLES, ReservoirAir
 from rollerrig.config.schema.case import CaseTables
+from rollerrig.config.schema.faults import OF_SENSORS
 from rollerrig.config.schema.support import Rig
 from rollerrig.config.schema.track import Track
 
@@ -48,6 +49,27 @@ def _needs(case: CaseTables, file: str) -> Iterator[ConfigProblem]:
             yield ConfigProblem(file, key, "a table", f"allowed only with [{of}], on which it acts")
     if case.sanding is not None and case.adhesion is None:
         yield ConfigProblem(file, "sanding", "a table", "allowed only with [adhesion], the rail that it covers")
+    yield from _faults(case, file)
+
+
+def _faults(case: CaseTables, file: str) -> Iterator[ConfigProblem]:
+    """Axles that are there, and what a fault of them needs."""
+    others = case.train.axles.simulated if case.train.axles else ()
+    axles = [*(body.name for body in case.vehicle.wheelsets), *(f"axle_{k}" for k in others)]
+    for number, fault in enumerate(case.fault):
+        at = f"fault[{number}]"
+        if case.brake is None or case.brake.electrodynamic is not None:
+            allowed = (
+                "allowed with [brake], and without brake.electrodynamic, with which the built-in unit shares the demand"
+            )
+            yield ConfigProblem(file, at, fault.kind, allowed)
+        if fault.kind in OF_SENSORS and case.slide_protection is None:
+            yield ConfigProblem(
+                file, f"{at}.kind", show_value(fault.kind), "allowed with [slide_protection], which reads it"
+            )
+        if fault.axle not in axles:
+            guess = nearest(fault.axle, tuple(axles))
+            yield ConfigProblem(file, f"{at}.axle", show_value(fault.axle), f"allowed: {', '.join(axles)}", guess)
 
 
 def _tables(case: CaseTables, file: str) -> Iterator[ConfigProblem]:

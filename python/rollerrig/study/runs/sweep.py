@@ -25,6 +25,7 @@ from rollerrig.config.schema.plan import Design, Lognormal, Normal, Variation
 from rollerrig.config.schema.units import Quantity
 from rollerrig.config.validate.messages import validate
 from rollerrig.results import variable
+from rollerrig.study.ensemble import Estimate, estimate
 
 _EDGE = 1e-12
 """Samples keep away from the ends of a distribution by this much probability."""
@@ -340,12 +341,14 @@ class Statistics:
     Attributes:
         values: of all cases in their order; NaN where there is none.
         tornado: varied key -> mean at its low and at its high end.
+        words: varied key whose values are words -> each of them -> mean there, change from the first one, low, high.
         quantiles: share of the samples below -> value, low, high; empty for a grid or list.
         sobol: varied key -> first, first_confidence, total, total_confidence.
     """
 
     values: Array
     tornado: Mapping[str, tuple[float, float]] = field(default_factory=dict)
+    words: Mapping[str, Mapping[str, Mapping[str, float]]] = field(default_factory=dict)
     quantiles: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
     sobol: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
 
@@ -355,6 +358,8 @@ class Statistics:
         least, median, most = (float(f(known)) if known.size else math.nan for f in (np.min, np.median, np.max))
         ends = {key: {"low": low, "high": high} for key, (low, high) in self.tornado.items()}
         found: dict[str, Any] = {"least": least, "median": median, "largest": most, "tornado": ends}
+        if self.words:
+            found["words"] = {key: dict(one) for key, one in self.words.items()}
         if self.quantiles:
             found["quantiles"] = {share: dict(one) for share, one in self.quantiles.items()}
         if self.sobol:
@@ -378,7 +383,32 @@ def statistics(data: xr.Dataset, points: Points) -> dict[str, Statistics]:
         quantiles = {f"{100 * q:g} %": quantile(known, q) for q in asked}
         tornado = {key: _ends(column, values, sampled=sampled) for key, column in columns.items()}
         sobol = sobol_indices(values, [axis.name for axis in points.axes]) if points.design.kind == "saltelli" else {}
-        found[name] = Statistics(values, tornado, quantiles, sobol)
+        found[name] = Statistics(values, tornado, _by_word(values, points), quantiles, sobol)
+    return found
+
+
+def _by_word(values: Array, points: Points) -> dict[str, dict[str, dict[str, float]]]:
+    """Means of a number by varied key and word, each with the mean difference to the first word and its interval.
+
+    Differences are of cases in pairs, alike in all other varied keys, which only a grid has; the interval of 95 % takes the pairs
+    for draws of what else is varied. NaN where there is nothing, or one pair.
+    """
+    found: dict[str, dict[str, dict[str, float]]] = {}
+    for k, axis in enumerate(points.axes):
+        if points.design.kind != "grid" or not all(isinstance(value, str | bool) for value in axis.values):
+            continue
+        rows = np.moveaxis(values.reshape(points.shape), k, 0).reshape(len(axis.values), -1)
+        found[axis.name] = {}
+        for word, row in zip(axis.values, rows, strict=True):
+            known, pairs = row[np.isfinite(row)], (row - rows[0])[np.isfinite(row - rows[0])]
+            change = estimate(pairs.tolist()) if pairs.size else Estimate(math.nan, math.nan, 0.0)
+            ends = {name: end if math.isfinite(end) else math.nan for name, end in vars(change.interval).items()}
+            mean = float(known.mean()) if known.size else math.nan
+            found[axis.name][str(word).lower() if isinstance(word, bool) else word] = {
+                "mean": mean,
+                "change": change.mean,
+                **ends,
+            }
     return found
 
 

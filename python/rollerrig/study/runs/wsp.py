@@ -18,7 +18,6 @@ from typing import Any, Literal
 import numpy as np
 import xarray as xr
 
-from rollerrig import _core
 from rollerrig.analysis.slide_statistics import (
     LEAST_SPEED,
     SLIP_EDGES,
@@ -29,7 +28,8 @@ from rollerrig.analysis.slide_statistics import (
     under_test,
     wheel_radius,
 )
-from rollerrig.assembly.laws import adhesion_map
+from rollerrig.analysis.virtual_rail import available_adhesion, patch_of
+from rollerrig.assembly.model import assemble
 from rollerrig.cases import wheelsets
 from rollerrig.common.arrays import Array
 from rollerrig.common.formatting import percent
@@ -169,30 +169,41 @@ def stop_record(case: Case, flat: FlatWear, keep: bool, progress: Progress | Non
         "adhesion_utilisation": adhesion_utilisation(run, case),
         "flat_length_m": longest_flat(under_test(run), flat.wear, flat.width),
         "contact_lost_s": max((loss.longest_s for loss in contact_losses(run)), default=0.0),
+        "build_up_s": build_up(run),
     }
     test = replace(record, measures={**record.measures, **own})
     return StopRecord(test, signals(run) if keep else {}, time.process_time() - begun)
 
 
 def adhesion_utilisation(run: xr.Dataset, case: Case) -> float:
-    """Sum of the creep forces over what friction at no slip would give, of all braked axles that are bodies, and instants [-].
+    """Sum of the creep forces over the largest that the rail gives at any slip [-].
 
-    Friction is that of the rail under each axle, which nothing has cleaned yet: where sliding cleans it, the value may pass 1.
-    NaN where no axle is braked.
+    Of all braked axles that are bodies, and all instants. The rail is that under each axle, which nothing has cleaned yet: where
+    sliding cleans it, the value may pass 1. NaN where no axle is braked.
     """
     if case.adhesion is None:
-        return float("nan")
-    rail = adhesion_map(case.adhesion)
+        return math.nan
     places = {body.name: body.position[0] for body in RunInfo.of(run).wheelsets}
-    way, clock = run["train_distance"].to_numpy(), run["time"].to_numpy()
-    used = offered = 0.0
+    way, clock, speed = (run[name].to_numpy() for name in ("train_distance", "time", "train_speed"))
+    patch, used, offered = patch_of(assemble(case)), 0.0, 0.0
     for axle, place in places.items():
         one = run[["brake_torque", "creep_force"]].sel(axle=axle)
-        at = clock if rail.over_time else way + place
-        braked = (abs(one["brake_torque"]).to_numpy() > 1.0) & (run["train_speed"].to_numpy() > LEAST_SPEED)
-        used += float(np.abs(one["creep_force"].to_numpy()[braked]).sum())
-        offered += float(_core.rail_friction(rail, np.ascontiguousarray(at[braked])).sum()) * axle_load(run)
-    return used / offered if offered > 0.0 else float("nan")
+        at = clock if case.adhesion.over_time else way + place
+        braked = (abs(one["brake_torque"]).to_numpy() > 1.0) & (speed > LEAST_SPEED)
+        if braked.any():
+            used += float(np.abs(one["creep_force"].to_numpy()[braked]).sum())
+            offered += float(available_adhesion(case, patch, at[braked], speed[braked]).sum()) * axle_load(run)
+    return used / offered if offered > 0.0 else math.nan
+
+
+def build_up(run: xr.Dataset) -> float:
+    """Equivalent time of the brake's build-up in a stop without a slide [s]: without any brake, and then all of it at once.
+
+    The integral of 1 - p / p_max over time, p the mean pressure of the cylinders.
+    """
+    pressure = run["cylinder_pressure"].mean("axle").to_numpy()
+    full = float(pressure.max(initial=0.0))
+    return float(np.trapezoid(1.0 - pressure / full, run["time"].to_numpy())) if full > 0.0 else math.nan
 
 
 def signals(run: xr.Dataset) -> dict[str, Array]:
@@ -250,11 +261,14 @@ class StopTests:
     fine: Sequence[TestRecord] = ()
 
     def values(self, name: str, tests: Sequence[TestRecord] | None = None) -> list[float]:
-        """A measure of all tests; NaN where there is none."""
+        """A measure of all tests; NaN where there is none. What is over the dry stop leaves out the way of its build-up."""
         tests = self.tests if tests is None else tests
         if name in OVER_DRY:
-            dry = math.nan if self.dry is None else self.dry.measures["distance_m"]
-            ratios = [one.measures["distance_m"] / dry for one in tests]
+            dry = {} if self.dry is None else self.dry.measures
+            way = self.stop.speed * dry.get("build_up_s", math.nan)
+            ratios = [
+                (one.measures["distance_m"] - way) / (dry["distance_m"] - way) if dry else math.nan for one in tests
+            ]
             return [ratio - 1.0 if name == "increase_over_dry" else 1.0 / ratio for ratio in ratios]
         return values_of(tests, name)
 
