@@ -166,7 +166,7 @@ class _Shooting:
         system = eigensystem(here.matrix)
         mode = system.vectors[:, int(np.argmin(np.abs(system.values - 2j * math.pi * frequency)))]
         tangent = np.concatenate([(mode / mode[self._y]).real, [0.0, 0.0]])
-        self.rest = Cycle(0.0, speed, 1.0 / frequency, self._rest[kept], np.ones(1), tangent, 0.0)
+        self.rest = Cycle(0.0, speed, 1.0 / frequency, self._rest[kept], np.ones(1, dtype=complex), tangent, 0.0)
 
     def cycle(self, amplitude: float, near: Cycle) -> tuple[Cycle | None, int]:
         """The limit cycle of an amplitude [m] from one nearby, None where there is none; and the iterations."""
@@ -183,9 +183,9 @@ class _Shooting:
             returns = run.monodromy - np.eye(len(state))
             system = np.column_stack([returns[:, self._free], run.slope, run.by_speed])
             if missed < CLOSED * amplitude:
-                tangent = self._spread(np.linalg.solve(system, -returns[:, self._y]), 1.0)
+                tangent = self._solved(system, -returns[:, self._y], 1.0)
                 return Cycle(amplitude, speed, period, state, self._multipliers(run), tangent, missed), iteration
-            change = self._spread(np.linalg.solve(system, residual), 0.0)
+            change = self._solved(system, residual, 0.0)
             state, period, speed = state + change[:-2], period + change[-2], speed + change[-1]
             near_it = 0.3 * near.period < period < 3.0 * near.period and 0.3 * near.speed < speed < 3.0 * near.speed
             if not (missed < 2.0 * before and near_it):
@@ -193,8 +193,9 @@ class _Shooting:
             before = missed
         return None, _MOST_ITERATIONS
 
-    def _spread(self, solution: Array, lateral: float) -> Array:
-        """State, period and speed from the unknowns of the system, with what is prescribed; wheelsets roll with the speed."""
+    def _solved(self, system: Array, right: Array, lateral: float) -> Array:
+        """State, period and speed from the unknowns of a system, with what is prescribed; wheelsets roll with the speed."""
+        solution = np.linalg.solve(system, right)
         out = np.zeros(len(self._kept) + 2)
         out[self._free], out[self._y], out[-2:] = solution[:-2], lateral, solution[-2:]
         out[:-2] += self._rolls * out[-1]
