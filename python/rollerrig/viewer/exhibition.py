@@ -1,4 +1,4 @@
-"""A live simulation at an exhibition: a sentence on what one sees, enlarged displacements, and what happens while nobody moves it.
+"""A live simulation at an exhibition: a sentence on what one sees, enlarged displacements, and what it does while nobody moves it.
 
     LiveRun -> [Exhibition] -> caption, enlargement; sliders that it moves itself -> frames of the page
 
@@ -93,7 +93,7 @@ class Exhibition:
 
     def _words(self) -> str:
         train, axle = self.run.value("train.speed"), self.run.value(f"{self._wheelset}.axle_speed")
-        at = f"At {3.6 * (self.run.value('run.speed') if train is None else train):.0f} km/h"
+        at = f"At {3.6 * (train or self.run.value('run.speed') or 0.0):.0f} km/h"
         if train and axle is not None:
             slip = 1.0 - axle * self.run.case.vehicle.data.wheel.radius / train
             if abs(slip) > SLIDES:
