@@ -1,4 +1,4 @@
-"""A live simulation at an exhibition: a sentence on what one sees, enlarged displacements, and what it does while nobody moves it.
+"""A live simulation at an exhibition: a sentence on what one sees, enlarged displacements, what it does while nobody moves it.
 
     LiveRun -> [Exhibition] -> caption, enlargement; sliders that it moves itself -> frames of the page
 
