@@ -27,10 +27,10 @@ def fits(vehicle: str, support: str) -> bool:
 
 def pair(vehicle: str, support: str, duration: float) -> Case:
     """At 40 km/h, centred; whole vehicles on rollers are held by a rod."""
-    chosen, under = load_vehicle(vehicle), {"use": support}
-    whole = len(chosen.body) > 1 and vehicle not in CUT
+    under: dict[str, object] = {"use": support}
+    whole = len(load_vehicle(vehicle).body) > 1 and vehicle not in CUT
     if whole and isinstance(load_support(support), Rig):
-        under = {**under, "changes": {"restraint": ROD}}
+        under["changes"] = {"restraint": ROD}
     return load_case("bogie_track").with_changes({
         "vehicle": {"use": vehicle, **({"cut": CUT[vehicle]} if vehicle in CUT else {})},
         "support": under,
