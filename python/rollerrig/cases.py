@@ -49,13 +49,16 @@ def leading_wheelset(case: Case) -> Body:
 
 
 def part_of(case: Case, cut: str) -> Case:
-    """Another part of the same vehicle, restrained along the track."""
-    freed = {
+    """Another part of the same vehicle, restrained along the track; one with a fixed body needs no coupler rod."""
+    changes: dict[str, object] = {
         f"vehicle.body.{body.name}.locked": [d for d in body.locked if d != "x"]
         for body in case.vehicle.bodies
         if "x" in body.locked
     }
-    return restrained_along_track(case.with_changes({**freed, "vehicle.cut": cut}))
+    support = case.support.data
+    if isinstance(support, Rig) and support.restraint is not None and case.vehicle.data.cut_named(cut).fixed:
+        changes["support.restraint"] = None
+    return restrained_along_track(case.with_changes({**changes, "vehicle.cut": cut}))
 
 
 def restrained_along_track(case: Case) -> Case:

@@ -48,6 +48,13 @@ def test_on_rig_keeps_a_rig_but_for_the_radius() -> None:
     assert cases.on_rig(case, 1.0) == case.with_changes({"support.roller_radius": 1.0})
 
 
+@pytest.mark.parametrize(("part", "held"), [("leading_wheelset", False), ("leading_bogie", False), ("vehicle", True)])
+def test_a_part_with_a_fixed_body_needs_no_coupler_rod(part: str, held: bool) -> None:
+    support = cases.part_of(load_case("vehicle_rollers"), part).support.data
+    assert isinstance(support, Rig)
+    assert (support.restraint is not None) == held
+
+
 def test_without_actuators_leaves_vehicle_support_and_drive() -> None:
     case = load_case(CONTROLLED)
     bare = cases.without_actuators(case)

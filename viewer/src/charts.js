@@ -2,6 +2,7 @@
 
 import uPlot from "uplot";
 import { CURVES } from "./colours.js";
+import { shownLength } from "./waves.js";
 
 /** One chart with a choice of what it shows. */
 export class Chart {
@@ -30,7 +31,7 @@ export class Chart {
   build(theme = this.theme) {
     this.theme = theme;
     this.plot?.destroy();
-    const live = this.worlds[0].head.live, group = this.groups[Number(this.choice.value)], tables = [], series = [{}];
+    const live = this.worlds[0].head.live, group = this.groups[Number(this.choice.value)], tables = [], series = [{}], end = Math.max(...this.worlds.map((w) => w.numbers.end));
     group.curves.forEach((list, run) => {
       const n = this.worlds[run].numbers;
       tables.push([(group.times && n.columns.get(group.times)) || n.times, ...list.map(([column, , factor]) => Array.from(n.columns.get(column), (v) => (v === v ? factor * v : null)))]);
@@ -39,11 +40,13 @@ export class Chart {
     const axis = { stroke: theme.text, grid: { stroke: theme.grid, width: 1 }, ticks: { stroke: theme.grid }, font: "11px system-ui, sans-serif" };
     const options = {
       width: this.area.clientWidth || 300, height: this.area.clientHeight || 150, series,
-      scales: { y: { range: span }, x: { time: false, range: live ? (_, low, high) => [low, Math.max(high, low + 1)] : [0, Math.max(...this.worlds.map((w) => w.numbers.end))] } },
+      scales: { y: { range: span }, x: { time: false, range: live ? (_, low, high) => [low, Math.max(high, low + 1)] : () => this.page || [0, end] } },
       axes: [{ ...axis, size: 26 }, { ...axis, size: (_, labels) => 18 + 6.5 * Math.max(3, ...(labels || []).map((text) => text.length)) }],
       legend: { show: false }, cursor: { drag: { x: true, y: false, setScale: false }, points: { show: false } },
       hooks: { setSelect: [(u) => { if (u.select.width > 3) this.events.range(u.posToVal(u.select.left, "x"), u.posToVal(u.select.left + u.select.width, "x")); u.setSelect({ width: 0, height: 0 }, false); }] },
     };
+    this.end = end; this.page = null;
+    this.length = live ? 0 : Math.max(...tables.map(([times, values]) => (values ? shownLength(Array.from(times), values, options.width - 60) : 0)));
     this.plot = new uPlot(options, tables.length > 1 ? uPlot.join(tables) : tables[0], this.area);
     this.plot.over.append(this.now);
     this.plot.over.addEventListener("click", () => { if (this.plot.cursor.left >= 0) this.events.time(this.plot.posToVal(this.plot.cursor.left, "x")); });
@@ -74,8 +77,16 @@ export class Chart {
     if (n.times.length > 1) this.plot.setData([n.times, ...group.curves[0].map(([column, , factor]) => n.columns.get(column).map((v) => (v === v ? factor * v : null)))]);
   }
 
+  /** A long oscillation is shown page by page. */
+  turn(first) {
+    if (this.page?.[0] === first) return;
+    this.page = [first, first + this.length];
+    this.plot.setScale("x", { min: this.page[0], max: this.page[1] });
+  }
+
   mark(time) {
     this.time = time;
+    if (this.plot && this.length) this.turn(Math.min(Math.floor(time / this.length) * this.length, this.end - this.length));
     if (this.plot) this.now.style.transform = `translateX(${this.plot.valToPos(time, "x")}px)`;
   }
 }

@@ -4,7 +4,7 @@
 
 import { button, element, slider } from "./dom.js";
 
-const KEPT = 450;
+const KEPT = 180; // 6 s: 30 waves of a bogie that hunts
 
 /** The latest frames as numbers: between the last two the picture goes on in time, the curves have the last KEPT. */
 export class LiveNumbers {
@@ -58,7 +58,19 @@ export class Desk {
     source.onerror = () => { this.text.textContent = "The simulation has ended, or its server cannot be reached."; };
   }
 
-  tell(frame) { if (performance.now() > (this.refused || 0)) this.text.textContent = frame.told || `${frame.time.toFixed(1)} s, in real time`; }
+  tell(frame) {
+    if (frame.caption !== undefined) this.events.exhibited(frame);
+    for (const [name, value] of Object.entries(frame.sliders || {})) if (!this.waiting.has(name)) this.move(name, value);
+    if (performance.now() > (this.refused || 0)) this.text.textContent = frame.told || `${frame.time.toFixed(1)} s, in real time`;
+  }
+
+  /** A slider to where the simulation has it, unless a visitor holds it. */
+  move(name, value) {
+    const input = document.getElementById(`live-${name}`), one = this.sliders.find((other) => other.name === name);
+    if (!input || input.matches(":active") || this.busy || Number(input.value) === value) return;
+    input.value = value;
+    input.nextSibling.textContent = shown(one)(value);
+  }
 
   /** What sliders ask for, one after the other, of each the latest. */
   async sendWaiting() {
@@ -74,11 +86,7 @@ export class Desk {
 
   /** All sliders where they began. */
   back() {
-    for (const one of this.sliders) {
-      const input = document.getElementById(`live-${one.name}`);
-      input.value = one.first;
-      input.nextSibling.textContent = shown(one)(one.first);
-    }
+    for (const one of this.sliders) this.move(one.name, one.first);
   }
 
   async send(what, body) {

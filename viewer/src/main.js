@@ -52,9 +52,10 @@ class Page {
     this.canvas = element("canvas", { id: "canvas", tabindex: 0, "aria-label": "the vehicle in motion; drag turns, wheel or two fingers zoom" });
     this.labels = this.worlds.map((w, k) => element("div", { class: `name n${k}` }, w.head.label));
     this.note = element("div", { id: "note", role: "status" });
+    this.caption = element("div", { class: "caption", role: "status" });
     this.legend = element("details", { class: "legend", open: innerWidth > 760 ? "" : undefined }, element("summary", {}, "colours"));
     this.sections = this.worlds.map((_, k) => element("canvas", { class: `section s${k}`, hidden: "" }));
-    this.view = element("div", { class: "view" }, this.canvas, ...this.labels, this.note, this.legend, ...this.sections);
+    this.view = element("div", { class: "view" }, this.canvas, ...this.labels, this.note, this.caption, this.legend, ...this.sections);
     this.plots = element("div", { class: "plots" });
     this.bar = element("div", { class: "clock" });
     const modes = element("div", { class: "modes", role: "group", "aria-label": "camera" }, ...MODES.map(([mode, text, key]) => button(text, `camera: ${text} (${key})`, () => this.look(mode), `look-${mode}`)));
@@ -87,7 +88,7 @@ class Page {
   /** A simulation that runs now: its desk in place of the clock. */
   runLive() {
     const world = this.worlds[0];
-    this.desk = new Desk(world.head, world.numbers, { scene: () => this.anotherScene() });
+    this.desk = new Desk(world.head, world.numbers, { scene: () => this.anotherScene(), exhibited: (frame) => { this.options.displacement = frame.enlarged; this.caption.textContent = frame.caption; } });
     this.bar.replaceChildren(this.desk.node);
     this.resize();
   }

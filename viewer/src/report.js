@@ -9,6 +9,7 @@ import { element } from "./dom.js";
 import { enlarged } from "./enlarge.js";
 import { Numbers } from "./numbers.js";
 import { pinched } from "./pinch.js";
+import { shownLength } from "./waves.js";
 
 const dark = matchMedia("(prefers-color-scheme: dark)");
 const HEIGHT = 190, NARROW = 560;
@@ -29,6 +30,7 @@ class Figure {
     if (first) figure.prepend(element("p", { class: "hint" }, "Drag across a chart to zoom it, double click for all of it; on a touch screen two fingers zoom and move it. A click enlarges a picture."));
     figure.classList.add("live");
     this.build();
+    this.last();
     let width = this.box.clientWidth;
     new ResizeObserver(() => { if (this.box.clientWidth && this.box.clientWidth !== width) { width = this.box.clientWidth; this.build(); } }).observe(this.box);
     dark.addEventListener("change", () => this.build());
@@ -54,6 +56,14 @@ class Figure {
       return this.panel(panel, holder, k === this.given.panels.length - 1);
     });
     if (range) this.zoom(...range);
+  }
+
+  /** A long oscillation begins with its last waves, which is said. */
+  last() {
+    const shown = Math.max(...this.plots.map((plot) => shownLength(plot.data[0], plot.data[1], this.box.clientWidth - 60))), along = this.plots[0].data[0], end = along[along.length - 1];
+    if (!shown) return;
+    this.box.before(element("p", { class: "hint" }, `Shown first: the last ${shown.toPrecision(2)} of ${(end - along[0]).toPrecision(2)} ${/\[(.*)\]/.exec(this.given.x)?.[1] || ""}; double click for all.`));
+    this.zoom(end - shown, end);
   }
 
   colour(curve) { return dark.matches ? onDark(curve.colour) : curve.colour; }

@@ -176,10 +176,10 @@ def hunting_run(job: tuple[Case, float, HuntingSettings], progress: Progress | N
 
 def not_decided(time: float, amplitude: float, rate: float) -> str:
     """What an open run says: its time [s], its amplitude [m] and growth rate [1/s] at the end."""
-    return (
-        f"after {time:g} s it was not decided whether the motion persists: an amplitude of {1e3 * amplitude:.3g} mm that changes "
-        f"by {100.0 * rate:+.2g} %/s"
-    )
+    open_after = f"after {time:g} s it was not decided whether the motion persists"
+    if math.isnan(rate):
+        return f"{open_after}: too few waves to tell"
+    return f"{open_after}: an amplitude of {1e3 * amplitude:.3g} mm that changes by {100.0 * rate:+.2g} %/s"
 
 
 DECAY_SHARE = 0.1

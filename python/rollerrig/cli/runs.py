@@ -146,6 +146,10 @@ def play(
     case: CaseName,
     port: Annotated[int, typer.Option(min=0, max=65535, help="Where to listen on the loopback; 0: any free one.")] = 0,
     browser: Annotated[bool, typer.Option(help="Open the page in a browser.")] = True,
+    exhibition: Annotated[
+        bool,
+        typer.Option("--exhibition", help="Say what one sees, enlarge it, move it after a minute without visitors."),
+    ] = False,
     change: Changes = None,
     allow_code: AllowCode = False,
 ) -> None:
@@ -157,6 +161,7 @@ def play(
         say("Ctrl-C ends it.")
 
     try:
-        play(read_case(case, allow_code=allow_code, changes=change), port=port, browser=browser, tell=tell)
+        chosen = read_case(case, allow_code=allow_code, changes=change)
+        play(chosen, port=port, browser=browser, exhibition=exhibition, tell=tell)
     except OSError as error:
         stop(f"--port {port}: {error.strerror or error}; choose another one, or 0 for any free one")

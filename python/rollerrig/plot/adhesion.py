@@ -124,7 +124,7 @@ def cause_bars(shares: Mapping[str, tuple[float, float, bool]]) -> Figure:
     axes.invert_yaxis()
     axes.axvline(0.0, color="black", linewidth=0.8)
     axes.margins(x=0.45)
-    axes.set_xlabel("mean distance of the rig less that of the track [% of it], ± standard error")
+    axes.set_xlabel("mean distance of the rig less that of the track,\n± standard error [% of it]")
     return figure
 
 

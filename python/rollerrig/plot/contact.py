@@ -1,6 +1,7 @@
 """Figures of the contact alone: where wheels touch and how hard, characteristics of a pair, creep laws, a profile."""
 
 from collections.abc import Mapping
+from textwrap import fill
 from typing import Any
 
 import numpy as np
@@ -247,10 +248,10 @@ def profile_figure(curve: xr.Dataset) -> Figure:
         near = curve.where((1e3 * curve["point_abscissa"] > low) & (1e3 * curve["point_abscissa"] < high), drop=True)
         shape.plot(1e3 * near["point_abscissa"], sign * 1e3 * near["point_height"], ".", color=GREY, markersize=3,
                    label=f"{curve.sizes['point']} measured points")  # fmt: skip
-    shape.plot(along, sign * 1e3 * curve["height"], color=colour(0), label=str(curve.attrs["source"]))
+    shape.plot(along, sign * 1e3 * curve["height"], color=colour(0), label=fill(str(curve.attrs["source"]), 80))
     shape.set_title(f"{curve.attrs['name']}: left {curve.attrs['kind']} as mounted, outward to the right", loc="left")
     shape.set_ylabel("up [mm]")
-    shape.legend(loc="lower right" if wheel else "lower center")
+    legend_above(figure, shape)
     slope.plot(along, sign * curve["slope"], color=colour(0))
     slope.set_ylabel("slope [-]")
     curvature.plot(along, curve["curvature"], color=colour(0))

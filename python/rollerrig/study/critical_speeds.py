@@ -278,7 +278,8 @@ def effects_sentence(split: EffectSplit) -> str:
         most = max(known, key=lambda effect: known[effect])
         text += f" The largest effect is the {_short(most)}: {known[most]:+.1f} km/h without it."
     helping = [_short(effect) for effect, gain in known.items() if gain < -0.05]
-    return text + (f" The {' and the '.join(helping)} raises the critical speed." if helping else "")
+    verb = "raises" if len(helping) == 1 else "raise"
+    return text + (f" The {' and the '.join(helping)} {verb} the critical speed." if helping else "")
 
 
 def _short(effect: str) -> str:

@@ -186,6 +186,10 @@ class LiveRun:
         values = [float(f"{v:.6g}") if math.isfinite(v) else None for v in found]
         return {"time": round(self.time, 4), "values": values, "told": self.told}
 
+    def value(self, name: str) -> float | None:
+        """A variable of the plant now; None: it has none of that name."""
+        return self.plant.get(self._variables[name]) if name in self._variables else None
+
     # --------------------------------------------------------------------------------------------------- another model
 
     def _begin(self, offsets: Mapping[str, Mapping[str, float]], disturbed: bool = False) -> None:

@@ -19,6 +19,7 @@ from typing import Any
 from rollerrig.cases import as_case
 from rollerrig.config import Case, ConfigError
 from rollerrig.simulation.starting_state import StartError
+from rollerrig.viewer.exhibition import Exhibition
 from rollerrig.viewer.live import FRAME, LiveRun
 from rollerrig.viewer.page import live_page
 
@@ -32,13 +33,21 @@ _LARGEST_BODY = 1000
 _HOSTS = ("127.0.0.1", "localhost")
 
 
-def play(case: Case | str, *, port: int = 0, browser: bool = True, tell: Callable[[str], object] = print) -> None:
+def play(
+    case: Case | str,
+    *,
+    port: int = 0,
+    browser: bool = True,
+    exhibition: bool = False,
+    tell: Callable[[str], object] = print,
+) -> None:
     """Run a case in real time behind a page whose sliders move it, until Ctrl-C (in a notebook: until it is interrupted).
 
     Args:
         case: what is run, or its name in the catalogue.
         port: where the page is found on the loopback; 0: any free one.
         browser: whether a browser is opened there.
+        exhibition: whether the page says what one sees, enlarges it, and moves itself after a minute without visitors.
         tell: given the page's address.
 
     Raises:
@@ -51,7 +60,7 @@ def play(case: Case | str, *, port: int = 0, browser: bool = True, tell: Callabl
         >>> rr.play("bogie_rollers_constant")  # doctest: +SKIP
         http://127.0.0.1:41233/
     """
-    theatre = Theatre(as_case(case))
+    theatre = Theatre(as_case(case), exhibition)
     listening = server(theatre, port)
     address = f"http://127.0.0.1:{listening.server_address[1]}/"
     threading.Thread(target=listening.serve_forever, daemon=True).start()
@@ -73,12 +82,14 @@ class Theatre:
 
     Args:
         case: what is run.
+        exhibition: whether it is in front of an audience.
     """
 
-    def __init__(self, case: Case) -> None:
+    def __init__(self, case: Case, exhibition: bool = False) -> None:
         self.run = LiveRun(case)
+        self.exhibition = Exhibition(self.run) if exhibition else None
         self._news = threading.Condition()
-        self._frames = deque([json.dumps(self.run.frame())], _KEPT)
+        self._frames = deque([self._frame()], _KEPT)
         self._number, self.ended = 0, False
 
     def play(self) -> None:
@@ -88,10 +99,13 @@ class Theatre:
             due = max(due + FRAME, time.monotonic() - 10 * FRAME)  # what a machine cannot keep up with is left out
             time.sleep(max(0.0, due - time.monotonic()))
             with self._news:
-                self.run.advance(FRAME)
-                self._frames.append(json.dumps(self.run.frame()))
+                (self.exhibition or self.run).advance(FRAME)
+                self._frames.append(self._frame())
                 self._number += 1
                 self._news.notify_all()
+
+    def _frame(self) -> str:
+        return json.dumps(self.run.frame() | (self.exhibition.frame() if self.exhibition else {}))
 
     def frames_after(self, number: int) -> tuple[int, int, list[str]]:
         """The frames after that number as far as they are kept: number of the last, version of the scene, their texts.
@@ -106,6 +120,8 @@ class Theatre:
     def command(self, name: str, given: dict[str, Any]) -> str:
         """What a visitor does; the answer is what is wrong with it, or ""."""
         with self._news:
+            if self.exhibition:
+                self.exhibition.touched()
             try:
                 if name == "set":
                     self.run.set(str(given["name"]), float(given["value"]))

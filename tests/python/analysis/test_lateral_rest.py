@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 import xarray as xr
 
 import rollerrig as rr
-from rollerrig.analysis.hunting import lateral_rest
+from rollerrig.analysis.hunting import lateral_rest, not_decided
 
 
 @pytest.fixture(scope="module")
@@ -49,3 +51,9 @@ def test_nothing_is_said_where_it_cannot_be(short: xr.Dataset) -> None:
     rough = moved(short, 2e-3, 0.0)
     rough["rail_lateral"] = rough["lateral"]
     assert lateral_rest(rough) is None
+
+
+def test_a_run_too_short_for_waves_says_so_in_place_of_numbers() -> None:
+    begin = "after 0.6 s it was not decided whether the motion persists"
+    assert not_decided(0.6, 0.0, math.nan) == f"{begin}: too few waves to tell"
+    assert not_decided(0.6, 2e-3, -0.1) == f"{begin}: an amplitude of 2 mm that changes by -10 %/s"

@@ -43,3 +43,8 @@ def test_what_commands_cost_stands_in_their_help_and_on_the_page() -> None:
     for name, one in costs.items():
         assert f"| `rollerrig {one['example']}` | {one['processor_s']:g} s |" in page
         assert f"Cost: 'rollerrig {one['example']}' takes" in (GROUP.commands[name].help or "")
+    readme = re.findall(r"`([a-z]+)` ([0-9]+) s\b", (ROOT / "README.md").read_text(encoding="utf-8"))
+    assert len(readme) > 3
+    assert {name: float(seconds) for name, seconds in readme}.items() <= {
+        n: c["processor_s"] for n, c in costs.items()
+    }.items()

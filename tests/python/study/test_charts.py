@@ -21,6 +21,15 @@ from rollerrig.viewer.columns import WHOLE
 TIME = np.linspace(0.0, 10.0, 20001)
 
 
+def oscillation(last: float) -> Figure:
+    """50 waves in 10 s; from 5 s on the amplitude falls to its last share."""
+    figure = Figure()
+    axes = figure.subplots()
+    axes.plot(TIME, np.interp(TIME, [0.0, 5.0, 10.0], [1.0, 1.0, last]) * np.sin(10.0 * np.pi * TIME))
+    axes.set_xlabel("time [s]")
+    return figure
+
+
 def history(*, peak: float = 0.0) -> Figure:
     """Two panels over time: two curves and a limit, and one with a gap."""
     figure = Figure()
@@ -201,9 +210,9 @@ def test_it_is_legible_on_a_phone(browser: Any, report: Path, scheme: str) -> No
     try:
         assert page.evaluate("document.documentElement.scrollWidth") <= 375
         assert page.evaluate("figures[0].plots[0].width") > 330
-        assert (
-            page.evaluate("document.querySelector('figure:not(.live) img').clientWidth") == 680
-        )  # scrolled, not shrunk
+        picture = "document.querySelector('figure:not(.live) img')"
+        assert 330 < page.evaluate(f"{picture}.clientWidth") <= 375  # whole; a tap enlarges it
+        assert ("invert" in page.evaluate(f"getComputedStyle({picture}).filter")) == (scheme == "dark")  # no white page
         back, text = page.evaluate(
             "[getComputedStyle(document.body).backgroundColor, figures[0].plots[0].axes[0].stroke()]"
         )
@@ -220,3 +229,26 @@ def test_it_is_legible_on_a_phone(browser: Any, report: Path, scheme: str) -> No
         assert opened.complaints == []
     finally:
         opened.close()
+
+
+def test_many_waves_on_a_narrow_screen_begin_with_the_last_ones(browser: Any, tmp_path: Path) -> None:
+    """A run that hunts would be a block of colour; what has not settled is shown whole."""
+    pictures = []
+    for name, figure in (("hunts", oscillation(1.0)), ("decays", oscillation(0.0)), ("history", history())):
+        pictures.append(Picture(name, figure, "", figure_bytes(figure, "png"), chart_of(figure, name)))
+    path = tmp_path / "report.html"
+    path.write_text(
+        render(Page("Report", "", [Section("All numbers of the wheels, and how they were computed", [*pictures])]))
+    )
+    for width, shown in ((375, 2.5), (960, 10.0)):
+        opened = Opened(browser, path, width, 740)
+        try:
+            assert opened.page.evaluate("document.documentElement.scrollWidth") <= width  # a long name in its contents
+            ranges = opened.page.evaluate("figures.map(f => f.plots[0].scales.x.max - f.plots[0].scales.x.min)")
+            assert ranges == [pytest.approx(shown, rel=0.2), 10, 10]
+            hints = opened.page.locator("#figure-hunts .hint").all_inner_texts()
+            assert any("Shown first" in hint and "of 10 s" in hint for hint in hints) == (width == 375)
+            opened.page.evaluate("figures[0].zoom()")
+            assert opened.page.evaluate("figures[0].plots[0].scales.x.min") == 0
+        finally:
+            opened.close()

@@ -78,6 +78,17 @@ def test_a_click_on_a_curve_goes_there_and_a_drag_repeats_that_range(opened: Ope
     opened.ask("r.clock.repeat(null)")
 
 
+def test_a_long_oscillation_is_shown_page_by_page(opened: Opened) -> None:
+    chart = "r.charts[0]"
+    opened.ask(f"({chart}.length = 0.15, 0)")
+    for time, page in ((0.05, [0.0, 0.15]), (0.2, [0.15, 0.3]), (0.39, [0.25, 0.4])):
+        scale = f"{chart}.plot.scales.x"
+        opened.ask(f"(r.clock.set({time}), 0)")
+        assert opened.ask(f"[{scale}.min, {scale}.max]") == pytest.approx(page)
+    opened.ask(f"({chart}.build(), r.clock.set(0))")  # these runs are short: the whole again
+    assert opened.ask(f"{chart}.plot.scales.x.max") == pytest.approx(0.4)
+
+
 def test_keys(opened: Opened) -> None:
     keyboard = opened.page.keyboard
     opened.ask("(document.activeElement.blur(), r.clock.set(0))")

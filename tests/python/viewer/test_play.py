@@ -18,6 +18,7 @@ from browser import Opened
 from rollerrig import _core
 from rollerrig.config import ConfigError
 from rollerrig.interfaces.plant import assembled_model
+from rollerrig.viewer.exhibition import Exhibition
 from rollerrig.viewer.live import FRAME, GAINS, LiveRun, gains
 from rollerrig.viewer.play import Theatre, server
 
@@ -127,6 +128,60 @@ def test_on_a_narrow_screen_sliders_leave_room_for_the_picture(browser: Any, add
         assert max(edges) <= 375
     finally:
         page.close()
+
+
+def captions(shown: Exhibition, seconds: float) -> list[str]:
+    found = [""]
+    for _ in range(round(seconds / FRAME)):
+        shown.advance(FRAME)
+        found += [shown.caption] if shown.caption != found[-1] else []
+    return found[1:]
+
+
+def test_an_exhibition_moves_itself_says_what_one_sees_and_enlarges_it(
+    run: LiveRun, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("rollerrig.viewer.exhibition.ACT", 4.0)
+    run.set("friction", 0.5)
+    shown = Exhibition(run)
+    assert captions(shown, 3.9)[-1] == "At 98 km/h the vehicle runs straight."
+    assert (run.values["speed"], run.values["friction"]) == (98.0, 1.0)  # the last visitor's friction is gone
+    assert shown.enlarged == 20
+    hunts = captions(shown, 3.9)[-1]
+    assert hunts.startswith("At 255 km/h the leading wheelset swings sideways by ±6 mm, 5.")
+    assert hunts.endswith("it hunts.")
+    assert shown.enlarged == 5  # 10 would be more than 60 mm
+    shown.touched()
+    captions(shown, 1.0)
+    assert run.values["speed"] == 255.0  # a visitor has it for a minute
+    assert shown.frame()["sliders"]["speed"] == 255.0
+
+
+def test_an_exhibition_of_a_brake_test_speaks_of_sliding() -> None:
+    shown = Exhibition(LiveRun(rr.load_case("adhesion_brake")))
+    said = captions(shown, 5.0)
+    assert said[1].endswith("the vehicle runs straight.")
+    assert "% slower than the train runs: they slide." in said[-1]
+
+
+def test_the_page_of_an_exhibition_has_the_caption_and_moves_its_sliders(browser: Any) -> None:
+    theatre = Theatre(rr.load_case("wheelset_rollers"), exhibition=True)
+    listening = server(theatre)
+    threads = [threading.Thread(target=run, daemon=True) for run in (listening.serve_forever, theatre.play)]
+    for thread in threads:
+        thread.start()
+    page = Opened(browser, f"http://127.0.0.1:{listening.server_address[1]}/", 375, 740)
+    try:
+        page.page.locator(".caption", has_text="At 98 km/h").wait_for()
+        page.page.locator("#note", has_text="displacements ×").wait_for()
+        assert page.page.locator("#live-speed").evaluate("e => e.nextSibling.textContent") == "98 km/h"
+        assert page.page.evaluate("document.documentElement.scrollWidth") <= 375
+        assert page.complaints == []
+    finally:
+        page.close()
+        theatre.ended = True
+        listening.shutdown()
+        listening.server_close()
 
 
 def test_another_radius_is_another_scene(run: LiveRun) -> None:
