@@ -128,20 +128,18 @@ def turned_over(run: Run) -> float:
     return max(float(np.abs(run.energy(name) - run.energy(name)[0]).max()) for name in names)
 
 
-@pytest.mark.parametrize(
-    ("support", "speed", "lateral"),
-    [
-        ("full_scale_rig", 150 * kmh, 3 * mm),
-        ("full_scale_rig", 150 * kmh, 6.5 * mm),  # on the flange
-        ("uic60_track", 150 * kmh, 3 * mm),
-        ("full_scale_rig", 0.0, 3 * mm),
-        ("full_scale_rig", 0.5, 3 * mm),
-    ],
-)
-def test_energy_put_in_is_stored_or_turned_into_heat(support: str, speed: float, lateral: float) -> None:
+def energy_share(support: str, speed: float, lateral: float) -> tuple[float, float]:
+    """Energy put in is stored or turned into heat: what the accounts moved [J], and what is missing of it."""
     _, run = released(support, speed, lateral, 0.5, tolerance=1e-8)
     assert run.status == 0
-    assert np.abs(run.energy_residual()).max() < 1e-6 * turned_over(run)  # 7e-9 to 2e-8
+    share = float(np.abs(run.energy_residual()).max()) / turned_over(run)
+    assert share < 1e-6  # 7e-9 to 2e-8
+    return turned_over(run), share
+
+
+def test_energy_put_in_is_stored_or_turned_into_heat() -> None:
+    """Creeping forward; at speed, on the flange, on track and at rest: test_page.py."""
+    energy_share("full_scale_rig", 0.5, 3 * mm)
 
 
 def test_the_energy_residual_falls_with_the_tolerance() -> None:
@@ -228,7 +226,7 @@ def test_static_wheel_loads_sum_to_the_weight(support: str, speed_kmh: float) ->
 # ------------------------------------------------------------------------------------------------------------- methods
 @pytest.fixture(scope="module")
 def reference_run() -> Run:
-    return released("full_scale_rig", 150 * kmh, 2 * mm, 0.3, tolerance=1e-10, output_step=1e-3)[1]
+    return released("full_scale_rig", 150 * kmh, 2 * mm, 0.2, tolerance=1e-10, output_step=1e-3)[1]
 
 
 @pytest.mark.parametrize(
@@ -241,7 +239,7 @@ def reference_run() -> Run:
     ],
 )
 def test_methods_agree(reference_run: Run, given: dict, tolerance: float) -> None:
-    _, run = released("full_scale_rig", 150 * kmh, 2 * mm, 0.3, output_step=1e-3, **given)
+    _, run = released("full_scale_rig", 150 * kmh, 2 * mm, 0.2, output_step=1e-3, **given)
     np.testing.assert_allclose(run.time, reference_run.time, rtol=0.0, atol=1e-12)
     for body in range(1, 4):
         for field in ("y", "yaw"):
@@ -255,16 +253,16 @@ def test_hours_of_running_change_nothing() -> None:
     model = bogie("full_scale_rig", 150 * kmh)
     simulation = _core.Simulation(model.core)
     x0 = displaced(model, simulation, 150 * kmh, 2 * mm)
-    now = Run(simulation, x0, 0.3, tolerance=1e-8)
+    now = Run(simulation, x0, 0.15, tolerance=1e-8)
     ten_hours = 36000.0
-    arguments = {"t0": ten_hours, "final_time": ten_hours + 0.3}
-    later = Run(_core.Simulation(model.core), x0, 0.3, t_stop=ten_hours + 0.3, tolerance=1e-8, **arguments)
+    arguments = {"t0": ten_hours, "final_time": ten_hours + 0.15}
+    later = Run(_core.Simulation(model.core), x0, 0.15, t_stop=ten_hours + 0.15, tolerance=1e-8, **arguments)
     assert len(now.time) == len(later.time)
     for body in range(1, 4):
         # The clock resolves 7e-12 s there, 1e-11 m at the lateral speeds of this run; the tolerance's share is as large.
         assert later.body(body, "y") == pytest.approx(now.body(body, "y"), abs=1e-9)
     wheel_angle = now.body(model.body_index("wheelset_1"), "pitch")
-    assert wheel_angle[-1] == pytest.approx(150 * kmh * 0.3 / 0.46, rel=1e-3)
+    assert wheel_angle[-1] == pytest.approx(150 * kmh * 0.15 / 0.46, rel=1e-3)
 
 
 @pytest.mark.parametrize("support", ["full_scale_rig", "uic60_track"])

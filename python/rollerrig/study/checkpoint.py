@@ -40,10 +40,10 @@ def check_jobs(folder: Path, study: str) -> None:
     """Refuse with an OutputError a folder with unfinished jobs of another study."""
     path = folder / NAME
     try:
-        lines = _lines(path)
+        first = next(_lines(path), {"study": study})
     except OSError as cause:
         raise OutputError(path, cause) from None
-    found = (lines[0] or {}).get("study") if lines else study
+    found = (first or {}).get("study")
     if found != study:
         what = _FOREIGN if found is None else f"finished jobs of `rollerrig {found}`"
         raise OutputError(path, f"{what}; choose another --out, or delete the file")
@@ -73,14 +73,14 @@ class Checkpoint:
         self.done: dict[str, Any] = {}
         self._file: IO[bytes] | None = None
         self._header = {"study": study, "version": __version__, "plan": json.loads(json.dumps(plan))}
+        lines = _lines(self.path, self.folder)
         try:
-            lines = _lines(self.path, self.folder)
+            first = next(lines, self._header)
         except OSError as cause:
             raise OutputError(self.path, cause) from None
-        if lines:
-            _refuse_another(self.path, lines[0], self._header, irrelevant)
+        _refuse_another(self.path, first, self._header, irrelevant)  # before any result is read
         self.done = {
-            line["job"]: line["result"] for line in lines[1:] if line is not None and line.keys() == {"job", "result"}
+            line["job"]: line["result"] for line in lines if line is not None and line.keys() == {"job", "result"}
         }
 
     def __enter__(self) -> "Checkpoint":
@@ -139,23 +139,21 @@ def _line(value: Mapping[str, Any]) -> bytes:
     return json.dumps(value, ensure_ascii=False).encode() + b"\n"
 
 
-def _lines(path: Path, folder: Path | None = None) -> list[dict[str, Any] | None]:
+def _lines(path: Path, folder: Path | None = None) -> Iterator[dict[str, Any] | None]:
     """The whole lines of a file, with results where the folder is given; None: damaged, or not of this version.
 
     Raises:
         OSError: it cannot be read.
     """
     if not path.exists():
-        return []
-    found: list[dict[str, Any] | None] = []
+        return
     content = read_input(path, LARGEST)
     for line in content[: content.rfind(b"\n") + 1].splitlines() or [b""]:
         try:
             value = json.loads(line, object_hook=None if folder is None else partial(_decoded, folder))
         except (FileNotFoundError, ImportError, KeyError, TypeError, ValueError):
             value = None  # of a result: its job is done again
-        found.append(value if isinstance(value, dict) else None)
-    return found
+        yield value if isinstance(value, dict) else None
 
 
 # -------------------------------------------------------------------------------------------------------- results

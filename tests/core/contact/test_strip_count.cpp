@@ -10,6 +10,8 @@
 
 using namespace rollerrig;
 using test::loaded_poses;
+using test::sanitized;
+using test::some_of;
 using test::Wheel;
 
 namespace {
@@ -54,7 +56,7 @@ TEST_CASE("a few strips carry what many carry, at any pose") {
   for (double inverse_radius : {0.0, 1.0 / 0.725}) {
     Wheel const wheel(inverse_radius);
     std::vector<double> force, peak;
-    for (auto const& pose : loaded_poses(wheel, 1000, 11, 40e-3)) {
+    for (auto const& pose : loaded_poses(wheel, some_of(1000), 11, 40e-3)) {
       auto const scan = scan_gap(wheel.profiles.pair, wheel.nodes, pose);
       for (int k = 0; k < scan.regions; ++k) {
         auto const& region = scan.region[static_cast<std::size_t>(k)];
@@ -65,7 +67,7 @@ TEST_CASE("a few strips carry what many carry, at any pose") {
         peak.push_back(std::abs(few.peak_pressure / many.peak_pressure - 1.0));
       }
     }
-    REQUIRE(force.size() > 1000);
+    REQUIRE(force.size() > (sanitized ? 50 : 1000));
     CAPTURE(inverse_radius);
     // Measured: 0.0018, 0.011 and 0.016 of the force, 0.002, 0.031 and 0.20 of the peak pressure.
     CHECK(quantile(force, 0.5) < 3e-3);
@@ -80,7 +82,7 @@ TEST_CASE("a few strips carry what many carry, at any pose") {
 TEST_CASE("a region that has not settled is solved again with many strips, and counted") {
   Wheel const wheel(0.0);
   int refined = 0, alone = 0;
-  for (auto const& pose : loaded_poses(wheel, 3000, 12, 60e-3)) {
+  for (auto const& pose : loaded_poses(wheel, some_of(3000), 12, 60e-3)) {
     auto const found = strip_contact(wheel.setting, pose);
     refined += found.refined;
     for (int k = 0; k < found.count; ++k) {
@@ -97,6 +99,7 @@ TEST_CASE("a region that has not settled is solved again with many strips, and c
     double const s = strip_detail::smooth_step(std::min(1.0, (few.change - 0.01) / 0.01));
     CHECK(force_of(found) == doctest::Approx(few.force + s * (many - few.force)).epsilon(1e-9));
   }
+  if (sanitized) return;
   CHECK(refined > 0);
   CHECK(alone > 0);
 }

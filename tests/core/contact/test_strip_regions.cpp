@@ -5,6 +5,8 @@
 
 using namespace rollerrig;
 using test::loaded_poses;
+using test::sanitized;
+using test::some_of;
 using test::steel;
 using test::Wheel;
 
@@ -37,7 +39,7 @@ TEST_CASE("regions are all that an exhaustive scan of fine steps finds, thin one
     Wheel const wheel(inverse_radius);
     auto const& arc = wheel.nodes.arc();
     double const end = arc.length(wheel.profiles.wheel.end()), step = 20e-6;
-    for (auto const& pose : loaded_poses(wheel, 150, 5, 20e-3)) {
+    for (auto const& pose : loaded_poses(wheel, some_of(150), 5, 20e-3)) {
       auto const scan = scan_gap(wheel.profiles.pair, wheel.nodes, pose);
       std::vector<std::array<double, 2>> expected;
       bool inside = false;
@@ -73,6 +75,7 @@ TEST_CASE("regions are all that an exhaustive scan of fine steps finds, thin one
       CHECK(found + 1 > static_cast<std::size_t>(scan.regions));
     }
   }
+  if (sanitized) return;
   CHECK(regions > 300);
   CHECK(thin > 3);
 }

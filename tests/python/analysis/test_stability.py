@@ -71,7 +71,9 @@ def test_a_run_grows_as_the_linear_model_says(bogie) -> None:
         (
             bogie,
             250 / 3.6,
-            HuntingSettings(disturbance=1e-5, duration=1.5, absolute_tolerance=1e-10, relative_tolerance=1e-6),
+            HuntingSettings(
+                disturbance=1e-5, duration=1.5, absolute_tolerance=1e-10, relative_tolerance=1e-6, longest=1.5
+            ),
         )
     )
     lateral = run.motion["lateral"].sel(body="front_frame")

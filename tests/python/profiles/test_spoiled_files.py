@@ -123,8 +123,8 @@ def test_many_points_are_averaged_and_said_and_very_many_refused(tmp_path):
     s = np.linspace(-50e-3, 50e-3, 101)
     assert np.max(np.abs(table.evaluate(s) - profile_from_spec("s1002", "wheel").evaluate(s))) < 5e-7
     path = tmp_path / "points.txt"
-    path.write_text("0.1 0.2\n" * 1_000_000)
-    assert "1000000 lines; allowed: 100000" in problem_of(path)
+    path.write_text("0.1 0.2\n" * 200_000)
+    assert "200000 lines; allowed: 100000" in problem_of(path)
 
 
 def spoiled_once(rng, p):

@@ -71,6 +71,20 @@ def test_what_is_saved_is_what_is_loaded(run: xr.Dataset, tmp_path: Path) -> Non
     xr.testing.assert_identical(rr.load_run(path), run)
 
 
+def test_a_file_is_read_as_xarray_reads_it(run: xr.Dataset, tmp_path: Path) -> None:
+    """By h5netcdf, which is slow: values, order, types of values and attributes; a dimension without coordinate, lists, flags."""
+    more = {"flag": ("side", [True, False]), "name": ("side", ["left", "right"]), "count": ((), 3)}
+    attributes = {"names": ["a", "b"], "one": [1.5], "several": [1, 2], "none": ""}
+    path = rr.save_run(run.assign(more).assign_attrs(attributes), tmp_path / "run.nc")
+    found, expected = rr.load_run(path), xr.load_dataset(path, engine="h5netcdf")
+    for name in ("format", "program"):
+        del expected.attrs[name]
+    xr.testing.assert_identical(found, expected)
+    assert list(found.data_vars) == list(expected.data_vars)
+    assert {name: v.dtype for name, v in found.variables.items()} == {n: v.dtype for n, v in expected.variables.items()}
+    assert {name: type(v) for name, v in found.attrs.items()} == {n: type(v) for n, v in expected.attrs.items()}
+
+
 def test_same_run_same_bytes(run: xr.Dataset, tmp_path: Path) -> None:
     again = rr.simulate(short_case())
     first = rr.save_run(run, tmp_path / "first.nc").read_bytes()

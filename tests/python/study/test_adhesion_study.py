@@ -46,10 +46,16 @@ FIRST: list[Found[Runs]] = []
 def outcome() -> Found[Runs]:
     """A brake test until the wheels have slid once, with two starts; what is asked of it is none of the contact's."""
     case = load_case("adhesion_brake").with_changes({"time.duration": "5 s", "contact.normal": "hertz"})
+
+    def first(page: Found[Runs]) -> None:
+        FIRST.append(page)
+        if len(page.results.records.get("rig", ())) == 2:  # no page after that
+            patch.setattr("rollerrig.study.frame.PAGE_EVERY", math.inf)
+
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr("rollerrig.study.frame.PAGE_EVERY", 0.0)
         patch.setattr("rollerrig.study.frame.PAGE_SHARE", math.inf)
-        found = AdhesionStudy(case, quick=True).run(first_results=FIRST.append)
+        found = AdhesionStudy(case, quick=True).run(first_results=first)
     assert found is not None
     return found
 
@@ -178,7 +184,7 @@ def test_finer_tests_have_a_quarter_of_steps_and_samples_on_both_supports() -> N
 @pytest.mark.parametrize("distribution", ["uniform", "normal"])
 def test_starts_are_the_case_itself_and_others_drawn_by_its_ensemble_and_always_the_same(distribution: str) -> None:
     case = load_case("adhesion_brake").with_changes({"ensemble.distribution": distribution})
-    eight, longer = starts(case, 8), starts(case, 400)
+    eight, longer = starts(case, 8), starts(case, 100)
     assert eight[0] is case
     assert eight == longer[:8]
     spread = case.ensemble
@@ -197,7 +203,7 @@ def test_starts_are_the_case_itself_and_others_drawn_by_its_ensemble_and_always_
     shares = (factors[1:] - [1.0, 1.0, 1.0, 1.0, 0.5 * spread.demand_time]) / reach
     assert np.abs(shares).max() <= 1.0 + 1e-9
     deviation = {"uniform": 3.0**-0.5, "normal": 0.44}[distribution]  # of a normal one cut off at 2 sigma: 0.88 sigma
-    assert shares.std(axis=0) == pytest.approx(deviation, rel=0.1)  # sqrt(1/2n) of 400: 4 %
+    assert shares.std(axis=0) == pytest.approx(deviation, rel=0.15)  # sqrt(1/2n) of 100: 7 %
     assert [drawn_of(one) for one in starts(track_case(case), 8)] == factors[:8].tolist()
 
 
@@ -262,9 +268,11 @@ def test_starts_are_added_until_the_shares_are_known() -> None:
         study_rounds = study.rounds(done)
         with pytest.MonkeyPatch.context() as patch:
             patch.setattr("rollerrig.study.adhesion.test_record", lambda *_: record(950.0))
+            patch.setattr("rollerrig.study.adhesion.STARTS", 2)
+            patch.setattr("rollerrig.study.adhesion.MOST_STARTS", 6)
             asked = work(study_rounds, done, scatter)
         assert len(asked) > 2 if many else len(asked) == 2
-        assert asked[2:] == [8 * 5] * (len(asked) - 2)
+        assert asked[2:] == [2 * 5] * (len(asked) - 2)
 
 
 # -------------------------------------------------------------------------------------------------------- the verdict
@@ -469,7 +477,7 @@ def test_every_creep_law_has_a_line_for_track_and_rig(outcome: Found[Runs]) -> N
 
 
 def test_one_and_two_processes_find_the_same_to_the_last_bit() -> None:
-    case = load_case("adhesion_brake").with_changes({"time.duration": "1.5 s", "contact.normal": "hertz"})
+    case = load_case("adhesion_brake").with_changes({"time.duration": "0.6 s", "contact.normal": "hertz"})
     one, two = (AdhesionStudy(case, error_budget=False, quick=True).run(processes=count) for count in (1, 2))
     assert one is not None
     assert two is not None

@@ -22,12 +22,12 @@ def test_every_variant_is_a_case_and_a_case_without_slide_protection_has_none() 
 
 
 def test_pressure_and_lead_take_the_lag_away(monkeypatch: pytest.MonkeyPatch) -> None:
-    """In the first 15 s, with ellipses; the whole stop with the default contact is a long test of test_lag_compensation.py."""
+    """In the first 10 s, with ellipses; the whole stop with the default contact is a long test of test_lag_compensation.py."""
     monkeypatch.setattr(module, "STARTS", 2)
     monkeypatch.setattr(module, "DEAD_TIMES", (10e-3, 20e-3))
     kept = ("no compensation", "pressure, and lead")
     monkeypatch.setattr(module, "VARIANTS", {label: VARIANTS[label] for label in kept})
-    case = load_case("adhesion_brake").with_changes({"time.duration": "15 s", "contact.normal": "hertz"})
+    case = load_case("adhesion_brake").with_changes({"time.duration": "10 s", "contact.normal": "hertz"})
     jobs = module.compensation_jobs(case)
     assert len(jobs) == 2 * 5
     done = {name: work.function(*work.arguments) for name, work in jobs.items()}

@@ -111,7 +111,7 @@ def test_a_users_feed_forward_is_the_built_in_one_without_feedback(bandwidth: st
     """
     (tmp_path / "mine.py").write_text(MINE)
     steps = {"time.method": "exponential_rk4", "time.step": "1 ms", "rig_control.motor.bandwidth": bandwidth}
-    case = brake(5.0).with_changes(steps)
+    case = brake(2.5).with_changes(steps)
     built_in = simulate(case.with_changes({"rig_control.feedback.kind": "none"}))
     mine = simulate(case.with_changes({"rig_control.user": f"{tmp_path / 'mine.py'}:FeedForward"}))
     assert float(abs(built_in["roller_torque"]).max()) < 2e4

@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import json
 import math
+import shutil
 from collections import Counter
 from pathlib import Path
 from typing import Any
@@ -29,12 +30,20 @@ from rollerrig.study.runs import envelope as envelope_points
 from rollerrig.study.runs.envelope import BEGIN, RISE, Point, point_case
 
 COULOMB = {"adhesion": {"rail": {"friction": 0.1}}}
+ELLIPSES = {"contact.normal": "hertz"}
 SMALL = {"torques": [-4e3, -2e3], "adhesions": [0.05, 0.3], "loads": [1.0], "duration": 0.8, "refine": 0}
 
 
 @pytest.fixture(scope="module")
 def case() -> Case:
     return load_case("adhesion_brake")
+
+
+@pytest.fixture(scope="module")
+def small(case: Case, tmp_path_factory: pytest.TempPathFactory) -> tuple[xr.Dataset, Path]:
+    """A map of four runs with ellipses, none of its keeping is the contact's; and the folder with them, to be copied."""
+    folder = tmp_path_factory.mktemp("small")
+    return envelope(case.with_changes(ELLIPSES), **SMALL, folder=folder), folder
 
 
 @pytest.fixture(scope="module")
@@ -367,8 +376,10 @@ def test_cells_are_halved_where_regions_meet_and_nowhere_else(case: Case, monkey
     assert regions[1, 1] == ""  # far from the border nothing was run
 
 
-def test_stopped_and_taken_up_again_gives_the_same_map(case: Case, tmp_path: Path) -> None:
-    whole = envelope(case, **SMALL)
+def test_stopped_and_taken_up_again_gives_the_same_map(
+    case: Case, small: tuple[xr.Dataset, Path], tmp_path: Path
+) -> None:
+    whole, case = small[0], case.with_changes(ELLIPSES)
     runs = tmp_path / NAME
 
     def stop_soon(_fraction: float, _text: str) -> None:
@@ -386,9 +397,11 @@ def test_stopped_and_taken_up_again_gives_the_same_map(case: Case, tmp_path: Pat
     assert rest.drop_attrs().identical(whole.drop_attrs())
 
 
-def test_runs_of_another_case_are_refused_by_the_key(case: Case, tmp_path: Path) -> None:
-    envelope(case, **SMALL, folder=tmp_path)
-    before = (tmp_path / NAME).read_bytes()
+def test_runs_of_another_case_are_refused_by_the_key(
+    case: Case, small: tuple[xr.Dataset, Path], tmp_path: Path
+) -> None:
+    shutil.copytree(small[1], tmp_path, dirs_exist_ok=True)
+    case, before = case.with_changes(ELLIPSES), (tmp_path / NAME).read_bytes()
     with pytest.raises(ConfigError) as error:
         envelope(case.with_changes({"rig_control.feedback.largest": 1e4}), **SMALL, folder=tmp_path)
     message = str(error.value)
@@ -401,9 +414,9 @@ def test_runs_of_another_case_are_refused_by_the_key(case: Case, tmp_path: Path)
     assert (tmp_path / NAME).read_bytes() == before
 
 
-def test_another_grid_takes_over_the_runs_it_shares(case: Case, tmp_path: Path) -> None:
-    envelope(case, **SMALL, folder=tmp_path)
-    more = envelope(case, **{**SMALL, "torques": [-4e3, -3e3, -2e3]}, folder=tmp_path)
+def test_another_grid_takes_over_the_runs_it_shares(case: Case, small: tuple[xr.Dataset, Path], tmp_path: Path) -> None:
+    shutil.copytree(small[1], tmp_path, dirs_exist_ok=True)
+    more = envelope(case.with_changes(ELLIPSES), **{**SMALL, "torques": [-4e3, -3e3, -2e3]}, folder=tmp_path)
     jobs = [json.loads(line)["job"] for line in (tmp_path / NAME).read_text().splitlines()[1:]]
     assert more.attrs["runs"] == len([job for job in jobs if not job.startswith("example of")]) == 6  # each once
     assert more.attrs["jobs_taken_over"] >= 4
@@ -431,9 +444,10 @@ def invoke(*arguments: object) -> tuple[int, str, str]:
     return done.exit_code, done.stdout, done.stderr
 
 
-def test_the_command_writes_its_files(tmp_path: Path) -> None:
-    out = tmp_path / "out"
-    code, printed, told = invoke("adhesion_brake", "--out", out, *GRID, "--refine=0")
+def test_the_command_writes_its_files(case: Case, tmp_path: Path) -> None:
+    out, file = tmp_path / "out", tmp_path / "brake.toml"
+    file.write_text(case.with_changes(ELLIPSES).to_toml())
+    code, printed, told = invoke(file, "--out", out, *GRID, "--refine=0")
     assert code == 0, told
     assert printed.splitlines()[-1] == str(out / "report.html")
     names = {path.name for path in out.iterdir()}
@@ -457,7 +471,7 @@ def test_the_command_writes_its_files(tmp_path: Path) -> None:
     assert Counter(row["region"] for row in rows) == {k: v for k, v in summary["regions"].items() if v}
     assert {path.name for path in (out / "figures").iterdir()} >= {"map_1.png", "runs_grip_slide.png"}
     stamps = {path: path.read_bytes() for path in out.rglob("*") if path.is_file() and path.name != "timing.json"}
-    code, _, told = invoke("adhesion_brake", "--out", out, *GRID, "--refine=0")
+    code, _, told = invoke(file, "--out", out, *GRID, "--refine=0")
     assert code == 0
     assert {path: path.read_bytes() for path in stamps} == stamps
 

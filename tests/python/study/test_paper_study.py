@@ -159,7 +159,7 @@ def test_the_same_study_gives_the_same_bytes(folder, tmp_path) -> None:
 
 def test_ctrl_c_keeps_what_is_done(tmp_path) -> None:
     def press(fraction: float, _text: str) -> None:
-        if fraction > 0.3:
+        if fraction > 0.02:
             raise KeyboardInterrupt
 
     cut = PaperStudy(QUICK).run(progress=press)
