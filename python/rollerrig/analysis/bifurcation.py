@@ -37,7 +37,7 @@ from rollerrig.results import variable
 from rollerrig.simulation.run import Progress, integrator_settings
 
 FIRST_AMPLITUDE, LARGEST_AMPLITUDE = 1e-4, 6e-3
-"""Amplitudes between which the branch is followed [m]."""
+"""Amplitudes between which the branch is followed unless another end is asked for [m]."""
 
 LONGEST_STEP, SHORTEST_STEP = 5e-4, 1e-5
 """Steps from one amplitude to the next [m]."""
@@ -95,7 +95,7 @@ def bifurcation(
     case: Case | str,
     speeds_kmh: Sequence[float] = SPEEDS_KMH,
     *,
-    largest: float | None = None,
+    largest: float = LARGEST_AMPLITUDE,
     progress: Progress | None = None,
 ) -> xr.Dataset:
     """Follow the limit cycles that begin at the linear critical speed, over their amplitude.
@@ -103,7 +103,7 @@ def bifurcation(
     Args:
         case: what runs, or its name in the catalogue; without actuators, speed-controlled, on smooth rollers or rails.
         speeds_kmh: where the linear critical speed is looked for [km/h], rising; the branch ends where it leaves them.
-        largest: amplitude at which the branch ends [m]; None: LARGEST_AMPLITUDE.
+        largest: amplitude at which the branch ends [m].
         progress: called with the part of the amplitudes that is done and a short text.
 
     Returns:
@@ -129,9 +129,7 @@ def bifurcation(
     shooting = _Shooting(modes.lineariser, onset.speed, onset.frequency)
     limits = (speeds_kmh[0] / 3.6, speeds_kmh[-1] / 3.6)
     with one_blas_thread():
-        cycles, ended = _follow(
-            shooting, limits, largest or LARGEST_AMPLITUDE, progress or (lambda _fraction, _text: None)
-        )
+        cycles, ended = _follow(shooting, limits, largest, progress or (lambda _fraction, _text: None))
         cycles = _with_folds(shooting, cycles)
     return _dataset(case, cycles, onset.speed, ended)
 
@@ -252,11 +250,11 @@ def _follow(
             if step < SHORTEST_STEP:
                 return (
                     cycles,
-                    f"no limit cycle is found above {1e3 * last.amplitude:.2f} mm: the contacts are too rough there",
+                    f"at {1e3 * last.amplitude:.2f} mm: none is found beyond it, the contacts are too rough there",
                 )
             continue
         if not limits[0] <= found.speed <= limits[1]:
-            return cycles, f"beyond {1e3 * last.amplitude:.2f} mm it leaves the speeds asked for"
+            return cycles, f"at {1e3 * last.amplitude:.2f} mm, where it leaves the speeds asked for"
         cycles.append(found)
         last = found
         if found.amplitude >= largest:

@@ -293,7 +293,7 @@ def stability(
     tolerance_kmh: Annotated[float, Option(least=0.01, most=100.0)] = 1.0,
     processes: Annotated[int, Option(least=1, most=2, default=2)] = 1,
     contacts_kmh: Annotated[float | None, Option(least=1.0, most=600.0)] = None,
-    branch: Switch = False,
+    branch: Annotated[float | None, Option("branch_mm", "mm", 0.05, 50.0)] = None,
     progress: Progress | None = None,
 ) -> Outcome[Any]:
     """Eigenvalues, damping, frequency and mode shapes over speed; limit cycles; critical speeds.
@@ -308,7 +308,7 @@ def stability(
         tolerance_kmh: to which the critical speed by continuation is found [km/h].
         processes: with 2, the two sweeps run at a time.
         contacts_kmh: also compare the contact models, on rig and track, with a run at this speed [km/h].
-        branch: also follow the limit cycles, stable and unstable, from the linear critical speed on, with folds.
+        branch: also follow the limit cycles, stable and unstable, from the linear critical speed up to this amplitude [m].
         progress: called with the fraction done and a short text.
     """
     from rollerrig.analysis import LimitCycleSettings

@@ -232,8 +232,7 @@ def test_ctrl_c_ends_the_command_with_130(tmp_path) -> None:
 
 def test_the_branch_of_limit_cycles_is_followed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(bifurcation, "LONGEST_STEP", 3e-3)
-    monkeypatch.setattr(bifurcation, "LARGEST_AMPLITUDE", 2e-3)
-    options = ("--speeds-kmh", "220:260:20", "--no-limit-cycles", "--branch", "--out", str(tmp_path))
+    options = ("--speeds-kmh", "220:260:20", "--no-limit-cycles", "--branch-mm", "2", "--out", str(tmp_path))
     result = run("cooperrider_bogie", *options)
     assert result.exit_code == 0, result.output
     assert (
@@ -256,5 +255,5 @@ def test_the_lowest_fold_is_said() -> None:
         "220.37 km/h, with 4.46 mm, where a stable and an unstable one meet (fold). The branch ends there."
     ]
     assert branch_sentences({"points": [], "folds": [], "ended": "no cycle"}, 224.1) == [
-        "The branch of limit cycles cannot be followed: no cycle."
+        "The branch of limit cycles cannot be followed, it ends no cycle."
     ]
