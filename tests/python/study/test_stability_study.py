@@ -254,6 +254,6 @@ def test_the_lowest_fold_is_said() -> None:
         "Limit cycles begin at the linear critical speed, 224.10 km/h; the lowest speed at which this branch has one is "
         "220.37 km/h, with 4.46 mm, where a stable and an unstable one meet (fold). The branch ends there."
     ]
-    assert branch_sentences({"points": [], "folds": [], "ended": "no cycle"}, 224.1) == [
-        "The branch of limit cycles cannot be followed, it ends no cycle."
+    assert branch_sentences({"points": [], "folds": [], "ended": "at 0.00 mm"}, 224.1) == [
+        "The branch of limit cycles cannot be followed, it ends at 0.00 mm."
     ]
