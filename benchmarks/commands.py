@@ -33,6 +33,7 @@ EXAMPLES = {
     "reconstruct": "reconstruct adhesion_brake stop.csv",
     "replay": "replay adhesion_brake rig.csv",
     "control": "control adhesion_brake",
+    "tune": "tune adhesion_brake --duration 2 --draws 2 --candidates 8",
     "lateral": "lateral adhesion_lateral",
     "scale": "scale adhesion_brake --strategy dlr --run",
     "envelope": "envelope adhesion_brake",
@@ -40,7 +41,7 @@ EXAMPLES = {
     "conicity": "conicity s1002 uic60_benchmark_1_40",
     "fit": "fit coast_down coast_down.csv",
 }
-IN_TURN = {"paper", "stability", "compare", "adhesion", "wsp", "control", "lateral", "scale", "envelope", "fit"}
+IN_TURN = {"paper", "stability", "compare", "adhesion", "wsp", "control", "tune", "lateral", "scale", "envelope", "fit"}
 """Those that would take two processes."""
 
 

@@ -84,7 +84,7 @@ _NAMES = {
     "catalog": "catalog_entries catalog_text",
     "catalog.starting_case": "starting_case",
     "cli.commands": "adhesion compare conicity contact control creep envelope fit lateral limit_cycle paper "
-    "reconstruct replay response scale sweep wsp",
+    "reconstruct replay response scale sweep tune wsp",
     "config": "Case ConfigError explain json_schema load_case",
     "contact_analysis.profile_curve": "profile",
     "interfaces.fmu.export": "export_fmu export_part",

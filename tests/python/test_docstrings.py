@@ -13,7 +13,7 @@ import rollerrig as rr
 
 LONG = {
     "adhesion", "compare", "control", "lateral", "paper", "response", "scale", "wsp", "limit_cycle", "serve", "export",
-    "export_fmu", "read_model", "reconstruct", "replay",
+    "export_fmu", "read_model", "reconstruct", "replay", "tune",
 }  # fmt: skip
 """Studies of minutes, and what needs files or a partner: examples/, docs/how_to and their own tests run them."""
 

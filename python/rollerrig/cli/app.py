@@ -21,6 +21,7 @@ COMMANDS = (
     "reconstruct",
     "replay",
     "control",
+    "tune",
     "lateral",
     "scale",
     "envelope",

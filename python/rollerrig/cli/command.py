@@ -53,7 +53,7 @@ def read_case(name: str, *, allow_code: bool, changes: list[str] | None = None) 
     return case
 
 
-def changes_of(texts: list[str] | None) -> dict[str, Any]:
+def changes_of(texts: list[str] | None, flag: str = "--set") -> dict[str, Any]:
     """Key -> value of `KEY=VALUE` texts. A value is one of TOML; what is none and holds no quote or bracket is a text.
 
     Raises:
@@ -72,7 +72,7 @@ def changes_of(texts: list[str] | None) -> dict[str, Any]:
             raise typer.BadParameter(
                 f"'{text}': allowed: KEY=VALUE with a value of TOML, e.g. brake.motors_stand_in=true or "
                 "'motion.speed=120 km/h'",
-                param_hint="--set",
+                param_hint=flag,
             )
     return changes
 

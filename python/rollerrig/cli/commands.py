@@ -65,6 +65,7 @@ DEFICIENCIES = (-0.06, 0.0, 0.06, 0.1, 0.15)  # [m]
 _ROLLERS = "radius of rollers of this head, to be shown beside the rails."
 _RADII = "radii of the curves: a list, one number or start:stop:step [m]."
 _DEFICIENCIES = "cant deficiencies, which decide the speed, in the same forms; negative: excess [mm]."
+_FREE = "what is sought: KEY=[LEAST,MOST], a key of [rig_control] and its range; again for more."
 _FAMILIES = "what is varied, by name with commas between; absent: everything."
 _TORQUES = (
     "torques on each axle [kN m], negative brakes: start:stop:step, or a list with commas. By default up to beyond what dry "
@@ -491,6 +492,44 @@ def control(
     return _outcome(study, processes, progress)
 
 
+def tune(
+    case: Case | str,
+    free: Annotated[Mapping[str, object] | None, Option(meaning=_FREE)] = None,
+    *,
+    duration: Annotated[float, Option(least=1.0, most=600.0)] = 4.0,
+    draws: Annotated[int, Option(least=2, most=100)] = 3,
+    candidates: Annotated[int, Option(least=2, most=10000)] = 24,
+    gain_margin: Annotated[float, Option(least=1.0, most=100.0)] = 2.0,
+    phase_margin_deg: Annotated[float, Option(least=0.0, most=180.0)] = 45.0,
+    seed: Annotated[int, Option(least=0)] = 1,
+    processes: Processes = 1,
+    progress: Progress | None = None,
+) -> Outcome[Any]:
+    """Gains and filters of the rig's controller: tracking error against torque ripple, with margins of the loop.
+
+    Args:
+        case: case on rollers with [rig_control]: a name of the catalogue or a TOML file.
+        free: what is sought, dotted key of [rig_control] -> least and most; None: bandwidths of feedback and estimator.
+        duration: length of each run [s].
+        draws: tests of each candidate, drawn by [ensemble] alike for all.
+        candidates: half of them fill the ranges, the others lie about the front found so far.
+        gain_margin: least factor on the gains at which the loop with the vehicle becomes unstable.
+        phase_margin_deg: least phase margin of one axle's feedback [deg].
+        seed: of the candidates.
+        processes: runs at a time; more than 1 asks a script for `if __name__ == "__main__":`.
+        progress: called with the fraction done and a short text.
+
+    Raises:
+        ConfigError: the case has no controller with a linear loop, or a key or range does not fit.
+        StartError: no rolling equilibrium was found.
+    """
+    from rollerrig.study.tune import FREE, TuneStudy
+
+    wanted = FREE if free is None else free
+    study = TuneStudy(_case(case), wanted, duration, draws, candidates, gain_margin, phase_margin_deg, seed)
+    return _outcome(study, processes, progress)
+
+
 def response(
     case: Case | str,
     inputs: Annotated[Sequence[str], Option("input", default=(), meaning="a command of the bench; again for more.")],
@@ -810,7 +849,7 @@ def paper(*, quick: Switch = False, processes: Processes = 1, progress: Progress
     return _outcome(PaperStudy(QUICK if quick else FULL), processes, progress)
 
 
-_FUNCTIONS = (paper, run, stability, response, compare, curving, adhesion, wsp, reconstruct, replay, control, lateral, scale,
-              envelope, creep, conicity, fit)  # fmt: skip
+_FUNCTIONS = (paper, run, stability, response, compare, curving, adhesion, wsp, reconstruct, replay, control, tune, lateral,
+              scale, envelope, creep, conicity, fit)  # fmt: skip
 STUDIES = {function.__name__: parameters(function) for function in _FUNCTIONS}
 """Function that is a command -> its arguments."""

@@ -167,14 +167,14 @@ def _value(one: Parameter, given: Given) -> Any:
 
 def _read(one: Parameter, name: str, option: Option, value: Any) -> Any:
     """What an option says, in SI; None where it is absent."""
-    flag, factor = f"--{name.replace('_', '-')}", UNITS[option.unit][1]
+    flag, factor = "--set" if name == "change" else f"--{name.replace('_', '-')}", UNITS[option.unit][1]
     if value is None or isinstance(value, bool | int):
         return value
     if isinstance(value, float):
         check_finite(value, flag)
         return factor * value
     if isinstance(value, list):
-        return changes_of(value) if name == "change" else tuple(value)
+        return changes_of(value, flag) if one.kind.startswith("Mapping") else tuple(value)
     if option.quantity is not None:
         return _length(value, flag, *option.quantity)
     if option.commas:

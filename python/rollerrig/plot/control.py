@@ -206,3 +206,34 @@ def poles_and_zeros_figure(poles: Mapping[str, Complex], zeros: Mapping[str, Com
     axes.set(xlabel="growth rate [1/s]", ylabel="frequency [Hz]")
     axes.legend(loc="best")
     return figure
+
+
+@house_style()
+def front(points: Mapping[str, Sequence[Sequence[float]]], names: Sequence[str], shipped: str, chosen: str) -> Figure:
+    """Torque ripple over tracking error of candidates, the front among them as a line.
+
+    Args:
+        points: by name tracking RMS [-] and ripple [N m], each as mean, lower and upper end.
+        names: of the front, by rising tracking error.
+        shipped: name of the case as it is.
+        chosen: name of the compromise.
+    """
+    figure, (axes,) = new_figure(height=4.2)
+    shown = {name: np.array(one) * [[100.0], [1.0]] for name, one in points.items()}
+    on_front = [shown[name][:, 0] for name in names]
+    if on_front:
+        axes.plot(*np.array(on_front).T, color=COLOURS[0], label="front")
+    for name, one in shown.items():
+        reach = np.abs(one[:, 1:] - one[:, :1])
+        looks = {"fmt": "o", "color": COLOURS[0] if name in names else GREY, "markersize": 4.0, "linewidth": 0.8}
+        if name == shipped:
+            looks |= {"fmt": "s", "color": COLOURS[1], "markersize": 7.0, "label": "as shipped"}
+        elif name == chosen:
+            looks |= {"fmt": "D", "markersize": 7.0, "label": "best compromise"}
+        axes.errorbar(*one[:, 0], xerr=reach[0][:, None], yerr=reach[1][:, None], **looks)
+    for which in ("x", "y"):
+        logarithmic(axes, which)
+    axes.set_xlabel("tracking error RMS [%]")
+    axes.set_ylabel("torque ripple RMS [N m]")
+    legend_above(figure, axes)
+    return figure

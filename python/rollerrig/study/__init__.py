@@ -19,6 +19,7 @@ _HOME = {
     "ReconstructionStudy": "reconstruction",
     "ReplayStudy": "replay",
     "ControlStudy": "control",
+    "TuneStudy": "tune",
     "LateralStudy": "lateral",
     "EnvelopeStudy": "envelope",
     "SweepStudy": "sweep",

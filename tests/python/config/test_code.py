@@ -87,6 +87,7 @@ def test_code_from_elsewhere_is_refused(folder: Path, tmp_path: Path, user: str)
         "run": ["--out", tmp_path / "out"],
         "adhesion": ["--out", tmp_path / "out"],
         "control": ["--out", tmp_path / "out"],
+        "tune": ["--out", tmp_path / "out"],
         "lateral": ["--out", tmp_path / "out"],
         "envelope": ["--out", tmp_path / "out"],
         "stability": ["--out", tmp_path / "out"],

@@ -1,0 +1,274 @@
+"""Gains and filters of the rig's controller tuned: tracking error against torque ripple, margins of the loop as constraints.
+
+Case, free keys -> candidates -> margins of the linear loop -> runs of those that keep them, with the same draws
+    -> [TuneStudy] -> front of candidates that none surpasses, compromise, its difference from the case as shipped; tuned.toml
+
+Half of the candidates fill the ranges, the others lie about the front found so far. Whether the compromise is better than the
+case as shipped is decided by draws that the choice has not seen.
+"""
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+
+from rollerrig.analysis.control_loop import loop_of
+from rollerrig.common.arrays import Array
+from rollerrig.common.formatting import number
+from rollerrig.config import Case, ConfigError
+from rollerrig.plot.control import front as front_picture
+from rollerrig.study.control import study_case
+from rollerrig.study.ensemble import Estimate, check_ensemble, estimate, relative, start_jobs, start_name, started
+from rollerrig.study.frame import Content, Study
+from rollerrig.study.jobs import Done, Round, job
+from rollerrig.study.quantities import Numbers
+from rollerrig.study.report import Picture, Section, Table
+from rollerrig.study.runs.control import run_variant
+from rollerrig.study.runs.sweep import Axis
+from rollerrig.study.runs.tune import Point, compromise, free_axes, margins_of, not_dominated, values_at
+
+FREE: Mapping[str, Any] = {
+    "rig_control.feedback.bandwidth": (0.2, 12.0),
+    "rig_control.estimator.bandwidth": (5.0, 80.0),
+}
+"""Sought unless others are given: dotted key -> ends of the range [Hz]."""
+OBJECTIVES = {"tracking_rms": "tracking error", "ripple_nm": "torque ripple"}
+SHIPPED = "shipped"
+REACH = 0.1
+"""Standard deviation of a candidate about a point of the front, over the range."""
+
+
+@dataclass(frozen=True)
+class Tuned:
+    """Points by name, the front by rising tracking error, the compromise, its change from shipped on new draws."""
+
+    points: dict[str, Point]
+    front: list[str]
+    chosen: str
+    changes: dict[str, Estimate]
+
+
+@dataclass(frozen=True)
+class TuneStudy(Study[Tuned]):
+    """Free keys of a case's controller, tried in `duration` [s] of its test."""
+
+    case: Case
+    free: Mapping[str, Any]
+    duration: float
+    draws: int
+    candidates: int
+    gain_margin: float
+    phase_margin_deg: float
+    seed: int
+
+    command = "tune"
+    heading = "{case.name}: controller of the roller drives tuned"
+    writes = ("candidates.csv", "tuned.toml")
+    round_ends = (0.05, 0.5, 0.55, 0.9, 1.0)
+    assumes = (
+        "Margins are those of the linear loop at the speed at which the test begins: the gain margin with the vehicle on its "
+        "springs, the phase margin of one axle alone.",
+        "A controller is tuned to one test: other rails, speeds and encoders may ask for other gains.",
+    )
+
+    def __post_init__(self) -> None:
+        """Refuse with a ConfigError a controller without a linear loop, and keys and ranges that do not fit."""
+        if loop_of(self.test, 1.0, sliding=False) is None:
+            kinds = "estimator observer, filtered_derivative or kalman, no [sensors.roller_torque], no rotors"
+            raise ConfigError.of(self.case.name, "rig_control", "no linear loop", f"needed for the margins: {kinds}")
+        check_ensemble(self.test)
+        assert self.axes
+
+    @cached_property
+    def test(self) -> Case:
+        """The case as it is run."""
+        return study_case(self.case, self.duration)
+
+    @cached_property
+    def axes(self) -> list[Axis]:
+        """The free keys with their ranges."""
+        return free_axes(self.case, self.free)
+
+    # ------------------------------------------------------------------------------------------------------ jobs
+
+    def rounds(self, done: Done) -> Iterator[Round]:
+        from scipy.stats import qmc  # slow to load
+
+        half, rng = self.candidates // 2, np.random.default_rng(self.seed)
+        first = qmc.LatinHypercube(len(self.axes), seed=rng).random(self.candidates - half)
+        shipped = {"place": [], "changes": {}, "values": [_value(self.case, axis.key) for axis in self.axes]}
+        yield {"margins 1": job(margins_of, self.test, {SHIPPED: shipped, **self._candidates(first, 0)})}
+        yield self._runs(done["margins 1"])
+        found = self._collected(done)
+        parents = np.array([found.points[name].place for name in found.front if name != SHIPPED] or first)
+        places = parents[rng.integers(len(parents), size=half)] + REACH * rng.normal(size=(half, len(self.axes)))
+        yield {"margins 2": job(margins_of, self.test, self._candidates(np.clip(places, 0.0, 1.0), len(first)))}
+        yield self._runs(done["margins 2"])
+        if (chosen := self._collected(done).chosen) != SHIPPED:
+            both = done["margins 1"] | done["margins 2"]
+            yield self._runs({name: both[name] for name in (SHIPPED, chosen)}, self.draws)
+
+    def _candidates(self, places: Array, begin: int) -> dict[str, Any]:
+        """Candidates at places of the unit cube, shape (candidate, key)."""
+        found = {}
+        for k, place in enumerate(places.tolist(), begin + 1):
+            values = values_at(self.axes, place)
+            changes = {axis.key: axis.written(value) for axis, value in zip(self.axes, values, strict=True)}
+            found[f"candidate {k}"] = {"place": place, "changes": changes, "values": values}
+        return found
+
+    def _runs(self, margins: Mapping[str, Any], begin: int = 0) -> Round:
+        """As many runs as draws, from one on, of the case as shipped and of candidates that keep the margins."""
+        cases = {
+            name: self.test.with_changes(one["changes"])
+            for name, one in margins.items()
+            if name == SHIPPED or self._keeps_margins(one["gain_margin"], one["phase_margin_deg"])
+        }
+        return start_jobs(cases, lambda one, _: job(run_variant, one, False), begin + self.draws, begin)
+
+    def _keeps_margins(self, gain: float, phase_deg: float) -> bool:
+        return gain >= self.gain_margin and phase_deg >= self.phase_margin_deg
+
+    def collect(self, done: Done) -> Tuned | None:
+        return self._collected(done) if start_name(SHIPPED, self.draws - 1) in done else None
+
+    def _collected(self, done: Done) -> Tuned:
+        points, again = {}, {}
+        for name, one in {**done["margins 1"], **done.get("margins 2", {})}.items():
+            point = Point(one["values"], one["place"], one["gain_margin"], one["phase_margin_deg"])
+            runs = [run["numbers"] for run in started(done, name)]
+            points[name] = replace(point, runs=runs[: self.draws] if len(runs) >= self.draws else ())
+            again[name] = replace(point, runs=runs[self.draws :])
+        fair = [name for name, one in points.items() if not self._cause(one)]
+        errors = {name: [estimate(points[name].of(of)).mean for of in OBJECTIVES] for name in fair}
+        best = not_dominated(np.array(list(errors.values())))
+        front = sorted((fair[k] for k in best), key=lambda name: errors[name])
+        chosen = front[compromise(np.array([errors[name] for name in front]))] if front else SHIPPED
+        new = again[chosen], again[SHIPPED]
+        seen = chosen != SHIPPED and all(one.runs for one in new)
+        changes = {of: relative(*(one.of(of) for one in new)) for of in OBJECTIVES} if seen else {}
+        return Tuned(points, front, chosen, changes)
+
+    def _cause(self, point: Point) -> str:
+        """Why a point is not on offer; empty: it is."""
+        if not self._keeps_margins(point.gain_margin, point.phase_margin_deg):
+            return "margins"
+        if not point.runs:
+            return "not run"
+        return "" if all(value > 0.0 for of in OBJECTIVES for value in point.of(of)) else "test ended early"
+
+    # --------------------------------------------------------------------------------------------------- numbers
+
+    def numbers(self, results: Tuned) -> dict[str, Any]:
+        points: dict[str, dict[str, Any]] = {}
+        for name, one in results.points.items():
+            points[name] = {
+                "values": dict(zip(self.free, one.values, strict=True)),
+                "gain_margin": one.gain_margin,
+                "phase_margin_deg": one.phase_margin_deg,
+                "cause": self._cause(one),
+                "on_front": name in results.front,
+            }
+            for of in OBJECTIVES:
+                found = estimate(one.of(of)) if one.runs else Estimate(math.nan, math.nan, 0.0)
+                points[name] |= {of: found.mean, f"{of}_low": found.interval.low, f"{of}_high": found.interval.high}
+        return {
+            "case": self.case.name,
+            "duration_s": self.test.time.duration,
+            "draws": self.draws,
+            "gain_margin_demanded": self.gain_margin,
+            "phase_margin_demanded_deg": self.phase_margin_deg,
+            "units": {axis.key: axis.unit for axis in self.axes},
+            "points": points,
+            "compromise": results.chosen,
+            "changes": {
+                of: {"change": one.mean, "low": one.interval.low, "high": one.interval.high, "verdict": verdict(one)}
+                for of, one in results.changes.items()
+            },
+        }
+
+    def summary(self, results: Tuned, numbers: Numbers) -> list[str]:
+        causes = [one["cause"] for name, one in numbers["points"].items() if name != SHIPPED]
+        tried = (
+            f"{len(causes)} candidates: {causes.count('margins')} without the margins, {causes.count('test ended early')} whose "
+            f"test ended early, {len(results.front)} points on the front."
+        )
+        if results.chosen == SHIPPED:
+            return [tried, "No candidate is a better compromise than the case as shipped."]
+        return [tried, f"Best compromise: {results.chosen}, {self._values(results)}.", *self._changes(numbers)]
+
+    def _values(self, results: Tuned) -> str:
+        pairs = zip(self.axes, results.points[results.chosen].values, strict=True)
+        return ", ".join(f"{axis.key} = {value:g} {axis.unit}".removesuffix(" 1") for axis, value in pairs)
+
+    def _changes(self, numbers: Numbers) -> list[str]:
+        """What the compromise changes, as far as its interval is known."""
+        return [
+            f"{OBJECTIVES[of]}: {100 * one['change']:+.1f} % of the shipped one, 95 % from {100 * one['low']:+.1f} to "
+            f"{100 * one['high']:+.1f} % on {self.draws} new draws: {one['verdict']}."
+            for of, one in numbers["changes"].items()
+            if None not in one.values()
+        ]
+
+    # ----------------------------------------------------------------------------------------------------- files
+
+    def files(self, results: Tuned, numbers: Numbers) -> Mapping[str, Content]:
+        found: dict[str, Content] = {"candidates.csv": self._rows(numbers)}
+        if results.chosen == SHIPPED:
+            return found
+        chosen = results.points[results.chosen]
+        head = (
+            f"{results.chosen} of `rollerrig tune {self.case.name}`, seed {self.seed}: the best compromise of "
+            f"{len(results.points) - 1} in {self.test.time.duration:g} s of the test, {self.draws} draws.",
+            f"Gain margin {number(chosen.gain_margin, 3)}, at least {self.gain_margin:g}; phase margin "
+            f"{number(chosen.phase_margin_deg, 3)} degrees, at least {self.phase_margin_deg:g}.",
+            f"{self._values(results)}; all else is as in the case.",
+            *self._changes(numbers),
+        )
+        pairs = zip(self.axes, chosen.values, strict=True)
+        case = self.case.with_changes({axis.key: axis.written(value) for axis, value in pairs})
+        return {**found, "tuned.toml": "\n".join([*(f"# {line}" for line in head), "", case.to_short_toml()])}
+
+    def _rows(self, numbers: Numbers) -> list[list[object]]:
+        """A row per point, header first."""
+        own = [f"{of}{end}" for of in OBJECTIVES for end in ("", "_low", "_high")]
+        own = ["gain_margin", "phase_margin_deg", *own, "cause", "on_front"]
+        header = ["candidate", *(f"{axis.key} [{axis.unit}]".removesuffix(" [1]") for axis in self.axes), *own]
+        points = numbers["points"].items()
+        return [[*header], *([name, *one["values"].values(), *(one[key] for key in own)] for name, one in points)]
+
+    def sections(self, results: Tuned, numbers: Numbers) -> list[Section]:
+        shown = {
+            name: [[one[f"{of}{end}"] for end in ("", "_low", "_high")] for of in OBJECTIVES]
+            for name, one in numbers["points"].items()
+            if one["cause"] == "" or name == SHIPPED
+        }
+        caption = (
+            f"Torque ripple over tracking error, means of {self.draws} draws with intervals of 95 %; line: the front, whose "
+            "points none surpasses in both. Candidates without the margins were not run."
+        )
+        header, *rows = self._rows(numbers)
+        cells = [
+            [number(cell, 3) if isinstance(cell, float) else "–" if cell is None else cell for cell in row]
+            for row in rows
+        ]
+        picture = Picture("front", front_picture(shown, results.front, SHIPPED, results.chosen), caption)
+        table = Table([str(name).replace("_", " ") for name in header], cells, "All candidates.")
+        return [Section("Tracking error against torque ripple", [picture, table])]
+
+
+def _value(case: Case, key: str) -> float | None:
+    """The number at a dotted key; None: the case has none."""
+    value: Any = case
+    for part in key.split("."):
+        value = getattr(value, part)
+    return None if value is None else float(value)
+
+
+def verdict(change: Estimate) -> str:
+    """Better or worse than shipped, where the whole interval says so."""
+    ends = change.interval
+    return "better" if ends.high < 0.0 else "worse" if ends.low > 0.0 else "not decided"
