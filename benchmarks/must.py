@@ -25,7 +25,7 @@ ASKED = {
     "adhesion_brake": "40 / 100 ×",
 }
 WORDS = {
-    "bogie_rollers_constant": "hunting bogie, 216 km/h",
+    "bogie_rollers_constant": "bogie after a lateral offset, 216 km/h",
     "vehicle_track_irregular": "whole vehicle on irregular track",
     "adhesion_brake": "brake test, everything at 1 ms",
 }

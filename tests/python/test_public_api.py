@@ -54,7 +54,7 @@ def test_names_are_the_same_whatever_is_imported_first(seed: int) -> None:
     assert done.returncode == 0, done.stderr
 
 
-COSTLY = ("numpy", "pydantic", "pint", "pandas", "xarray", "dask.array.core", "matplotlib", "h5py", "jinja2")
+COSTLY = ("numpy", "pydantic", "pint", "pandas", "xarray", "matplotlib", "h5py", "jinja2")
 COSTLY += ("scipy.interpolate", "scipy.optimize", "scipy.integrate", "scipy.signal", "scipy.stats", "scipy.linalg")
 
 
@@ -74,14 +74,8 @@ COSTLY += ("scipy.interpolate", "scipy.optimize", "scipy.integrate", "scipy.sign
             "import rollerrig.study.adhesion, rollerrig.study.run",
             {"numpy", "pydantic", "pandas", "xarray", "matplotlib", "h5py", "jinja2", "scipy.linalg"},
         ),  # what each process of a study loads
-        (
-            "from contextlib import suppress; from rollerrig.cli import main; sys.argv = ['rollerrig', '--version']\n"
-            "with suppress(SystemExit): main()\n"
-            "import xarray; xarray.Dataset({'x': ('time', [1.0])}, {'time': [0.0]}).sel(time=0.0)",
-            {"numpy", "pint", "pandas", "xarray", "jinja2"},
-        ),  # xarray alone imports dask, where it is installed
     ],
-    ids=["import", "analysis", "help", "help of a command", "load_case", "simulate", "study", "xarray"],
+    ids=["import", "analysis", "help", "help of a command", "load_case", "simulate", "study"],
 )
 def test_what_is_not_needed_is_not_imported(work: str, allowed: set[str]) -> None:
     check = f"""

@@ -29,6 +29,7 @@ from rollerrig.analysis.control_loop import Loop, linear_loop
 from rollerrig.analysis.loop_stability import ESTIMATED, estimator_matrices
 from rollerrig.assembly.actuators import assemble_with_actuators
 from rollerrig.common.arrays import Array, Mask
+from rollerrig.common.linear_algebra import one_blas_thread
 from rollerrig.config import Case
 from rollerrig.config.schema.rig_control import Encoder, RigControl
 from rollerrig.interfaces.plant import controller_part
@@ -83,6 +84,7 @@ class _Estimator:
     sensor_delay: float
 
     @property
+    @one_blas_thread()
     def memory(self) -> int:
         """Samples after which FORGOTTEN of the start is left."""
         states = ESTIMATED.index("late")  # those before decide force and torque
@@ -295,15 +297,16 @@ def torque_ratio(found: Array, expected: Array) -> Array:
 
 
 def _check_signs(found: xr.Dataset, radius: float) -> None:
-    """Refuse with a ResultsError a drive whose torques and speeds say that the brake drives, or the motor brakes."""
+    """Refuse with a ResultsError torques that contradict each other by more than a sensor is wrong: a sign, or a unit."""
     expected = found["torque_expected"]
     ratio = torque_ratio(found["torque"].to_numpy(), expected.to_numpy())
     shows = (expected**2).mean("time") ** 0.5 > LEAST_TORQUE * radius * found["axle_load"]
     for axle, factor, clear in zip(found["axle"].to_numpy(), ratio, shows.to_numpy(), strict=True):
-        if clear and factor < 0.0:
+        if clear and not 0.2 < factor < 5.0:
             raise ResultsError(
                 f"{found.attrs['file']}: {axle}: by drive and speeds its torque is {factor:.2g} times that of brake and motor; "
-                "allowed: roller_torque positive where it drives the wheel forward, torques of brakes negative"
+                "allowed: 0.2 to 5; look at the units of pressures and torques, and at the signs: roller_torque is "
+                "positive where it drives the wheel forward, torques of brakes are negative"
             )
 
 

@@ -188,8 +188,9 @@ def _check_rolling(case: Case, data: xr.Dataset) -> None:
     for axle in data["axle"].to_numpy():
         own = data.sel(axle=axle)
         wheel, roller = radius * own["axle_speed"].to_numpy(), rig.roller_radius * own["roller_speed"].to_numpy()
-        moving = np.abs(roller) > LEAST_SPEED
-        ratio = float(np.median(wheel[moving] / roller[moving])) if moving.any() else 1.0
+        moving = np.maximum(np.abs(roller), np.abs(wheel)) > LEAST_SPEED
+        with np.errstate(divide="ignore"):
+            ratio = float(np.median(wheel[moving] / roller[moving])) if moving.any() else 1.0
         if abs(ratio - 1.0) > RADIUS_ERROR:
             raise ResultsError(
                 f"{data.attrs['file']}: {axle}: by the case's radii, {radius:g} and {rig.roller_radius:g} m, its circumference "

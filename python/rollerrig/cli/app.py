@@ -91,8 +91,6 @@ def build_app() -> typer.Typer:
 
 def main() -> None:
     """Entry point of `rollerrig`."""
-    # xarray would import it, for a second of processor time, only to ask of each array whether it is one of dask's.
-    sys.modules["dask.array"] = None  # type: ignore[assignment]
     try:
         build_app()(prog_name="rollerrig")
     except KeyboardInterrupt:

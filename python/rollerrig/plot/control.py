@@ -225,12 +225,17 @@ def front(points: Mapping[str, Sequence[Sequence[float]]], names: Sequence[str],
         axes.plot(*np.array(on_front).T, color=COLOURS[0], label="front")
     for name, one in shown.items():
         reach = np.abs(one[:, 1:] - one[:, :1])
-        looks = {"fmt": "o", "color": COLOURS[0] if name in names else GREY, "markersize": 4.0, "linewidth": 0.8}
+        looks: dict[str, Any] = {
+            "fmt": "o",
+            "color": COLOURS[0] if name in names else GREY,
+            "markersize": 4.0,
+            "linewidth": 0.8,
+        }
         if name == shipped:
             looks |= {"fmt": "s", "color": COLOURS[1], "markersize": 7.0, "label": "as shipped"}
         elif name == chosen:
             looks |= {"fmt": "D", "markersize": 7.0, "label": "best compromise"}
-        axes.errorbar(*one[:, 0], xerr=reach[0][:, None], yerr=reach[1][:, None], **looks)
+        axes.errorbar(one[0, 0], one[1, 0], xerr=reach[0][:, None], yerr=reach[1][:, None], **looks)
     for which in ("x", "y"):
         logarithmic(axes, which)
     axes.set_xlabel("tracking error RMS [%]")

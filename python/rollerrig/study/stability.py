@@ -164,9 +164,11 @@ def branch_sentences(branch: Mapping[str, Any], linear_kmh: float) -> list[str]:
     """The lowest fold, and where the branch ends."""
     if not branch["points"]:
         return [f"The branch of limit cycles cannot be followed, it ends {branch['ended']}."]
+    begins = "Stable limit cycles begin" if branch["points"][0]["stable"] else "Unstable limit cycles begin"
+    kind = "supercritical" if branch["points"][0]["stable"] else "subcritical"
     below = [fold for fold in branch["folds"] if fold["speed_kmh"] < linear_kmh]
     lowest = min(below, key=lambda fold: float(fold["speed_kmh"]), default=None)
-    found = f"Limit cycles begin at the linear critical speed, {linear_kmh:.2f} km/h"
+    found = f"{begins} at the linear critical speed, {linear_kmh:.2f} km/h ({kind})"
     if lowest is not None:
         at = f"{lowest['speed_kmh']:.2f} km/h, with {lowest['amplitude_mm']:.2f} mm"
         found += (
@@ -285,6 +287,10 @@ class StabilityStudy(Study[Results]):
             "vehicle is not restrained; on rollers it needs a longitudinal restraint, e.g. locked = ['x'] for its car body."
             for one in numbers["diverging"]
         ]
+        if self.branch is not None and not math.isfinite(results.modes.attrs["linear_critical_speed_kmh"]):
+            lines.append(
+                "The branch of limit cycles is not followed: it begins at the linear critical speed; ask for speeds around it."
+            )
         if results.branch is not None:
             lines += branch_sentences(numbers["branch"], numbers["linear_critical_speed_kmh"])
         return lines if results.diagram is None else [*lines, *cycles.continuation_sentences(results.diagram)]

@@ -334,7 +334,6 @@ def _serve(pipe: Connection) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # where it could not be blocked
     if sys.platform == "linux":  # also in the middle of a call into the core that holds the interpreter
         ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
-    sys.modules["dask.array"] = None  # type: ignore[assignment]  # as in cli/app.py
     jobs: SimpleQueue[bytes] = SimpleQueue()
     stop = threading.Event()
 

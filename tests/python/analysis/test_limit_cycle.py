@@ -252,7 +252,7 @@ def test_critical_speeds_by_the_three_definitions_are_in_order(bogie, found) -> 
     assert 0.0 < by.persists - by.decays <= 20.1 / 3.6
     assert found.lowest_cycle - found.decays <= width
     assert found.decays < by.persists  # no perturbation persists below the fold
-    assert by.persists - found.decays < 20 / 3.6  # 3 mm is large: near the fold it leads to the limit cycle
+    assert by.persists - found.decays < 21 / 3.6  # 3 mm is large: near the fold it leads to the limit cycle
     assert by.persists < linear.speed - 50 / 3.6  # subcritical: the linear one lies far above
 
 

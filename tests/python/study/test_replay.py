@@ -209,13 +209,17 @@ def test_signs_and_radii_that_contradict_each_other_are_refused(case: Case, run:
         return export(other, tmp_path / "rig.csv", force=True)
 
     with pytest.raises(
-        ResultsError, match=r"wheelset_1: by drive and speeds its torque is -\d.* allowed: roller_torque positive"
+        ResultsError, match=r"wheelset_1: by drive and speeds its torque is -\d.* allowed: 0\.2 to 5; look at the units"
     ):
         replay(case, read_rig_log(changed("roller_torque", -1.0), case))
     with pytest.raises(ResultsError, match=r"wheelset_1.brake_torque drives the axle; allowed: .* negative"):
         read_rig_log(changed("brake_torque", -1.0, "cylinder_pressure"), case)
     with pytest.raises(ResultsError, match=r"wheelset_1: by the case's radii, 0.46 and 0.725 m, .* at 1\.04 times"):
         read_rig_log(changed("axle_speed", 1.04), case)
+    with pytest.raises(ResultsError, match=r"look at the units of pressures"):
+        replay(case, read_rig_log(changed("cylinder_pressure", 1e5), case))
+    with pytest.raises(ResultsError, match=r"at 9\.\d+e?\d* times the speed of that of its roller|at \d+ times"):
+        read_rig_log(changed("roller_speed", 1e-3), case)
     with pytest.raises(ResultsError, match=r"at -0.999 times the speed .* both speeds positive in forward running"):
         read_rig_log(changed("roller_speed", -1.0), case)
     by_torque = replay(case, read_rig_log(changed("brake_torque", 1.0, "cylinder_pressure"), case))

@@ -236,7 +236,8 @@ def test_the_branch_of_limit_cycles_is_followed(tmp_path: Path, monkeypatch: pyt
     result = run("cooperrider_bogie", *options)
     assert result.exit_code == 0, result.output
     assert (
-        "Limit cycles begin at the linear critical speed, 247.32 km/h. The branch ends at the largest" in result.output
+        "Unstable limit cycles begin at the linear critical speed, 247.32 km/h (subcritical). The branch ends at"
+        in result.output
     )
     summary = json.loads((tmp_path / "summary.json").read_text())
     assert StabilityStudy.quantities.unexplained(summary) == []
@@ -247,12 +248,12 @@ def test_the_branch_of_limit_cycles_is_followed(tmp_path: Path, monkeypatch: pyt
 
 
 def test_the_lowest_fold_is_said() -> None:
-    points = [{"amplitude_mm": 1.0}]
+    points = [{"amplitude_mm": 1.0, "stable": True}]
     folds = [{"speed_kmh": 230.0, "amplitude_mm": 1.0}, {"speed_kmh": 220.371, "amplitude_mm": 4.457}]
     said = branch_sentences({"points": points, "folds": folds, "ended": "there"}, 224.1)
     assert said == [
-        "Limit cycles begin at the linear critical speed, 224.10 km/h; the lowest speed at which this branch has one is "
-        "220.37 km/h, with 4.46 mm, where a stable and an unstable one meet (fold). The branch ends there."
+        "Stable limit cycles begin at the linear critical speed, 224.10 km/h (supercritical); the lowest speed at which this "
+        "branch has one is 220.37 km/h, with 4.46 mm, where a stable and an unstable one meet (fold). The branch ends there."
     ]
     assert branch_sentences({"points": [], "folds": [], "ended": "at 0.00 mm"}, 224.1) == [
         "The branch of limit cycles cannot be followed, it ends at 0.00 mm."
