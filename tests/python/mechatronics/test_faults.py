@@ -11,6 +11,7 @@ import xarray as xr
 
 from rollerrig import ConfigError, load_case, simulate
 from rollerrig.analysis.slide_statistics import test_record as record_of
+from rollerrig.cli.describe import actuator_lines
 from rollerrig.config import Case
 from rollerrig.interfaces.plant import assembled_model
 from rollerrig.study.runs.adhesion import track_case
@@ -155,6 +156,11 @@ def test_a_users_controller_that_fails_under_a_fault_is_named() -> None:
         ({"axle": FAULTY, "kind": "pads", "factor": 4.0}, {}, "factor"),
         ({"axle": FAULTY, "kind": "dragging", "pressure": "0.7 m"}, {}, "pressure"),
         ({"axle": FAULTY, "kind": "broken"}, {}, "kind"),
+        (
+            {"axle": FAULTY, "kind": "isolated", "begin": "1 h"},
+            {},
+            "fault[0].begin: 3600 s; allowed: before time.duration",
+        ),
     ],
 )
 def test_a_fault_that_cannot_be_is_refused_in_a_line(fault: dict[str, Any], changes: dict[str, Any], line: str) -> None:
@@ -166,3 +172,8 @@ def test_a_fault_that_cannot_be_is_refused_in_a_line(fault: dict[str, Any], chan
 def test_what_is_no_run_knows_no_faults(tmp_path: Path) -> None:
     with pytest.raises(ConfigError, match="fault: 1 faults; allowed in runs"):
         assembled_model(with_fault("isolated"))
+
+
+def test_check_names_the_faults() -> None:
+    case = with_fault("pads", stop(), factor=0.8, begin="1 s")
+    assert f"fault: {FAULTY}, pads × 0.8, from 1 s on" in actuator_lines(case)

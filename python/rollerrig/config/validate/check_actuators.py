@@ -67,6 +67,9 @@ def _faults(case: CaseTables, file: str) -> Iterator[ConfigProblem]:
             yield ConfigProblem(
                 file, f"{at}.kind", show_value(fault.kind), "allowed with [slide_protection], which reads it"
             )
+        if fault.begin >= case.time.duration:
+            allowed = f"allowed: before time.duration, {case.time.duration:g} s"
+            yield ConfigProblem(file, f"{at}.begin", f"{fault.begin:g} s", allowed)
         if fault.axle not in axles:
             guess = nearest(fault.axle, tuple(axles))
             yield ConfigProblem(file, f"{at}.axle", show_value(fault.axle), f"allowed: {', '.join(axles)}", guess)
