@@ -127,3 +127,10 @@ def test_a_number_that_needs_its_unit_is_written_in_the_shortest_text(
 ) -> None:
     assert quantity.as_written(value) == text
     assert quantity.parse(text) == value
+
+
+@pytest.mark.parametrize("unit", ["rpm", "1/min", "rev/min", "U/min", "min^-1"])
+def test_a_speed_of_turning_per_minute_is_one_of_turns(unit: str) -> None:
+    assert float(units.unit_factor(unit, "rad/s")) == pytest.approx(math.pi / 30.0)
+    assert units.unit_factor("Hz", "rad/s") is None  # turns or radians
+    assert units.unit_factor("1/min", "1/s") == pytest.approx(1.0 / 60.0)

@@ -94,6 +94,8 @@ _USUAL_UNITS: dict[str, dict[str, Fraction | int]] = {
 }
 _KNOWN = {(unit, si): Fraction(factor) for si, units in _USUAL_UNITS.items() for unit, factor in units.items()}
 
+_TURNS_PER_MINUTE = ("1/min", "min^-1", "min⁻¹", "rev/min", "r/min", "U/min", "RPM")
+
 _NUMBER_AND_UNIT = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\S.*?)\s*")
 _UNIT_TEXT = re.compile(r"[A-Za-zµμ°%·⋅*/^()²³ \d-]{1,40}")
 _POWER_TOWER = re.compile(r"\d\s*(\^|\*\*|\d)")  # "m^9^9^9" would keep the machine busy for years
@@ -116,6 +118,10 @@ def unit_factor(unit: str, si_unit: str) -> Fraction | None:
     """Number of ``si_unit`` in one ``unit``; None if ``unit`` is unknown or measures something else."""
     if unit == si_unit:  # as cases write themselves: pint is not needed
         return Fraction(1)
+    if si_unit == "rad/s":  # for pint a turn per minute is 1/60 rad/s, and a hertz one
+        unit = "rpm" if unit in _TURNS_PER_MINUTE else unit
+        if unit == "Hz":
+            return None
     return _KNOWN.get((unit, si_unit)) or _factor_by_pint(unit, si_unit)
 
 
