@@ -10,9 +10,9 @@ from hostile.bytes_of import crc64
 from hostile.runner import Counted, attack, table
 from rollerrig.interfaces.fmu.export import shells
 
-SHORT = {"border": 75, "config": 30, "fmu": 30, "model": 10, "packets": 30, "play": 40, "profile": 75, "run": 5,
-         "state": 50, "absurd": 4}  # fmt: skip
-LONG = 80
+SHORT = {"border": 150, "config": 60, "fmu": 60, "model": 20, "packets": 60, "play": 80, "profile": 150, "run": 10,
+         "state": 100, "absurd": 8}  # fmt: skip
+LONG = 40
 """Times as many with --long."""
 
 

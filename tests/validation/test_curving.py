@@ -194,7 +194,7 @@ def sampled(curves: list[tuple[Any, ...]], sample: set[tuple[Any, ...]]) -> list
 
 @pytest.mark.parametrize(
     ("radius", "deficiency", "friction"),
-    sampled([(*road, mu) for road in ROADS for mu in (0.4, 0.1)], {(150.0, 0.15, 0.1)}),
+    sampled([(*road, mu) for road in ROADS for mu in (0.4, 0.1)], {(300.0, 0.075, 0.4), (150.0, 0.15, 0.1)}),
 )
 def test_the_coach_comes_through_curves_on_rigid_rails(radius: float, deficiency: float, friction: float) -> None:
     """Dry and lubricated: no wheel leaves the rail."""

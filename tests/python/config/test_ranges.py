@@ -121,13 +121,12 @@ def written(place: Place, value: float) -> object:
     return place.range.as_written(value) if isinstance(place.range, Quantity) else int(value)
 
 
-@pytest.mark.parametrize("count", [4, pytest.param(None, marks=pytest.mark.long, id="all")])
 @pytest.mark.parametrize("name", whole_cases())
-def test_the_ends_of_every_range_can_be_checked(name: str, count: int | None) -> None:
-    """A sample of the places, the same in every run."""
+def test_the_ends_of_every_range_can_be_checked(name: str) -> None:
+    """A sample of the places, the same in every run; all of them take five minutes."""
     raw = whole_cases()[name]
     by_field = {place.field: place for place in numbers_of(name)}
-    for place in random.Random(name).sample(list(by_field.values()), count or len(by_field)):
+    for place in random.Random(name).sample(list(by_field.values()), 8):
         assert place.range is not None
         for value in (place.range.least, place.range.most, *(v for v in (0.0, *NEARLY_NOTHING) if fits(place, v))):
             survives(with_value(raw, place, written(place, value)))

@@ -51,11 +51,12 @@ def test_a_run_a_plant_and_a_changed_plant_start_alike(name: str) -> None:
     present = [v for v in plant.variables if v.causality == "parameter" and v.variability == "fixed"]
     own = {v.name: v.start for v in present}
     unseen = {one: 1.1 * own[one] for one in UNSEEN if one in own}
-    assert_same_bits(started(case), started(case, **own))
-    as_before, changed = started(case), started(case, **unseen)
-    assert as_before.keys() == changed.keys()
-    # an estimate takes the assumed inertia times accelerations that are round-off
-    np.testing.assert_allclose(list(changed.values()), list(as_before.values()), rtol=1e-12, atol=1e-9)
+    for changed in (own, unseen):
+        first, second = started(case), started(case, **changed)
+        if changed is unseen and case.sampled and case.sensors.roller_torque is not None:
+            for one in (first, second):  # of the flange's torque the estimate takes the assumed inertia's part
+                assert [one.pop(key) for key in list(one) if ".estimated_" in key]
+        assert_same_bits(first, second)
 
 
 @pytest.mark.parametrize(
