@@ -1,6 +1,7 @@
 #include "rollerrig/simulate/run_table.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "rollerrig/simulate/driver.hpp"
 
@@ -20,21 +21,26 @@ bool Readings::read(Driver& driver, double t, double const* x, double const* z) 
 }
 
 void Readings::read_ahead(Driver& driver) {
-  constexpr std::size_t fewest = 4, most = 64;
+  constexpr std::size_t fewest = 8;
+  Model const& model = driver.plant().model();
+  bool const follows_place = model.displaces_rails() || model.on_adhesion_map;  // by more than the states show
   double const rest = (driver.time() - last_) / interval_ * (1.0 + 1e-12);
-  if (!alone_ || driver.system() != nullptr || !(rest >= fewest)) return;
+  if (!alone_ || driver.system() != nullptr || follows_place || !(rest >= fewest)) return;
   std::size_t const room = table_.room - table_.filled;
   std::size_t const count = std::min({static_cast<std::size_t>(std::min(rest, 1e6)), most, room});
   if (count < fewest) return;
   first_ = table_.filled - 1;
   x_.resize(static_cast<std::size_t>(driver.plant().sizes().states));
   z_.resize(static_cast<std::size_t>(driver.plant().sizes().quadratures));
+  known_.fill(false);
+  known_[0] = true;
   evaluate(driver, count);
   refine(driver, 0, count);
   ahead_ = count;
 }
 
 void Readings::evaluate(Driver& driver, std::size_t k) {
+  if (std::exchange(known_[k], true)) return;
   double const t = table_.times[first_] + static_cast<double>(k) * interval_;
   driver.sample_states(t, x_.data(), z_.data());
   driver.record_reading(t, x_.data(), z_.data(), row(k));
@@ -43,35 +49,39 @@ void Readings::evaluate(Driver& driver, std::size_t k) {
 /// Readings between two that are evaluated.
 void Readings::refine(Driver& driver, std::size_t from, std::size_t to) {
   if (to - from < 2) return;
-  std::size_t const middle = (from + to) / 2;
-  evaluate(driver, middle);
-  if (!is_straight(from, middle, to)) {
+  std::size_t const middle = (from + to) / 2, before = (from + middle) / 2, behind = (middle + to) / 2;
+  for (std::size_t const k : {middle, before, behind}) evaluate(driver, k);
+  Parabola const all{from, middle, to};
+  if (is_near(all, before) && is_near(all, behind)) {
+    fill({from, before, middle});
+    fill({middle, behind, to});
+  } else {
     refine(driver, from, middle);
     refine(driver, middle, to);
-    return;
-  }
-  double const a = static_cast<double>(from), b = static_cast<double>(middle), c = static_cast<double>(to);
-  for (std::size_t k = from + 1; k < to; ++k) {
-    if (k == middle) continue;
-    double const t = static_cast<double>(k);
-    double const at_a = (t - b) * (t - c) / ((a - b) * (a - c)), at_b = (t - a) * (t - c) / ((b - a) * (b - c)),
-                 at_c = (t - a) * (t - b) / ((c - a) * (c - b));
-    for (std::size_t i = 0; i < table_.width; ++i)
-      row(k)[i] = at_a * row(from)[i] + at_b * row(middle)[i] + at_c * row(to)[i];
   }
 }
 
+double Readings::on(Parabola const& p, std::size_t k, std::size_t i) const {
+  auto const [a, b, c] =
+      std::array{static_cast<double>(p.from), static_cast<double>(p.middle), static_cast<double>(p.to)};
+  double const t = static_cast<double>(k);
+  return (t - b) * (t - c) / ((a - b) * (a - c)) * row(p.from)[i] +
+         (t - a) * (t - c) / ((b - a) * (b - c)) * row(p.middle)[i] +
+         (t - a) * (t - b) / ((c - a) * (c - b)) * row(p.to)[i];
+}
+
+void Readings::fill(Parabola const& p) {
+  for (std::size_t k = p.from + 1; k < p.to; ++k)
+    for (std::size_t i = 0; !known_[k] && i < table_.width; ++i) row(k)[i] = on(p, k, i);
+}
+
 /// Y and Q over Q, the wear number over itself; the distance, last, is smooth.
-bool Readings::is_straight(std::size_t from, std::size_t middle, std::size_t to) const {
-  double const share = static_cast<double>(middle - from) / static_cast<double>(to - from);
-  auto const off = [&](std::size_t i) {
-    return std::abs(row(middle)[i] - (1.0 - share) * row(from)[i] - share * row(to)[i]);
-  };
-  auto const size = [&](std::size_t i) {
-    return std::max({std::abs(row(from)[i]), std::abs(row(middle)[i]), std::abs(row(to)[i])});
-  };
+bool Readings::is_near(Parabola const& p, std::size_t k) const {
+  if (k == p.from || k == p.middle) return true;
   for (std::size_t i = 0; i + 3 < table_.width; i += 3) {
-    double const load = straight * size(i + 1), wear = straight * std::max(size(i + 2), least_wear);
+    double const load = allowed * std::abs(row(p.middle)[i + 1]);
+    double const wear = allowed * std::max(std::abs(row(p.middle)[i + 2]), least_wear);
+    auto const off = [&](std::size_t column) { return std::abs(row(k)[column] - on(p, k, column)); };
     if (off(i) > load || off(i + 1) > load || off(i + 2) > wear) return false;
   }
   return true;

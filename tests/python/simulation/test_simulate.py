@@ -339,6 +339,31 @@ def test_readings_within_a_step_are_those_of_the_state_there() -> None:
     assert read["reading_vertical_force"].to_numpy()[::10].tobytes() == rows.tobytes()
 
 
+@pytest.mark.parametrize(
+    ("name", "changes"),
+    [
+        ("wheelset_rollers", {"motion.speed": "170 km/h"}),
+        ("wheelset_rollers", {"motion.speed": "65 km/h", "contact.normal": "hertz"}),
+        ("bogie_rollers_constant", {"motion.speed": "240 km/h"}),
+        ("vehicle_track_irregular", {"motion.speed": "60 km/h", "time.duration": "0.3 s"}),
+    ],
+)
+def test_readings_within_a_step_hold_on_flanges_and_on_irregular_rails(name: str, changes: dict[str, object]) -> None:
+    adaptive = {
+        "time.method": "rodas4",
+        "time.step": None,
+        "time.output_step": "20 ms",
+        "time.relative_tolerance": 1e-4,
+    }
+    case = rr.load_case(name).with_changes({"time.duration": "0.6 s", **adaptive, **changes})
+    read, dense = rr.simulate(case), rr.simulate(case.with_changes({"time.output_step": "1 ms"}))
+    load = float(dense["vertical_force"].max())
+    for one in ("lateral_force", "vertical_force"):
+        assert np.abs(read[f"reading_{one}"].to_numpy() - dense[one].to_numpy()).max() < 1e-4 * load
+    if name == "vehicle_track_irregular":  # forces follow the rail within a step, which the states do not show
+        assert read["reading_vertical_force"].to_numpy() == pytest.approx(dense["vertical_force"].to_numpy(), rel=1e-12)
+
+
 def test_readings_do_not_depend_on_the_slices_of_a_run() -> None:
     case = rr.load_case("bogie_rollers_traction").with_changes({"time.duration": "1 s"})
     model, found = assemble(case), []

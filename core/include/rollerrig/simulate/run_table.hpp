@@ -3,6 +3,7 @@
 //
 //   Driver -> [advance] -> times, rows; times, readings
 #pragma once
+#include <array>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -33,8 +34,9 @@ struct TimedRows {
 };
 
 /// What is read of the plant between the rows: Driver::reading_width() numbers at each output time, a row at every `every`-th.
-/// Where several lie within one step of the integrator, only as many are evaluated as their bend asks for: the states are cubics
-/// there, and between readings that lie on a line the others lie on the parabola through three of them.
+/// Where several lie within one step of the integrator, the states are cubics, and only as many are evaluated as the forces bend:
+/// parabolas through three of them are tried at two between, and halved until they hold. On rails that move along the line the
+/// forces follow these too, and all are evaluated.
 class Readings {
  public:
   Readings(int every, TimedRows const& table) : table_{table}, every_{every} {}
@@ -46,12 +48,19 @@ class Readings {
   void read_ahead(Driver& driver);
 
  private:
-  static constexpr double straight = 1e-3;   ///< deviation from a line, over the size of the reading [-]
+  static constexpr std::size_t most = 64;    ///< that are read together
+  static constexpr double allowed = 1e-4;    ///< deviation from a parabola, over the size of the reading [-]
   static constexpr double least_wear = 0.1;  ///< size of a wear number that counts [N]
+
+  struct Parabola {
+    std::size_t from, middle, to;
+  };
 
   void evaluate(Driver& driver, std::size_t k);
   void refine(Driver& driver, std::size_t from, std::size_t to);
-  bool is_straight(std::size_t from, std::size_t middle, std::size_t to) const;
+  double on(Parabola const& parabola, std::size_t k, std::size_t column) const;
+  void fill(Parabola const& parabola);
+  bool is_near(Parabola const& parabola, std::size_t k) const;
   double* row(std::size_t k) { return table_.values + table_.width * (first_ + k); }
   double const* row(std::size_t k) const { return table_.values + table_.width * (first_ + k); }
 
@@ -63,6 +72,7 @@ class Readings {
   bool alone_{false};     ///< the last one was not there already
   std::size_t ahead_{0};  ///< how many are
   std::size_t first_{0};  ///< of those that were read together
+  std::array<bool, most + 1> known_{};
   std::vector<double> x_, z_;
 };
 
