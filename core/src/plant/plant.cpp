@@ -227,7 +227,8 @@ void Plant::read(std::span<std::byte const> bytes) {
   for (std::size_t i = 0; i < value_.size(); ++i)
     archive.need(list_.variables[i].causality == Causality::output || list_.variables[i].allows(value_[i]));
   bool const over = status_ != Status::ok;
-  archive.need(over || time_ >= driver_->step_start());
+  bool const stepped = driver_->statistics().steps > 0;  // not so where another program integrates
+  archive.need(over || (time_ >= driver_->step_start() && (!stepped || time_ <= driver_->time())));
   archive.end(over);
   take_parameters();
   row_fresh_ = measured_fresh_ = false;

@@ -67,7 +67,7 @@ def summary(results: xr.Dataset | str | Path) -> Summary:
 def _of_run(run: xr.Dataset) -> list[tuple[str, str]]:
     info, attributes = RunInfo.of(run), run.attrs
     on = "track" if info.roller_radius is None else f"rollers of {1e3 * info.roller_radius:g} mm"
-    times, speed = run["time"].to_numpy(), 3.6 * run["speed"].to_numpy()
+    times, speed = run["time"].to_numpy(), 3.6 * run["speed"].to_numpy() if "speed" in run else np.empty(0)
     rows = [
         ("what", f"{info.part.replace('_', ' ')} on {on}: moving bodies {len(info.moving)}, wheels {len(info.wheels)}")
     ]

@@ -252,3 +252,18 @@ def test_numbers_of_a_wrong_count_and_calls_out_of_order_are_refused(exchange: E
     with pytest.raises(fmpy.fmi1.FMICallException):
         exchange.put(np.full(exchange.states, np.nan))
     assert np.isfinite(exchange.rates()).all()
+
+
+def test_a_parameter_with_which_there_is_no_start_leaves_the_one_before(exchange: Exchange) -> None:
+    fmu, third = exchange.fmu, exchange.third
+    put = fmu.setFloat64 if third else fmu.setReal
+    fmu.reset()
+    fmu.enterInitializationMode()
+    mass = exchange.references["wheelset_1.mass"]
+    before = exchange.get("wheelset_1.mass")
+    with pytest.raises(fmpy.fmi1.FMICallException):
+        put([mass], [1e12])
+    np.testing.assert_array_equal(exchange.get("wheelset_1.mass"), before)
+    fmu.exitInitializationMode()
+    exchange.events()
+    assert np.isfinite(exchange.rates()).all()  # of a plant that had not started it ended the process

@@ -85,6 +85,7 @@ class Integrator {
 
   /// A further time that no step crosses, beside the breakpoints; until the next call.
   void hold_until(double t) { hold_ = t; }
+  bool is_held() const { return std::isfinite(hold_); }
 
   /// The first half of the next step, which looks at the system as it is now: its inputs may then change for the rest.
   Status prepare() {

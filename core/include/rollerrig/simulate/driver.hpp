@@ -122,6 +122,7 @@ class Driver {
     archive.time(final_time_);
     archive.within(step_, std::int64_t{0}, std::int64_t{1} << 60);
     archive.within(status_, Status::ok, Status::controller_failed);
+    archive.need(system_ || held_ || !integrator_->is_held());  // whoever holds it lets it go on
     bool const exchanged = !system_ || acted_ || status_ != Status::ok;
     archive.need(exchanged || std::fabs(time() - setup_->step * static_cast<double>(step_)) < 0.5 * setup_->step);
   }

@@ -154,6 +154,7 @@ class Instance {
                    values[k], variable.whole ? "whole " : "", variable.least, variable.most);
     }
     bool again = false;  // a fixed parameter moves the start
+    std::vector<double> const chosen = chosen_;
     for (std::size_t k = 0; k < count; ++k) {
       std::size_t const i = references[k] - 1;
       Variable const& variable = all[i];
@@ -163,11 +164,8 @@ class Instance {
       if (phase_ != instantiated && !fixed && !apply(i, values[k]))
         return log(Answer::error, "%s: %s = %g was refused", call, variable.name.c_str(), values[k]);
     }
-    if (again) {
-      plant_ = anew(std::as_const(*plant_));
-      return begin(call);
-    }
-    return Answer::ok;
+    if (!again) return Answer::ok;
+    return begin_again(call, chosen);
   }
 
   template <class Reference>
@@ -330,6 +328,23 @@ class Instance {
     if (status != Status::ok) return tell(call, status, Answer::error);
     offset_ = start_ - plant_->time();
     return apply_chosen(false);
+  }
+
+  /// With other numbers; where there is no start with these, the one before still stands.
+  Answer begin_again(char const* call, std::vector<double> const& chosen_before) {
+    std::unique_ptr<P> before = std::exchange(plant_, anew(std::as_const(*plant_)));
+    auto const put_back = [&] {
+      plant_ = std::move(before);
+      chosen_ = chosen_before;
+    };
+    try {
+      Answer const answer = begin(call);
+      if (answer != Answer::ok) put_back();
+      return answer;
+    } catch (...) {  // a model with these numbers is refused
+      put_back();
+      throw;
+    }
   }
 
   bool apply(std::size_t i, double value) {
