@@ -29,8 +29,8 @@ from rollerrig.config import Case, ConfigError
 from rollerrig.config.write.toml import plain
 from rollerrig.contact_analysis.traction_curve import LoadedWheel, traction_coefficient
 from rollerrig.results import RunInfo, variable
-from rollerrig.results.files import ResultsError
 from rollerrig.results.logs import log_quantity, read_log, time_problem
+from rollerrig.results.run_info import ResultsError
 from rollerrig.simulation.starting_state import equilibrium_dataset
 
 LEAST_ELASTICITY = 0.5

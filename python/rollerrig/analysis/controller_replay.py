@@ -34,7 +34,7 @@ from rollerrig.config import Case
 from rollerrig.config.schema.rig_control import Encoder, RigControl
 from rollerrig.interfaces.plant import controller_part
 from rollerrig.results import variable
-from rollerrig.results.files import ResultsError
+from rollerrig.results.run_info import ResultsError
 from rollerrig.simulation.mechatronics import estimator_response
 
 NORMAL = 1.96

@@ -20,8 +20,8 @@ from rollerrig.common.arrays import Array
 from rollerrig.config import Case, ConfigError, Rig
 from rollerrig.config.schema.rig_control import BandwidthEstimator
 from rollerrig.results import variable
-from rollerrig.results.files import ResultsError
 from rollerrig.results.logs import Log, column_of, log_quantity, read_log, time_problem
+from rollerrig.results.run_info import ResultsError
 
 RADIUS_ERROR = 0.01
 """Largest part by which the circumference of a wheel may run faster or slower than that of its roller, in the median [-]."""

@@ -7,6 +7,7 @@ not what was meant. Whoever asks turns the error into its own, which names the f
 """
 
 import errno
+import mmap
 import os
 import stat
 from pathlib import Path
@@ -18,6 +19,8 @@ LARGEST_TEXT = 4 * MEGABYTE
 LARGEST_TABLE = 64 * MEGABYTE
 """Largest size of a file of measured points: 200 km of track, sampled every 0.25 m, have some 50 MB [bytes]."""
 
+_COLLECTION = b"GCOL\1\0\0\0"
+"""Signature and version of a collection of texts in a file of HDF5."""
 _KINDS = (
     (stat.S_ISDIR, "a folder"),
     (stat.S_ISFIFO, "a pipe"),
@@ -89,6 +92,35 @@ def open_input(path: str | Path, largest: int | None = None) -> BinaryIO:
         file.close()
         raise
     return file
+
+
+def check_hdf5(path: str | Path, largest: int | None) -> Path:
+    """The path of a file of HDF5, if it may be opened and no object of a collection of texts has neither index nor size.
+
+    The library walks through such a collection for ever. Source: HDF5 File Format Specification 3.0, III.E "Global Heap": after a
+    head of 16 bytes objects of index and references (2 bytes each), 4 unused ones, size (8), and what they hold, filled up to
+    eights; index 0 is the room that is left.
+
+    Raises:
+        InputError: it is damaged so, something else, or larger than allowed.
+        OSError: there is no such file, or it may not be looked at.
+    """
+    with open_input(path, largest) as file:
+        if os.fstat(file.fileno()).st_size == 0:
+            return Path(path)
+        with mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content:
+            at = content.find(_COLLECTION)
+            while at >= 0:
+                end = min(at + int.from_bytes(content[at + 8 : at + 16], "little"), len(content))
+                place = at + 16
+                while place + 16 <= end:
+                    index = int.from_bytes(content[place : place + 2], "little")
+                    size = int.from_bytes(content[place + 8 : place + 16], "little")
+                    if index == size == 0:
+                        raise InputError(errno.EINVAL, "a damaged file of HDF5: its collection of texts has no end")
+                    place += 16 + (size + 7) // 8 * 8 if index else size
+                at = content.find(_COLLECTION, at + 8)
+    return Path(path)
 
 
 def _check(status: os.stat_result, largest: int | None) -> None:

@@ -11,7 +11,6 @@ from rollerrig.results.dataset import run_dataset as run_dataset
 from rollerrig.results.dataset import run_draft as run_draft
 from rollerrig.results.dataset import variable as variable
 from rollerrig.results.files import OutputError as OutputError
-from rollerrig.results.files import ResultsError as ResultsError
 from rollerrig.results.files import load_run as load_run
 from rollerrig.results.files import netcdf_bytes as netcdf_bytes
 from rollerrig.results.files import output_file as output_file
@@ -26,6 +25,7 @@ from rollerrig.results.folder import locked as locked
 from rollerrig.results.folder import read_manifest as read_manifest
 from rollerrig.results.other_formats import export as export
 from rollerrig.results.other_formats import mat_bytes as mat_bytes
+from rollerrig.results.run_info import ResultsError as ResultsError
 from rollerrig.results.run_info import RunInfo as RunInfo
 from rollerrig.results.run_info import cite as cite
 from rollerrig.results.run_info import sources_of as sources_of

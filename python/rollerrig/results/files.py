@@ -18,9 +18,10 @@ from typing import IO, Any
 import numpy as np
 import xarray as xr
 
-from rollerrig.common.input_files import check_input
+from rollerrig.common.input_files import check_hdf5
 from rollerrig.results.dataset import wrong_dimensions
 from rollerrig.results.marks import PROGRAM, exists, is_ours
+from rollerrig.results.run_info import ResultsError
 
 
 def available_memory() -> float:
@@ -59,10 +60,6 @@ _REMEDIES = {
 
 FOREIGN = "not written by this program; choose another name, or replace it with --force (force=True)"
 """Message about a file that is in the way."""
-
-
-class ResultsError(ValueError):
-    """A file holds results that this version cannot read."""
 
 
 class OutputError(Exception):
@@ -287,7 +284,7 @@ def load_run(path: str | Path) -> xr.Dataset:
         raise ResultsError(f"{path}: a folder; {_of_folder(Path(path))}")
     damaged = "no NetCDF file of results such as run.nc, or a damaged one"
     try:
-        _check_results(check_input(path, None))
+        _check_results(check_hdf5(path, None))
         run = _dataset(Path(path))
         misplaced = wrong_dimensions(run)
     except FileNotFoundError:

@@ -18,10 +18,10 @@ from typing import Any
 import numpy as np
 
 from rollerrig.common.arrays import Array
-from rollerrig.common.input_files import LARGEST_TABLE, check_input, read_input
+from rollerrig.common.input_files import LARGEST_TABLE, check_hdf5, check_input, read_input
 from rollerrig.config.schema.units import unit_factor
-from rollerrig.results.files import ResultsError
 from rollerrig.results.other_formats import table_columns
+from rollerrig.results.run_info import ResultsError
 
 GAP = 5.5
 """A step of time that is so many times the median one is a gap."""
@@ -160,7 +160,7 @@ def _mat(path: str | Path) -> Mapping[str, Any]:
 def _netcdf(path: str | Path) -> Mapping[str, Any]:
     import xarray as xr
 
-    data = xr.load_dataset(check_input(path, LARGEST_TABLE), engine="h5netcdf")
+    data = xr.load_dataset(check_hdf5(path, LARGEST_TABLE), engine="h5netcdf")
     return table_columns(data, "time" if "time" in data.coords else str(next(iter(data.coords))))
 
 

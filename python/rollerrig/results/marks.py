@@ -11,7 +11,7 @@ import os
 from collections.abc import Sequence
 from pathlib import Path
 
-from rollerrig.common.input_files import open_input
+from rollerrig.common.input_files import check_hdf5, open_input
 
 PROGRAM = "rollerrig"
 """Mark in the metadata of every figure and file of results."""
@@ -54,7 +54,7 @@ def _is_our_dataset(path: Path) -> bool:
     import h5py
 
     try:
-        with h5py.File(path, "r") as file:
+        with h5py.File(check_hdf5(path, None), "r") as file:
             return bool(file.attrs.get("program") == PROGRAM)
     except OSError:  # damaged
         return False

@@ -16,8 +16,9 @@ from typing import Any, cast
 import xarray as xr
 from numpy.typing import NDArray
 
-from rollerrig.results.files import ResultsError, load_run, output_file, write_bytes
+from rollerrig.results.files import load_run, output_file, write_bytes
 from rollerrig.results.marks import PROGRAM
+from rollerrig.results.run_info import ResultsError
 
 MAT_HEAD = f"MATLAB 5.0 MAT-file, written by {PROGRAM}".encode()
 Columns = dict[str, NDArray[Any]]

@@ -119,6 +119,10 @@ def entries() -> dict[str, str]:
 ATTRIBUTE = "run_info"
 
 
+class ResultsError(ValueError):
+    """Results that this version cannot read, or that are damaged."""
+
+
 def _in(unit: str) -> Any:
     return field(metadata={"unit": unit})
 
@@ -220,15 +224,15 @@ class RunInfo:
         """The metadata of a run, or of what was computed from it.
 
         Raises:
-            ValueError: there is none, or that of another version.
+            ResultsError: there is none, or that of another version.
         """
         text = results.attrs.get(ATTRIBUTE)
         if text is None:
-            raise ValueError("these results do not say which case they came from: no attribute run_info")
+            raise ResultsError("these results do not say which case they came from: no attribute run_info")
         try:
             return _adapter().validate_json(text)
         except ValidationError:
-            raise ValueError("results of another version of rollerrig: run the case again") from None
+            raise ResultsError("results of another version of rollerrig: run the case again") from None
 
     def to_json(self) -> str:
         """As the attribute holds it."""

@@ -207,6 +207,20 @@ def test_a_damaged_file_is_refused_in_one_line(run: xr.Dataset, tmp_path: Path) 
     assert read > 2
 
 
+def test_a_collection_of_texts_without_an_end_is_refused(run: xr.Dataset, tmp_path: Path) -> None:
+    """The HDF5 library walks through it for ever: an object that has neither index nor size."""
+    whole = bytearray(results.netcdf_bytes(run))
+    second = whole.index(b"GCOL\1\0\0\0") + 16 + 24  # behind the head and one object of a short text
+    whole[second : second + 16] = bytes(16)
+    path = tmp_path / "endless.nc"
+    path.write_bytes(whole)
+    with pytest.raises(ResultsError, match="its collection of texts has no end"):
+        results.load_run(path)
+    assert not results.output_file(tmp_path / "new.nc").exists()
+    with pytest.raises(rr.OutputError):
+        results.save_run(run, path)  # it does not say that it is ours
+
+
 def test_a_variable_of_other_dimensions_is_named(run: xr.Dataset, tmp_path: Path) -> None:
     turned = run.copy()
     turned["lateral"] = run["lateral"].isel(body=0, drop=True)
