@@ -94,7 +94,6 @@ class Cycle:
 def bifurcation(
     case: Case | str,
     speeds_kmh: Sequence[float] = SPEEDS_KMH,
-    *,
     largest: float = LARGEST_AMPLITUDE,
     progress: Progress | None = None,
 ) -> xr.Dataset:

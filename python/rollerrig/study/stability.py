@@ -5,7 +5,7 @@ Case, speeds -> [StabilityStudy] -> stability.nc, tables of modes, shapes and li
 
 import json
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
@@ -31,7 +31,7 @@ from rollerrig.study import contact_models as contact_effects
 from rollerrig.study import limit_cycles as cycles
 from rollerrig.study.contact_models import ContactEffect
 from rollerrig.study.frame import Study, dataset_rows
-from rollerrig.study.jobs import Chains, Done, Progress, Round, job
+from rollerrig.study.jobs import Chains, Done, Round, job
 from rollerrig.study.limit_cycles import cycle_chains, cycle_diagram
 from rollerrig.study.quantities import Numbers
 from rollerrig.study.report import VIEW, Block, Picture, Section, Table, Text
@@ -146,11 +146,6 @@ BRANCH_COLUMNS = {
 """Column of branch.csv -> variable, and factor."""
 
 
-def followed(case: Case, speeds_kmh: Sequence[float], largest: float, progress: Progress) -> xr.Dataset:
-    """The branch of limit cycles of a case up to an amplitude [m]."""
-    return bifurcation(case, speeds_kmh, largest=largest, progress=progress)
-
-
 def branch_numbers(branch: xr.Dataset) -> dict[str, Any]:
     """The branch of `bifurcation`: its folds, why it ends, its limit cycles."""
     columns = {key: factor * branch[name].to_numpy() for key, (name, factor) in BRANCH_COLUMNS.items()}
@@ -235,7 +230,7 @@ class StabilityStudy(Study[Results]):
         if self.contacts_kmh is not None:
             yield contact_effects.contact_effect_jobs(self.case, self.speeds_kmh, self.contacts_kmh)
         if self.branch is not None and not none:
-            yield {BRANCH: job(followed, self.case, self.speeds_kmh, self.branch)}
+            yield {BRANCH: job(bifurcation, self.case, self.speeds_kmh, self.branch)}
 
     def collect(self, done: Done) -> Results | None:
         contact = tuple(result for result in done.values() if isinstance(result, ContactEffect))

@@ -169,6 +169,12 @@ def test_a_fault_that_cannot_be_is_refused_in_a_line(fault: dict[str, Any], chan
     assert line in str(error.value)
 
 
+def test_the_same_fault_of_an_axle_stands_once() -> None:
+    twice = [{"axle": FAULTY, "kind": "pads", "factor": factor} for factor in (0.8, 0.9)]
+    with pytest.raises(ConfigError, match=rf"fault\[1\].kind: 'pads'; allowed: once for {FAULTY}"):
+        stop().with_changes({"fault": twice})
+
+
 def test_what_is_no_run_knows_no_faults(tmp_path: Path) -> None:
     with pytest.raises(ConfigError, match="fault: 1 faults; allowed in runs"):
         assembled_model(with_fault("isolated"))

@@ -70,6 +70,8 @@ def _faults(case: CaseTables, file: str) -> Iterator[ConfigProblem]:
         if fault.begin >= case.time.duration:
             allowed = f"allowed: before time.duration, {case.time.duration:g} s"
             yield ConfigProblem(file, f"{at}.begin", f"{fault.begin:g} s", allowed)
+        if any((fault.kind, fault.axle) == (other.kind, other.axle) for other in case.fault[:number]):
+            yield ConfigProblem(file, f"{at}.kind", show_value(fault.kind), f"allowed: once for {fault.axle}")
         if fault.axle not in axles:
             guess = nearest(fault.axle, tuple(axles))
             yield ConfigProblem(file, f"{at}.axle", show_value(fault.axle), f"allowed: {', '.join(axles)}", guess)
