@@ -143,7 +143,8 @@ def _heading(path: Path, line: str) -> tuple[list[str], Array]:
 def _cells(line: str) -> list[str]:
     for separator in (";", ",", "\t"):
         if separator in line:
-            return [cell.strip() for cell in line.split(separator)]
+            decimal = "," if separator == ";" else "."
+            return [cell.strip().replace(decimal, ".") for cell in line.split(separator)]
     return line.split()
 
 

@@ -10,6 +10,8 @@ from __future__ import annotations
 
 import csv
 import re
+import subprocess
+import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -148,7 +150,10 @@ def _csv(path: str | Path) -> Mapping[str, Any]:
 def _mat(path: str | Path) -> Mapping[str, Any]:
     from scipy.io import loadmat
 
-    content = loadmat(check_input(path, LARGEST_TABLE), squeeze_me=True)
+    trial = [sys.executable, "-I", "-c", _MAT, str(check_input(path, LARGEST_TABLE))]
+    if sys.executable and subprocess.run(trial, check=False).returncode:
+        raise ResultsError(f"{path}: no file of MATLAB (version 5 to 7.2), or a damaged one")
+    content = loadmat(path, squeeze_me=True)
     arrays = {n: v for n, v in content.items() if isinstance(v, np.ndarray) and v.ndim == 1 and v.dtype.kind in "fiub"}
     length = len(arrays["time"]) if "time" in arrays else max((len(values) for values in arrays.values()), default=0)
     units = content.get("units")  # of a run that was exported
@@ -178,5 +183,15 @@ def _record(path: str | Path) -> Mapping[str, Any]:
         heads = [f"{name} [{unit}]" for name, unit in zip(kept["outputs"], kept["units"], strict=True)]
     return {"time [s]": period * np.arange(len(sensors)), **dict(zip(heads, sensors.T, strict=True))}
 
+
+_MAT = """
+import sys
+from scipy.io import loadmat
+try:
+    loadmat(sys.argv[1], squeeze_me=True)
+except Exception:
+    sys.exit(1)
+"""
+"""SciPy's reader trusts a file, and a damaged one ends the process: it is tried in one of its own."""
 
 READERS = {".csv": _csv, ".mat": _mat, ".nc": _netcdf, ".parquet": _parquet, ".npz": _record}

@@ -51,9 +51,12 @@ def test_rails_and_components_are_two_ways_to_say_the_same(tmp_path: Path) -> No
         ";",
     )
     components = write(tmp_path / "c.csv", {"distance (km)": S / 1e3, "alignment (m)": y, "cross_level (m)": level})
-    first, second = (read_measured_track(path).rails for path in (rails, components))
+    commas = tmp_path / "d.csv"
+    commas.write_text(rails.read_text().replace(".", ","))
+    first, second, third = (read_measured_track(path).rails for path in (rails, components, commas))
     for rail in first:
         np.testing.assert_allclose(first[rail], second[rail], atol=1e-15)
+        np.testing.assert_array_equal(first[rail], third[rail])
 
 
 HEAD = "distance [m], vertical [mm]\n"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import csv
+import struct
 from importlib import import_module
 from pathlib import Path
 
@@ -16,6 +17,7 @@ from typer.testing import CliRunner
 import rollerrig as rr
 from rollerrig.cli.app import build_app
 from rollerrig.results import ResultsError, export
+from rollerrig.results.logs import read_log
 
 
 @pytest.fixture(scope="module")
@@ -31,6 +33,16 @@ def file(run: xr.Dataset, tmp_path_factory: pytest.TempPathFactory) -> Path:
 def command(*arguments: object) -> tuple[int, str]:
     done = CliRunner().invoke(build_app(), ["export", *map(str, arguments)])
     return done.exit_code, done.stderr
+
+
+@pytest.mark.parametrize("kind", [10, 14, 200, 2**31 - 1])
+def test_a_file_of_matlab_that_would_end_the_process_is_refused(kind: int, tmp_path: Path) -> None:
+    """SciPy looks a number's type up in a table, and trusts the file."""
+    path = tmp_path / "log.mat"
+    scipy.io.savemat(path, {"time": np.arange(3.0)})
+    path.write_bytes(path.read_bytes().replace(struct.pack("<II", 9, 24), struct.pack("<II", kind, 24)))
+    with pytest.raises(ResultsError, match=r"log.mat: no file of MATLAB \(version 5 to 7.2\), or a damaged one"):
+        read_log(path)
 
 
 def test_matlab(run: xr.Dataset, file: Path) -> None:
