@@ -44,11 +44,11 @@ def prepare() -> tuple[Path, dict[str, bytes]]:
         ).encode(),
     }
     try:
-        import pyarrow
+        import pyarrow as pa
         from pyarrow import parquet
     except ImportError:
         return Path(tempfile.mkdtemp(prefix="hostile")), content
-    parquet.write_table(pyarrow.table(dict(zip(heads, columns.values(), strict=True))), sink := io.BytesIO())
+    parquet.write_table(pa.table(dict(zip(heads, columns.values(), strict=True))), sink := io.BytesIO())
     return Path(tempfile.mkdtemp(prefix="hostile")), content | {"log.parquet": sink.getvalue()}
 
 
