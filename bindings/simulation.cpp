@@ -246,11 +246,13 @@ class Simulation {
     auto const& s = driver_.statistics();
     d["steps"] = s.steps;
     d["rejected_steps"] = s.rejected_steps;
+    d["coarse_steps"] = s.coarse_steps;
     d["derivative_calls"] = s.derivative_calls;
     d["jacobian_calls"] = s.jacobian_calls;
     d["factorisations"] = s.factorisations;
     d["smallest_step"] = s.smallest_step;
     d["largest_step"] = s.largest_step;
+    d["largest_error"] = s.largest_error;
     return d;
   }
   nb::dict counters() const {

@@ -156,13 +156,13 @@ def _joined(parts: Sequence[xr.Dataset], perturbations: Sequence[float]) -> xr.D
 
 
 def _summed(texts: Iterable[str]) -> dict[str, float]:
-    """Counts of all segments together; of the steps' lengths the smallest and largest."""
+    """Counts of all segments together; of the steps' lengths the smallest and largest, of their errors the largest."""
     total: dict[str, float] = {}
     for text in texts:
         for key, value in json.loads(text).items():
             if value is None:
                 continue
-            pick = {"smallest_step": min, "largest_step": max}.get(key)
+            pick = {"smallest_step": min, "largest_step": max, "largest_error": max}.get(key)
             old = total.get(key)
             total[key] = value if old is None else pick(old, value) if pick else old + value
     return total

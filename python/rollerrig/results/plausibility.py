@@ -1,10 +1,11 @@
 """What a run computes without complaint and hardly anybody can have meant: a line each, beside the results.
 
-results, their model -> [plausibility] -> warnings: wheel loads, tolerance, stiffness over mass and step
+results, their model -> [plausibility] -> warnings: wheel loads, tolerance, steps beyond it, stiffness over mass and step
 """
 
+import json
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
@@ -16,6 +17,9 @@ WHEEL_LOADS = (100.0, 400e3)
 
 LEAST_TOLERANCE = 1e-5
 """A smaller absolute tolerance is below any signal that is worth a run [m]."""
+
+COARSE_STEPS, LARGEST_ERROR = 0.01, 10.0
+"""Part of the steps that may exceed the tolerance, and by how many times one of them may."""
 
 
 def plausibility_warnings(draft: Draft, model: AssembledModel) -> Iterator[str]:
@@ -36,12 +40,23 @@ def plausibility_warnings(draft: Draft, model: AssembledModel) -> Iterator[str]:
             f"the absolute tolerance, {1e3 * time.absolute_tolerance:.3g} mm, is larger than the largest lateral motion, "
             f"{1e3 * largest:.3g} mm: the run resolves nothing of it"
         )
+    yield from _coarse(json.loads(draft.attributes["solver_statistics"]))
     name, frequency = _fastest(model)
     step = model.case.integration.step
     if model.case.integration.fixed and step and 2.0 * math.pi * frequency * step > math.pi:
         yield (
             f"{name} has a mode of {frequency:.3g} Hz, faster than the step of {1e3 * step:.3g} ms resolves: stiffness or masses "
             "may not be what is meant"
+        )
+
+
+def _coarse(counted: Mapping[str, float]) -> Iterator[str]:
+    """Steps that were the shortest of their method and still not within the tolerance; (T3)."""
+    coarse, steps, error = (counted[name] for name in ("coarse_steps", "steps", "largest_error"))
+    if coarse > COARSE_STEPS * steps or error > LARGEST_ERROR:
+        yield (
+            f"{coarse:g} of {steps:g} steps have an error above the tolerance, up to {error:.2g} times it: they are not halved "
+            "below a 32nd of time.step; shorten that, or take time.method = 'rodas4'"
         )
 
 

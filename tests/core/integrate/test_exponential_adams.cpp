@@ -194,7 +194,20 @@ TEST_CASE("a step is halved where the force has a kink and doubled behind it; th
     CHECK(std::abs(integrator.states()[0] - exact(1)) < 10 * tolerance);
     CHECK(integrator.statistics().largest_step == doctest::Approx(0.02));
     CHECK((integrator.statistics().rejected_steps > 0) == (tolerance < 1e-3));
+    CHECK(integrator.statistics().coarse_steps == 0);
   }
+  Kink problem{{rate}};
+  problem.dfdx = -1;
+  Options o = fixed(adams, 0.02, 1);
+  o.relative_tolerance = 1e-12;
+  o.absolute_tolerance = {1e-12};
+  Integrator integrator(problem, o);
+  double const x0 = 0;
+  integrator.start(0, &x0);
+  REQUIRE(integrator.advance(1) == Status::ok);
+  CHECK(integrator.statistics().coarse_steps > 0);  // a 32nd is kept, and counted
+  CHECK(integrator.statistics().largest_error > 1.0);
+  CHECK(integrator.statistics().smallest_step == doctest::Approx(0.02 / 32));
 }
 
 TEST_CASE("a Jacobian that has become wrong is renewed, and the long step comes back") {

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import json
+
 import pytest
 
 import rollerrig as rr
+from rollerrig.cases import displaced
 from rollerrig.catalog import catalog_names
 
 SHORT = {"time.duration": "0.02 s"}
@@ -24,6 +27,27 @@ SHORT = {"time.duration": "0.02 s"}
 def test_what_hardly_anybody_means_is_said(changes: dict[str, object], line: str) -> None:
     run = rr.simulate(rr.load_case("wheelset_rollers").with_changes(SHORT | changes))
     assert any(one.startswith(line) for one in run.attrs["warnings"].splitlines()), run.attrs["warnings"]
+
+
+@pytest.mark.parametrize(("tolerance", "said"), [(1e-4, False), (1e-6, True)])
+def test_steps_that_cannot_be_short_enough_are_counted(tolerance: float, said: bool) -> None:
+    """A wheelset dropped on its flange bounces: a 32nd of 2 ms does not resolve that to a millionth."""
+    case = displaced(rr.load_case("bogie_rollers_constant"), 8e-3).with_changes(
+        {
+            "motion.speed": "138 km/h",
+            "time.duration": "0.1 s",
+            "time.step": "2 ms",
+            "time.relative_tolerance": tolerance,
+            "time.absolute_tolerance": 1e-3 * tolerance,
+        }
+    )
+    assert case.time.method == "exponential_adams"
+    run = rr.simulate(case)
+    counted = json.loads(run.attrs["solver_statistics"])
+    assert (counted["coarse_steps"] > 0) is said
+    assert (counted["largest_error"] > 1.0) is said
+    line = f"{counted['coarse_steps']} of {counted['steps']} steps have an error above the tolerance, up to "
+    assert (line in run.attrs["warnings"]) is said
 
 
 @pytest.mark.parametrize(

@@ -283,6 +283,7 @@ class Integrator {
       double const error = norm(method.error(), y_, y_new_);
       if (status == Status::ok && (!std::isfinite(error) || !y_new_.allFinite())) status = Status::not_finite;
       if (status == Status::ok && (error <= 1 || !method.can_halve())) {
+        if (error > 1) count_coarse(error);
         Status const accepted = method.accept(f_, end, y_new_, error);
         commit(h, end);
         return accepted;
@@ -295,6 +296,11 @@ class Integrator {
       if (!method.can_halve()) return status;
       method.halve();
     }
+  }
+
+  void count_coarse(double error) {
+    ++f_.statistics.coarse_steps;
+    f_.statistics.largest_error = std::max(f_.statistics.largest_error, error);
   }
 
   /// Planned for a limit that came at once: with such steps it would never reach the present one.

@@ -57,17 +57,20 @@ inline void check_options(Options const& o, int states, bool has_jacobian) {
 struct Statistics {
   std::int64_t steps = 0;           ///< accepted
   std::int64_t rejected_steps = 0;  ///< error too large, or the system could not be evaluated
+  std::int64_t coarse_steps = 0;    ///< kept although the error is too large: a method's shortest one
   std::int64_t derivative_calls = 0;
   std::int64_t jacobian_calls = 0;
   std::int64_t factorisations = 0;
   double smallest_step = std::numeric_limits<double>::infinity();  ///< [s] accepted
   double largest_step = 0;                                         ///< [s] accepted
+  double largest_error = 0;                                        ///< of a coarse step, over what is allowed
 
   void state(auto& archive) {
-    for (std::int64_t* count : {&steps, &rejected_steps, &derivative_calls, &jacobian_calls, &factorisations})
+    for (std::int64_t* count :
+         {&steps, &rejected_steps, &coarse_steps, &derivative_calls, &jacobian_calls, &factorisations})
       archive.within(*count, std::int64_t{0}, std::int64_t{1} << 60);
     archive.time(smallest_step);
-    archive(largest_step);
+    archive(largest_step, largest_error);
   }
 };
 
