@@ -11,7 +11,21 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
 
-KINDS = ("border", "config", "profile", "run", "state", "model", "fmu", "packets", "play", "sizes", "absurd", "log")
+KINDS = (
+    "border",
+    "config",
+    "profile",
+    "run",
+    "state",
+    "model",
+    "fmu",
+    "packets",
+    "play",
+    "sizes",
+    "absurd",
+    "log",
+    "shared",
+)
 SOUND = ("refused", "ran")
 FAULTS = ("crash", "hang", "traceback", "nonsense")
 """Nonsense: accepted, and the answer is none; in the energy audit, for one."""

@@ -11,7 +11,7 @@ from hostile.runner import Counted, attack, table
 from rollerrig.interfaces.fmu.export import shells
 
 SHORT = {"border": 150, "config": 60, "fmu": 60, "model": 20, "packets": 60, "play": 80, "profile": 150, "run": 10,
-         "state": 100, "absurd": 8, "log": 200}  # fmt: skip
+         "state": 100, "absurd": 8, "log": 200, "shared": 40}  # fmt: skip
 LONG = 40
 """Times as many with --long."""
 

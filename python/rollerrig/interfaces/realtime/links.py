@@ -96,6 +96,7 @@ class Rings:
         self._memory.close()
 
     def _look(self) -> bytes | None:
+        self._next = min(self._next, self._number(64))  # whoever wrote it, more cannot be
         while self._next < (written := self._number(64)):
             self._next = max(self._next, written - self.SLOTS)
             slot = 128 + self._next % self.SLOTS * self.SLOT
@@ -111,7 +112,7 @@ class Rings:
         return int(struct.unpack("<Q", self._memory[at : at + 8])[0])
 
     def _put(self, at: int, number: int) -> None:
-        self._memory[at : at + 8] = struct.pack("<Q", number)
+        self._memory[at : at + 8] = struct.pack("<Q", number % 2**64)
 
 
 def open_link(address: str, timeout: float) -> Datagrams | Rings:
