@@ -54,6 +54,7 @@ Driver::Driver(std::shared_ptr<Model const> model, std::optional<MechatronicSetu
 Driver::~Driver() = default;
 
 double Driver::time() const { return integrator_ ? integrator_->time() : 0.0; }
+bool Driver::is_held() const { return integrator_->is_held(); }
 double Driver::step_start() const { return integrator_->step_start(); }
 double const* Driver::states() const { return integrator_->states(); }
 integrate::Statistics const& Driver::statistics() const { return integrator_->statistics(); }

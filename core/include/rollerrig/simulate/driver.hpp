@@ -122,7 +122,7 @@ class Driver {
     archive.time(final_time_);
     archive.within(step_, std::int64_t{0}, std::int64_t{1} << 60);
     archive.within(status_, Status::ok, Status::controller_failed);
-    archive.need(system_ || held_ || !integrator_->is_held());  // whoever holds it lets it go on
+    archive.need(system_ || held_ || !is_held());  // whoever holds it lets it go on
     bool const exchanged = !system_ || acted_ || status_ != Status::ok;
     archive.need(exchanged || std::fabs(time() - setup_->step * static_cast<double>(step_)) < 0.5 * setup_->step);
   }
@@ -132,6 +132,7 @@ class Driver {
   Dynamics& shown(double t, double const* x) {
     return system_ || plant_.evaluated_at(t, x, inputs_) ? plant_ : observed_;
   }
+  bool is_held() const;
   std::int64_t steps_until(double t_stop) const;
   void sample();
   void sample_end();

@@ -154,7 +154,7 @@ class Instance {
                    values[k], variable.whole ? "whole " : "", variable.least, variable.most);
     }
     bool again = false;  // a fixed parameter moves the start
-    std::vector<double> const chosen = chosen_;
+    std::vector<double> const chosen = phase_ == initializing ? chosen_ : std::vector<double>{};
     for (std::size_t k = 0; k < count; ++k) {
       std::size_t const i = references[k] - 1;
       Variable const& variable = all[i];
