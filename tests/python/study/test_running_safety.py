@@ -224,7 +224,8 @@ def test_wheels_that_lose_contact_are_named_with_time_and_place() -> None:
     step = float(run["time"][1])
     assert first["total_s"] == pytest.approx(step * np.count_nonzero(off), abs=2 * step * first["spells"])
     assert first["longest_from_m"] == pytest.approx(first["longest_from_s"] * float(run["speed"][0]))
-    (warning,) = run.attrs["warnings"].splitlines()
+    warning, coarse = run.attrs["warnings"].splitlines()
+    assert "steps have an error above the tolerance" in coarse  # a 32nd of 1 ms does not resolve the bounce
     assert warning.startswith("wheels lost contact: wheelset_1_left without contact")
     assert f"{1e3 * first['longest_s']:.3g} ms at t = {first['longest_from_s']:.4g} s" in warning
     assert any(
