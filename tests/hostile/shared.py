@@ -36,8 +36,9 @@ class Stage:
                 raise AssertionError("the server cannot be stopped")
             self.running = None  # and its memory with it
         self.running = Running(self.served, f"/rollerrig_hostile_{os.getpid()}", lock_step=True)
-        self.rig = Client(self.running.address, timeout=0.3)
+        self.rig = Client(self.running.address, timeout=30.0)  # of a busy machine
         self.rig.receive()
+        self.rig._timeout = 0.3
         with (SHARED_MEMORY / self.running.address[1:]).open("r+b") as file:
             self.memory = mmap.mmap(file.fileno(), 0)
 
