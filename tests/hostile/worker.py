@@ -14,9 +14,8 @@ import sys
 import traceback
 import warnings
 
-SECONDS, ASLEEP = 90.0, 600.0
-"""Of the processor that one input may take, and of the clock on a busy machine: vehicles thrown by 1e9 N take half a minute to
-be ended by their steps."""
+SECONDS, ASLEEP = 20.0, 180.0
+"""Of the processor that one input may take, and of the clock on a busy machine."""
 ROOM = 6 * 2**30
 """Addresses of the process [B]: what asks for more is told so, and does not take the machine with it."""
 

@@ -1,7 +1,6 @@
 """How a command ends: exit codes, and mistakes of the user as one line each instead of a traceback."""
 
 import functools
-import re
 import shutil
 import sys
 import textwrap
@@ -73,10 +72,6 @@ def readable_errors(command: Callable[P, R]) -> Callable[P, R]:
             return command(*arguments, **options)
         except (ConfigError, OutputError, StartError) as error:
             stop(_with_file(str(error), options))
-        except KeyError as error:  # of a Dataset whose file was damaged or made shorter
-            if not (found := re.match("No variable named ('.*?')", str(error.args[0]))):
-                raise
-            stop(f"these results lack the variable {found[1]}, which this needs; run the case again")
         except MemoryError:
             stop("not enough memory; raise time.output_step or shorten the run")
         except KeyboardInterrupt:

@@ -150,9 +150,9 @@ def _csv(path: str | Path) -> Mapping[str, Any]:
 def _mat(path: str | Path) -> Mapping[str, Any]:
     from scipy.io import loadmat
 
-    trial = [sys.executable, "-I", "-c", _MAT, str(check_input(path, LARGEST_TABLE))]
-    if sys.executable and subprocess.run(trial, check=False).returncode:
-        raise ResultsError(f"{path}: no file of MATLAB (version 5 to 7.2), or a damaged one")
+    trial = [sys.executable, "-P", "-c", _MAT, str(check_input(path, LARGEST_TABLE))]
+    if sys.executable and subprocess.run(trial, capture_output=True, check=False).returncode not in (0, 1):
+        raise ResultsError(f"{path}: a damaged file of MATLAB")
     content = loadmat(path, squeeze_me=True)
     arrays = {n: v for n, v in content.items() if isinstance(v, np.ndarray) and v.ndim == 1 and v.dtype.kind in "fiub"}
     length = len(arrays["time"]) if "time" in arrays else max((len(values) for values in arrays.values()), default=0)
@@ -184,14 +184,7 @@ def _record(path: str | Path) -> Mapping[str, Any]:
     return {"time [s]": period * np.arange(len(sensors)), **dict(zip(heads, sensors.T, strict=True))}
 
 
-_MAT = """
-import sys
-from scipy.io import loadmat
-try:
-    loadmat(sys.argv[1], squeeze_me=True)
-except Exception:
-    sys.exit(1)
-"""
-"""SciPy's reader trusts a file, and a damaged one ends the process: it is tried in one of its own."""
+_MAT = "import sys; from scipy.io import loadmat; loadmat(sys.argv[1], squeeze_me=True)"
+"""SciPy's reader trusts a file, and a damaged one ends the process: it is tried in one of its own, where errors end with 1."""
 
 READERS = {".csv": _csv, ".mat": _mat, ".nc": _netcdf, ".parquet": _parquet, ".npz": _record}

@@ -107,6 +107,8 @@ WHEEL = (
 )
 AXLE = ("cylinder_pressure", "brake_torque", "traction_torque", "roller_torque", "axle_speed", "roller_speed")
 TRAIN = ("speed", "distance", "train_speed")
+NEEDED = (*MOTION, "speed", "distance", *WHEEL, "patch_count", *(f"patch_{name}" for name in PATCH))
+"""What every run has: without, nothing can be shown."""
 
 ALLOWED = {"position_mm": 0.05, "angle_mrad": 0.1}
 """Errors that a page may make to have fewer frames; that of the forces is only stated."""
@@ -196,7 +198,7 @@ def model_of(run: xr.Dataset) -> AssembledModel:
     Raises:
         ResultsError: the results hold no motion of bodies, or their case cannot be read by this version.
     """
-    missing = [name for name in (*MOTION, "distance", "patch_wheel_abscissa") if name not in run]
+    missing = [name for name in NEEDED if name not in run]
     if missing or "time" not in run.sizes or "config_toml" not in run.attrs:
         lacking = ", ".join(missing[:3]) or "a time or the case"
         raise ResultsError(f"these results hold no motion of bodies ({lacking}); view takes the run.nc of a run")

@@ -158,6 +158,8 @@ def test_few_points_draw_the_profile(on_rig: xr.Dataset) -> None:
     ("change", "message"),
     [
         (lambda run: run.drop_vars("lateral"), r"no motion of bodies \(lateral\); view takes the run.nc of a run"),
+        (lambda run: run.drop_vars("speed"), r"no motion of bodies \(speed\)"),
+        (lambda run: run.drop_vars("patch_normal"), r"no motion of bodies \(patch_normal\)"),
         (lambda run: run.isel(time=[0]), "fewer than two samples"),
         (lambda run: run.assign_attrs(config_toml="[motion"), "the case of these results cannot be read"),
         (lambda run: run.assign_attrs(run_info="{}"), "results of another version of rollerrig"),

@@ -34,7 +34,6 @@ from rollerrig.config.schema.units import (
     PositiveStiffness,
     Quantity,
     Stiffness,
-    Torque,
     WheelRadius,
 )
 
@@ -155,7 +154,7 @@ class AngularLaw(Law):
     damping: AngularDamping | None = optional(None, "moment per angular speed, in parallel with the spring")
     damping_table: MomentOverRate | None = optional(None, "rows [angular speed, moment] in place of a damping")
     damper: AngularSeriesDamper | None = optional(None, "a damper in series with its own spring, in parallel")
-    preload: Torque = optional(0.0, "moment at the design position")
+    preload: Annotated[float, Quantity("N m", -1e8, 1e8)] = optional(0.0, "moment at the design position")
 
 
 class Element(Table):

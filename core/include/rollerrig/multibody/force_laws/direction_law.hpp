@@ -48,6 +48,9 @@ inline double potential(ForceLaw const& law, double d, double s) {
       law);
 }
 
+/// Beyond it a vehicle is thrown wheels deep into the rail, where a step takes milliseconds.
+inline constexpr Range preload_range{0.0, 1e8, "at most 1e8", false, false, true};
+
 /// Force over deflection and rate in one direction.
 struct DirectionLaw {
   double preload{0.0};
@@ -55,8 +58,9 @@ struct DirectionLaw {
 
   static constexpr auto fields() {
     using P = DirectionLaw;
-    return members(Member{"preload", &P::preload, "N or N m", "force on b along +axis at zero deflection"},
-                   Member{"laws", &P::laws});
+    return members(
+        Member{"preload", &P::preload, "N or N m", "force on b along +axis at zero deflection", preload_range},
+        Member{"laws", &P::laws});
   }
 
   bool active() const { return preload != 0.0 || !laws.empty(); }
