@@ -1,4 +1,8 @@
-"""The method of hunting runs against the slow one before it: random vehicles, speeds, friction, rollers and starts."""
+"""The method of hunting runs against the slow one before it: random vehicles, speeds, friction, rollers and starts.
+
+Up to 270 km/h and with flanges that are free at the start: above 280 they strike, the motion is irregular, and two runs of any
+method grow apart by a thousand within 0.2 s.
+"""
 
 from __future__ import annotations
 
@@ -26,7 +30,7 @@ def largest_difference(choose: random.Random, duration: float) -> tuple[float, s
         "contact.friction.mu_0": choose.choice([0.1, 0.3, 0.4, 0.5]),
         "support.roller_radius": choose.choice([0.3, 0.5, 0.725, 1.0, 1.5]),
     }
-    speed, start = choose.uniform(60.0, 300.0), choose.choice([1e-3, 3e-3, 5e-3])
+    speed, start = choose.uniform(60.0, 270.0), choose.choice([1e-3, 3e-3, 5e-3])
     settings = HuntingSettings(disturbance=start, duration=duration)
     case = hunting_case(rr.load_case(name).with_changes(changes), speed / 3.6, settings)
     assert case.time.method == "exponential_adams"
@@ -39,12 +43,12 @@ def largest_difference(choose: random.Random, duration: float) -> tuple[float, s
 @pytest.mark.parametrize("seed", range(4))
 def test_a_hunting_run_is_that_of_the_slow_method(seed: int) -> None:
     error, what = largest_difference(random.Random(seed), 0.3)
-    assert error < 3e-3, what
+    assert error < 1e-3, what
 
 
 @pytest.mark.long
 def test_many_hunting_runs_are_those_of_the_slow_method() -> None:
     found = [largest_difference(random.Random(1000 + seed), 0.6) for seed in range(200)]
     errors = np.array([error for error, _ in found])
-    assert errors.max() < 5e-3, max(found)
+    assert errors.max() < 2e-3, max(found)
     assert np.median(errors) < 1e-4
