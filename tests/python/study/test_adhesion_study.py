@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -16,7 +16,7 @@ from rollerrig import ConfigError, load_case, simulate
 from rollerrig.analysis.slide_statistics import SLIP_EDGES, TestRecord, regrip_adhesion
 from rollerrig.analysis.slide_statistics import test_record as record_of
 from rollerrig.config import Case, case_from_toml
-from rollerrig.study.adhesion import QUANTITIES, AdhesionStudy, Runs, findings
+from rollerrig.study.adhesion import QUANTITIES, AdhesionStudy, Runs, _starts_needed, findings
 from rollerrig.study.assessment import Outcome
 from rollerrig.study.ensemble import Estimate, difference, estimate, finer, relative, starts
 from rollerrig.study.frame import Outcome as Found
@@ -27,11 +27,11 @@ from rollerrig.study.runs.adhesion import (
     STEPS,
     TOGETHER,
     Row,
-    are_known,
     cause_shares,
     law_case,
     law_names,
     law_table,
+    to_refine,
     track_case,
     variant,
     variants_of,
@@ -247,32 +247,93 @@ def test_each_share_is_what_its_variant_takes_away_with_both_errors() -> None:
         assert shares[name].mean == pytest.approx((way[k] - way[k + 1]) / way[-1])
         assert shares[name].standard_error == pytest.approx(error / way[-1])
     assert sum(shares[name].mean for name in CAUSES) == pytest.approx(shares[TOGETHER].mean)
-    assert not are_known(shares)  # 0.1 % of the distance each
-    assert are_known({name: replace(one, standard_error=0.9 * LARGEST_ERROR) for name, one in shares.items()})
+    assert len(to_refine(shares)) == len(shares)  # 0.1 % of the distance each
+    known = {name: replace(one, standard_error=0.9 * LARGEST_ERROR) for name, one in shares.items()}
+    assert to_refine(known) == []
+    assert to_refine({**known, "drives": shares["drives"]}) == [("rolling", "drives")]
 
 
-def test_starts_are_added_until_the_shares_are_known() -> None:
-    """The study asks for more of exactly the ensembles that the shares are made of."""
-    study = AdhesionStudy(load_case("adhesion_brake"))
-    generator = np.random.default_rng(3)
+def refined(
+    scatter: Mapping[str, float], rig: Mapping[str, float] = {}, cycles: float = 0.0
+) -> tuple[dict[str, int], str]:
+    """Starts that the study makes of each ensemble, and its summary.
 
-    def work(rounds: Any, done: dict[str, Any], scatter: float) -> list[int]:
-        asked = []
-        for jobs in rounds:
-            asked.append(len(jobs))
-            done |= {name: record(generator.normal(950.0, scatter)) for name in jobs}
-        return asked
+    Distances are in turn by `scatter` [m] above and below 950 m, measures those of GOOD and of `rig`, its dump cycles in turn by
+    `cycles` above and below; the same with finer steps.
+    """
+    study, done = AdhesionStudy(load_case("adhesion_brake")), dict[str, Any]()
 
-    for scatter, many in ((0.1, False), (2.0, True)):
-        done: dict[str, Any] = {}
-        study_rounds = study.rounds(done)
-        with pytest.MonkeyPatch.context() as patch:
-            patch.setattr("rollerrig.study.adhesion.test_record", lambda *_: record(950.0))
-            patch.setattr("rollerrig.study.adhesion.STARTS", 2)
-            patch.setattr("rollerrig.study.adhesion.MOST_STARTS", 6)
-            asked = work(study_rounds, done, scatter)
-        assert len(asked) > 2 if many else len(asked) == 2
-        assert asked[2:] == [2 * 5] * (len(asked) - 2)
+    def invented(job: str) -> TestRecord:
+        ensemble, sign = job.split(",")[0], -1.0 if job[-1] in "02468" else 1.0
+        measures = GOOD if ensemble == "track" else {**GOOD, **rig}
+        counted = measures["dump_cycles"] + (sign * cycles if ensemble == "rig" else 0.0)
+        return record(950.0 + sign * scatter.get(ensemble, 0.0), **{**measures, "dump_cycles": counted})
+
+    with pytest.MonkeyPatch.context() as patch:  # what is not asked for here
+        patch.setattr("rollerrig.study.adhesion.test_record", lambda run, _: run)
+        patch.setattr("rollerrig.study.adhesion.predicted_dead_time", lambda _: None)
+        patch.setattr("rollerrig.study.adhesion.law_names", lambda _: ())
+        patch.setattr("rollerrig.study.ensemble.drawn", lambda case, _: case)
+        for jobs in study.rounds(done):
+            done |= {name: invented(name) for name in jobs if name not in done}
+        results = study.collect(done)
+    assert results is not None
+    count = {name: len(results.records[name]) for name in ("track", "rig", *STEPS)}
+    return count, "\n".join(_starts_needed(study.rows(results)))
+
+
+EIGHT = dict.fromkeys(("track", "rig", *STEPS), 8)
+
+
+def test_an_ensemble_ends_as_soon_as_its_shares_are_known() -> None:
+    """Standard error x / sqrt(n - 1) of values x above and below their mean: 0.05 % of the distance after 9.7 and 18.7 starts."""
+    assert refined({})[0] == EIGHT
+    assert refined({"estimator": 1.4})[0] == {**EIGHT, "track": 10, "drives": 10, "estimator": 10}
+    assert refined({"estimator": 2.0})[0] == {**EIGHT, "track": 16, "drives": 16, "estimator": 16}
+    assert refined({"rolling": 1.4})[0] == {**EIGHT, "rig": 10, "rolling": 10, "drives": 10}
+
+
+def test_starts_are_added_while_they_decide_a_row() -> None:
+    """Dump cycles 4 % fewer on the rig, of 5 %: interval of t(n - 1) x / sqrt(n - 1), x = 3, 4, 6 of 300 cycles."""
+    fewer = {"dump_cycles": 0.96 * GOOD["dump_cycles"]}
+    assert refined({}, fewer, 3.0) == (EIGHT, "")
+    assert refined({}, fewer, 4.0) == ({**EIGHT, "track": 12, "rig": 12}, "")
+    count, said = refined({}, fewer, 6.0)
+    assert count == EIGHT
+    assert "dump cycles, all axles under test about 21 starts" in said
+    bad_run = {**fewer, "force_error_rms": 0.06}  # no number of starts makes the row met
+    assert refined({}, bad_run, 4.0) == (EIGHT, "")
+
+
+def test_a_row_looked_at_after_each_pair_of_starts_is_wrong_a_little_more_often() -> None:
+    """At its limit every decision is wrong: 5 % of a single look at an interval of 95 %, more of five looks."""
+    generator, row, wrong = np.random.default_rng(5), Row("fidelity", "x", "x", estimate([0.0]), -0.05, 0.05, ""), 0
+    for values in generator.normal(0.05, 0.01, (2000, 16)).tolist():
+        count = 8
+        while count < (one := replace(row, value=estimate(values[:count]))).starts_needed <= 16 and count < 16:
+            count += 2
+        wrong += one.verdict != "not decided"
+    assert wrong / 2000 == pytest.approx(0.08, abs=0.01)
+
+
+def test_the_starts_that_a_row_needs_end_its_interval_at_the_nearest_limit() -> None:
+    row = Row("fidelity", "x", "x", estimate([0.01, 0.05, 0.02, 0.00, 0.04, 0.03, 0.02, 0.03]), -0.05, 0.05, "")
+    for value in (row.value, replace(row.value, mean=0.08), replace(row.value, systematic=0.01)):
+        one = replace(row, value=value)
+        count = one.starts_needed
+        spread = value.standard_error * 8**0.5
+        ends = [
+            replace(one, value=replace(value, standard_error=spread / n**0.5, freedom=n - 1.0)).verdict
+            for n in (count - 1.0, count)
+        ]
+        assert ends == ["not decided", "met" if value.mean < 0.05 else "not met"]
+    many = replace(row.value, mean=0.0499)
+    assert replace(row, value=many).starts_needed == math.inf
+    assert (
+        replace(row, value=replace(row.value, systematic=0.03)).starts_needed == math.inf
+    )  # the steps decide, not the starts
+    assert replace(row, bad_run=True).starts_needed == replace(row, undecided=True).starts_needed == math.inf
+    assert replace(row, value=Estimate(math.nan, math.nan, 0.0)).starts_needed == math.inf
 
 
 # -------------------------------------------------------------------------------------------------------- the verdict

@@ -22,12 +22,15 @@ _RENAMED: Mapping[str, tuple[str, ...]] = {
     "cleaned": ("recovered",),
     "cleaning": ("recovery_constant",),
     "decay": ("B", "beta", "friction"),
+    "extends": ("base",),
     "friction_fall": ("friction",),
     "held": ("fixed", "speed_controlled"),
     "ideal_rolling": ("pure_rolling",),
+    "inherits": ("base",),
     "initial": ("k_0",),
     "luenberger": ("observer",),
     "merge_barrier": ("merging_criterion", "normal.merging_criterion"),
+    "parent": ("base",),
     "polach": ("creep",),
     "ratio": ("A",),
     "remaining": ("A", "friction"),
@@ -40,7 +43,7 @@ _RENAMED: Mapping[str, tuple[str, ...]] = {
     "ultimate": ("k_inf",),
     "wsp": ("slide_protection",),
 }
-"""Former key or word -> what it may be called now; a dotted one is in a table of that name."""
+"""Former key or word, or one of other programs -> what it is called now; a dotted one is in a table of that name."""
 
 _DIVIDED: Mapping[str, str] = {
     "bench": "its step is now time.sampling_step, its standstill motion.stop_speed, its pure_rolling contact.pure_rolling"
