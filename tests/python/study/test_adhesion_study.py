@@ -297,7 +297,7 @@ def test_starts_are_added_while_they_decide_a_row() -> None:
     """Dump cycles 4 % fewer on the rig, of 5 %: interval of t(n - 1) x / sqrt(n - 1), x = 3, 4, 6 of 300 cycles."""
     fewer = {"dump_cycles": 0.96 * GOOD["dump_cycles"]}
     assert refined({}, fewer, 3.0) == (EIGHT, "")
-    assert refined({}, fewer, 4.0) == ({**EIGHT, "track": 12, "rig": 12}, "")
+    assert refined({}, fewer, 4.0) == ({**EIGHT, "track": 11, "rig": 11}, "")
     count, said = refined({}, fewer, 6.0)
     assert count == EIGHT
     assert "dump cycles, all axles under test about 21 starts" in said
@@ -305,15 +305,15 @@ def test_starts_are_added_while_they_decide_a_row() -> None:
     assert refined({}, bad_run, 4.0) == (EIGHT, "")
 
 
-def test_a_row_looked_at_after_each_pair_of_starts_is_wrong_a_little_more_often() -> None:
-    """At its limit every decision is wrong: 5 % of a single look at an interval of 95 %, more of five looks."""
+def test_a_row_looked_at_twice_is_wrong_hardly_more_often() -> None:
+    """At its limit every decision is wrong: 5 % of a single look at an interval of 95 %."""
     generator, row, wrong = np.random.default_rng(5), Row("fidelity", "x", "x", estimate([0.0]), -0.05, 0.05, ""), 0
     for values in generator.normal(0.05, 0.01, (2000, 16)).tolist():
-        count = 8
-        while count < (one := replace(row, value=estimate(values[:count]))).starts_needed <= 16 and count < 16:
-            count += 2
+        one = replace(row, value=estimate(values[:8]))
+        if 8 < one.starts_needed <= 16:
+            one = replace(row, value=estimate(values[: int(one.starts_needed)]))
         wrong += one.verdict != "not decided"
-    assert wrong / 2000 == pytest.approx(0.08, abs=0.01)
+    assert wrong / 2000 == pytest.approx(0.07, abs=0.01)
 
 
 def test_the_starts_that_a_row_needs_end_its_interval_at_the_nearest_limit() -> None:
