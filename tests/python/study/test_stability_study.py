@@ -50,7 +50,7 @@ def test_numbers_are_registered_and_those_of_the_bogie(folder) -> None:
     missing = [
         key
         for key in StabilityStudy.quantities.unreported(summary)
-        if not key.startswith(("contact_effects", "diverging.*", "branch."))
+        if not key.startswith(("contact_effects", "diverging.*", "branch.", "sensitivity"))
     ]
     assert missing == ["crossings"]  # there are some
     assert summary["linear_critical_speed_kmh"] == pytest.approx(253.09, abs=0.01)
@@ -245,6 +245,23 @@ def test_the_branch_of_limit_cycles_is_followed(tmp_path: Path, monkeypatch: pyt
     assert [point["stable"] for point in points] == [False] * len(points)
     assert len((tmp_path / "branch.csv").read_text().splitlines()) == len(points) + 1
     assert "Branch of limit cycles" in (tmp_path / "report.html").read_text()
+
+
+def test_what_moves_the_critical_speed_is_drawn_and_said(tmp_path: Path) -> None:
+    options = ("--speeds-kmh", "200:220:20", "--no-limit-cycles", "--sensitivity", "--out", str(tmp_path))
+    result = run("suspended_wheelset", *options)
+    assert result.exit_code == 0, result.output
+    assert "moved most by vehicle.element.suspension_*.x.stiffness: +0.91 km/h if that is 1 % larger." in result.output
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    assert StabilityStudy.quantities.unexplained(summary) == []
+    along, across = summary["sensitivity"]
+    assert (along["value"], along["unit"]) == (3e5, "N/m")
+    assert along["change_kmh"] > across["change_kmh"] > 0.0
+    assert along["relative_change"] == pytest.approx(along["change_kmh"] / summary["linear_critical_speed_kmh"])
+    assert (tmp_path / "figures" / "sensitivity.svg").exists()
+    rows = (tmp_path / "sensitivity.csv").read_text().splitlines()
+    assert rows[0] == "parameter,value,unit,change_kmh,relative_change"
+    assert len(rows) == 3
 
 
 def test_the_lowest_fold_is_said() -> None:
