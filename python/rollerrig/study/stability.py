@@ -149,29 +149,40 @@ BRANCH_COLUMNS = {
 
 
 def branch_numbers(branch: xr.Dataset) -> dict[str, Any]:
-    """The branch of `bifurcation`: its folds, why it ends, its limit cycles."""
+    """The branch of `bifurcation`: nonlinear critical speed, folds, why it ends, its limit cycles."""
     columns = {key: factor * branch[name].to_numpy() for key, (name, factor) in BRANCH_COLUMNS.items()}
     stable = branch["stable"].to_numpy() == 1
     points = [{key: float(values[i]) for key, values in columns.items()} for i in range(len(stable))]
     points = [{**one, "stable": bool(holds)} for one, holds in zip(points, stable, strict=True)]
-    return {"folds": json.loads(branch.attrs["folds"]), "ended": str(branch.attrs["ended"]), "points": points}
+    return {
+        "nonlinear_critical_speed_kmh": float(branch.attrs["nonlinear_critical_speed_kmh"]),
+        "folds": json.loads(branch.attrs["folds"]),
+        "ended": str(branch.attrs["ended"]),
+        "points": points,
+    }
 
 
 def branch_sentences(branch: Mapping[str, Any], linear_kmh: float) -> list[str]:
-    """The lowest fold, and where the branch ends."""
+    """The nonlinear critical speed, how the branch begins and where it ends."""
     if not branch["points"]:
         return [f"The branch of limit cycles cannot be followed, it ends {branch['ended']}."]
     begins = "Stable limit cycles begin" if branch["points"][0]["stable"] else "Unstable limit cycles begin"
     kind = "supercritical" if branch["points"][0]["stable"] else "subcritical"
-    below = [fold for fold in branch["folds"] if fold["speed_kmh"] < linear_kmh]
-    lowest = min(below, key=lambda fold: float(fold["speed_kmh"]), default=None)
-    found = f"{begins} at the linear critical speed, {linear_kmh:.2f} km/h ({kind})"
-    if lowest is not None:
-        at = f"{lowest['speed_kmh']:.2f} km/h, with {lowest['amplitude_mm']:.2f} mm"
-        found += (
-            f"; the lowest speed at which this branch has one is {at}, where a stable and an unstable one meet (fold)"
-        )
-    return [f"{found}. The branch ends {branch['ended']}."]
+    course = (
+        f"{begins} at the linear critical speed, {linear_kmh:.2f} km/h ({kind}). The branch ends {branch['ended']}."
+    )
+    lowest = branch["nonlinear_critical_speed_kmh"]
+    if lowest is None:
+        return [
+            "Nonlinear critical speed: not found, no limit cycle of the branch is stable as far as it was followed.",
+            course,
+        ]
+    folds = {fold["speed_kmh"]: f"a fold, with {fold['amplitude_mm']:.2f} mm" for fold in branch["folds"]}
+    at = folds.get(
+        lowest, "where it begins" if math.isclose(lowest, linear_kmh, rel_tol=1e-6) else "where cycles become stable"
+    )
+    found = f"Nonlinear critical speed: {lowest:.2f} km/h, the lowest with a stable limit cycle on the branch: {at}."
+    return [found, course]
 
 
 def sensitivity_numbers(found: xr.Dataset) -> list[dict[str, Any]]:
