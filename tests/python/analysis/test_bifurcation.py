@@ -100,11 +100,35 @@ def test_stable_limit_cycles_are_where_runs_end(branch: xr.Dataset) -> None:
 def test_below_the_fold_every_motion_decays_and_above_it_a_large_one_persists(branch: xr.Dataset) -> None:
     (fold,) = json.loads(branch.attrs["folds"])
     assert fold["speed_kmh"] == pytest.approx(240.90, abs=0.02)
+    assert branch.attrs["nonlinear_critical_speed_kmh"] == fold["speed_kmh"]
     settings = HuntingSettings(disturbance=9e-3, duration=10.0)
     assert hunting_run((rr.load_case(CASE), (fold["speed_kmh"] - 1.0) / 3.6, settings)).decays
     assert hunting_run((rr.load_case(CASE), (fold["speed_kmh"] + 6.0) / 3.6, settings)).persists
     stable = branch["stable"].to_numpy() == 1
     assert (stable == (branch["speed_slope"].to_numpy() > 0.0)).all()
+
+
+def cycle_of(amplitude: float, speed: float, multiplier: float) -> module.Cycle:
+    """One of an invented branch."""
+    return module.Cycle(amplitude, speed, 0.2, np.zeros(1), np.array([multiplier + 0j]), np.zeros(3), 0.0)
+
+
+@pytest.mark.parametrize(
+    ("speeds", "multipliers", "lowest"),
+    [
+        ([59.0, 57.0, 58.0], [1.1, 1.0, 0.9], 57.0),  # subcritical: from the fold on, which is itself on the border
+        ([61.0, 62.0, 63.0], [0.9, 0.8, 0.7], 60.0),  # supercritical: from the linear critical speed on
+        ([61.0, 62.0, 58.0, 59.0], [0.9, 1.0, 1.0, 0.9], 58.0),  # and back below it
+        ([59.0, 55.0, 56.0, 57.0], [1.1, 1.2, 1.1, 0.9], 57.0),  # that fold has no stable cycle
+        ([59.0, 58.0], [1.1, 1.2], np.nan),
+        ([], [], np.nan),
+    ],
+)
+def test_the_nonlinear_critical_speed_is_the_lowest_of_a_stable_cycle(
+    speeds: list[float], multipliers: list[float], lowest: float
+) -> None:
+    cycles = [cycle_of(1e-3 * k, *one) for k, one in enumerate(zip(speeds, multipliers, strict=True), 1)]
+    assert module._nonlinear_critical_speed(cycles, 60.0) == pytest.approx(lowest, nan_ok=True)
 
 
 def test_a_range_without_a_linear_critical_speed_is_refused() -> None:
