@@ -42,6 +42,7 @@ def cycle(shooting: module._Shooting) -> module.Cycle:
     return found
 
 
+@pytest.mark.slow
 def test_the_branch_begins_at_the_linear_critical_speed(branch: xr.Dataset) -> None:
     first = branch.isel(cycle=0)
     assert float(first["amplitude"]) == pytest.approx(1e-4)
@@ -80,6 +81,7 @@ def test_the_multipliers_are_what_becomes_of_a_deviation(shooting: module._Shoot
     assert shooting._weight * shifted == pytest.approx(shooting._weight * run.slope, abs=1e-3 * np.abs(run.slope).max())
 
 
+@pytest.mark.slow
 def test_speed_over_amplitude_is_that_of_differences(branch: xr.Dataset) -> None:
     part = branch.where(branch["amplitude"] < 7e-3, drop=True)
     between = np.diff(part["speed"]) / np.diff(1e3 * part["amplitude"])
@@ -87,6 +89,7 @@ def test_speed_over_amplitude_is_that_of_differences(branch: xr.Dataset) -> None
     assert between == pytest.approx(mean, rel=0.06)
 
 
+@pytest.mark.slow
 def test_stable_limit_cycles_are_where_runs_end(branch: xr.Dataset) -> None:
     last = branch.isel(cycle=-1)
     assert bool(last["stable"])
@@ -97,6 +100,7 @@ def test_stable_limit_cycles_are_where_runs_end(branch: xr.Dataset) -> None:
     assert float(leading.isel(time=slice(-400, None)).max()) == pytest.approx(float(last["amplitude"]), rel=2e-3)
 
 
+@pytest.mark.slow
 def test_below_the_fold_every_motion_decays_and_above_it_a_large_one_persists(branch: xr.Dataset) -> None:
     (fold,) = json.loads(branch.attrs["folds"])
     assert fold["speed_kmh"] == pytest.approx(240.90, abs=0.02)
@@ -136,6 +140,7 @@ def test_a_range_without_a_linear_critical_speed_is_refused() -> None:
         rr.bifurcation(CASE, [100.0, 120.0])
 
 
+@pytest.mark.slow
 def test_the_picture_has_stable_and_unstable_parts(branch: xr.Dataset) -> None:
     (axes,) = rr.plot.bifurcation_diagram(branch).axes
     labels = [one.get_label() for one in axes.get_lines()]

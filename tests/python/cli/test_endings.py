@@ -115,6 +115,7 @@ def test_a_study_ended_at_any_moment_goes_on_to_the_same_results(study: str, tmp
     assert contents(out) == contents(tmp_path / "whole")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("moment", ["RunStudy.collect", "Outcome.write"])
 def test_ctrl_c_after_the_last_step_keeps_the_whole_run(
     moment: str, case: Path, whole_run: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -133,6 +134,7 @@ def test_ctrl_c_after_the_last_step_keeps_the_whole_run(
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 
+@pytest.mark.slow
 def test_a_run_that_becomes_infinite_keeps_what_was_finite(tmp_path: Path) -> None:
     changes = ("time.step=0.5 s", "motion.speed=400 km/h", "time.duration=2 s")
     options = [word for change in changes for word in ("--set", change)]
@@ -158,6 +160,7 @@ def test_a_folder_that_takes_no_files(case: Path) -> None:
     assert re.fullmatch(r"rollerrig: /sys/kernel/out: cannot be written: [^\n]*; choose another folder\n", text)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("progress", [False, True], ids=["results", "progress too"])
 def test_a_closed_pipe_costs_no_results(progress: bool, case: Path, tmp_path: Path) -> None:
     """`rollerrig run ... | true`, and `2>&1 | head -1` where the run goes on for hours: what was computed is not lost."""
@@ -186,6 +189,7 @@ def test_a_closed_pipe_ends_a_list_quietly() -> None:
     assert done.stderr == ""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "environment",
     [

@@ -121,6 +121,7 @@ def written(place: Place, value: float) -> object:
     return place.range.as_written(value) if isinstance(place.range, Quantity) else int(value)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", whole_cases())
 def test_the_ends_of_every_range_can_be_checked(name: str) -> None:
     """A sample of the places, the same in every run; all of them take five minutes."""

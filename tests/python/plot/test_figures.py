@@ -170,6 +170,7 @@ def test_every_axis_carries_its_unit(name: str) -> None:
     assert all("[" in label and label.rstrip(")").count("[") == label.count("]") for label in labels), labels
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FIGURES)
 def test_the_same_figure_gives_the_same_bytes(name: str) -> None:
     first = figure_bytes(FIGURES[name]())
@@ -216,6 +217,7 @@ def test_patches_are_counted_in_whole_numbers() -> None:
     assert np.all(ticks == np.round(ticks))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FIGURES)
 def test_numbers_in_figures_have_one_minus(name: str) -> None:
     with house_style():
@@ -253,6 +255,7 @@ def test_runs_that_ended_early_are_drawn_as_neither() -> None:
     assert lines["steel: not decided"] == [120.0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [2, 4, 12, 40])
 def test_the_damping_map_has_room_for_its_labels(count: int) -> None:
     """Also with few modes, where the figure is low."""
@@ -268,6 +271,7 @@ def test_the_damping_map_has_room_for_its_labels(count: int) -> None:
             assert not label.get_text() or (drawn_on.y0 <= box.y0 and box.y1 <= drawn_on.y1), label.get_text()
 
 
+@pytest.mark.slow
 def test_figures_draw_their_data_in_the_units_of_their_axes() -> None:
     forces = read_off()["wheel_load"].sel(wheel="wheelset_1_right").to_numpy()
     assert drawn("wheel_forces", 0, "wheelset 1 right") == pytest.approx(1e-3 * forces)

@@ -44,11 +44,13 @@ def require_equal(case: Case, keys: Sequence[str], outputs: Sequence[str]) -> Se
     return found
 
 
+@pytest.mark.slow
 def test_hunting_on_rollers() -> None:
     case = rr.load_case("bogie_rollers_constant").with_changes({**FINE, "time.duration": "0.1 s"})
     require_equal(case, ["vehicle.element.primary_*.x.stiffness"], ["lateral", "yaw"])
 
 
+@pytest.mark.slow
 def test_numbers_of_every_kind() -> None:
     """A spring, friction, the radius of the rollers, which enters by geometry, and the speed; until forces in contact jump."""
     case = rr.load_case("bogie_rollers_constant").with_changes({**FINE, "time.duration": "30 ms"})
@@ -61,6 +63,7 @@ def test_numbers_of_every_kind() -> None:
     assert found.values == pytest.approx([31.391e6, 0.3, 0.725, 150 / 3.6])
 
 
+@pytest.mark.slow
 def test_curving() -> None:
     curve = {"kind": "curve", "length": 500.0, "radius": 600.0, "direction": "left", "cant": 0.11}
     changes = {"support.segment": [curve], "disturbance": [{"body": "wheelset_1", "lateral": "0.5 mm"}]}
@@ -68,6 +71,7 @@ def test_curving() -> None:
     require_equal(case, ["vehicle.element.primary_*.y.stiffness"], ["lateral", "yaw"])
 
 
+@pytest.mark.slow
 def test_traction_on_free_rollers() -> None:
     """A torque whose table has corners: what it is there is a number, too."""
     torque = {"wheelset": "wheelset_1", "table": [[0.0, 0.0], [0.03, 0.0], [0.08, 2000.0], [10.0, 2000.0]]}
@@ -77,6 +81,7 @@ def test_traction_on_free_rollers() -> None:
     require_equal(case, ["axle_torque.0.table.2.1"], ["pitch_rate", "longitudinal_creepage"])
 
 
+@pytest.mark.slow
 def test_sampled_controllers_and_motors() -> None:
     changes = {"wheel_slip_control": None, "traction.demand": [[0.0, 0.0], [0.05, 5000.0], [10.0, 5000.0]]}
     case = rr.load_case("locomotive_traction").with_changes({**FINE, **changes, "time.duration": "0.1 s"})

@@ -60,6 +60,7 @@ def outcome() -> Found[Runs]:
     return found
 
 
+@pytest.mark.slow
 def test_the_first_page_is_that_of_two_starts_on_track_and_rig(outcome: Found[Runs], tmp_path: Path) -> None:
     """Nothing is said yet of what was not run."""
     first = next(one for one in FIRST if len(one.results.records.get("rig", ())) == 2)
@@ -117,6 +118,7 @@ NUMBERS = {"zero": [0.0] * 8, "a number": [0.3 + 1e-4 * k for k in range(8)], "n
 NUMBERS |= {"none in one test": [*NUMBERS["a number"][:7], math.nan]}
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("key", ["dump_cycles", "air_litres", "regrip_adhesion", "mean_deceleration_mps2"])
 @pytest.mark.parametrize("on_track", NUMBERS)
 @pytest.mark.parametrize("on_rig", NUMBERS)
@@ -181,6 +183,7 @@ def test_finer_tests_have_a_quarter_of_steps_and_samples_on_both_supports() -> N
     assert track.integration.step == 0.25e-3
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("distribution", ["uniform", "normal"])
 def test_starts_are_the_case_itself_and_others_drawn_by_its_ensemble_and_always_the_same(distribution: str) -> None:
     case = load_case("adhesion_brake").with_changes({"ensemble.distribution": distribution})
@@ -467,11 +470,13 @@ def test_a_locked_wheel_is_counted_as_long_as_it_is_locked() -> None:
 # --------------------------------------------------------------------------------------------------------- the study
 
 
+@pytest.mark.slow
 def test_without_its_imperfections_the_rig_follows_better(numbers: dict[str, Any]) -> None:
     best = numbers["variants"]["estimator"]["tracking_rms"]["mean"]
     assert best < 0.8 * numbers["rig"]["tracking_rms"]["mean"]
 
 
+@pytest.mark.slow
 def test_real_sliding_is_gone_with_pure_rolling(outcome: Found[Runs]) -> None:
     """Real sliding does not count the bogie's swinging on its traction rod; that is there in both."""
     whole = outcome.results.whole
@@ -480,6 +485,7 @@ def test_real_sliding_is_gone_with_pure_rolling(outcome: Found[Runs]) -> None:
     assert float(abs(whole["rig"]["real_sliding"]).max()) > 5e-3
 
 
+@pytest.mark.slow
 def test_every_number_is_explained_and_written(outcome: Found[Runs], tmp_path: Path) -> None:
     written = {path.relative_to(tmp_path).as_posix() for path in outcome.write(tmp_path)}
     summary = json.loads((tmp_path / "summary.json").read_text(encoding="utf-8"))
@@ -503,6 +509,7 @@ def test_every_number_is_explained_and_written(outcome: Found[Runs], tmp_path: P
     assert page.index("<h2>Assessment</h2>") < page.index("<h2>Why rig and track differ</h2>")
 
 
+@pytest.mark.slow
 def test_the_summary_begins_with_the_verdict_and_says_how_limit_cycles_are_compared(outcome: Found[Runs]) -> None:
     lines = outcome.summary.splitlines()
     assert lines[1].startswith("Tracking, wheels of the rig against their virtual axles: ")
@@ -517,6 +524,7 @@ def test_the_summary_begins_with_the_verdict_and_says_how_limit_cycles_are_compa
     assert any(line.startswith("Equivalent dead time: ") for line in lines)
 
 
+@pytest.mark.slow
 def test_every_creep_law_has_a_line_for_track_and_rig(outcome: Found[Runs]) -> None:
     laws = outcome.numbers["creep_laws"]
     assert next(iter(laws)) == "polach"  # of the case
@@ -537,6 +545,7 @@ def test_every_creep_law_has_a_line_for_track_and_rig(outcome: Found[Runs]) -> N
     assert [row[0] for row in rows][:2] == ["Polach", "the paper's law"]
 
 
+@pytest.mark.slow
 def test_one_and_two_processes_find_the_same_to_the_last_bit() -> None:
     case = load_case("adhesion_brake").with_changes({"time.duration": "0.6 s", "contact.normal": "hertz"})
     one, two = (AdhesionStudy(case, error_budget=False, quick=True).run(processes=count) for count in (1, 2))

@@ -39,11 +39,13 @@ def folder(tmp_path_factory) -> Path:
     return out
 
 
+@pytest.mark.slow
 def test_everything_is_written(folder) -> None:
     names = {path.name for path in folder.iterdir()}
     assert {"report.html", "stability.nc", "modes.csv", "shapes.csv", "limit_cycles.csv", "summary.json"} <= names
 
 
+@pytest.mark.slow
 def test_numbers_are_registered_and_those_of_the_bogie(folder) -> None:
     summary = json.loads((folder / "summary.json").read_text())
     assert StabilityStudy.quantities.unexplained(summary) == []
@@ -63,6 +65,7 @@ def test_numbers_are_registered_and_those_of_the_bogie(folder) -> None:
     assert len(rows) == 1 + len(cycles["points"])
 
 
+@pytest.mark.slow
 def test_figures_are_drawn_and_shown(folder) -> None:
     drawn = {path.name for path in (folder / "figures").iterdir()}
     names = ("frequency", "damping", "damping_map", "root_locus", "limit_cycles", "critical_mode", "mode_shapes")
@@ -73,6 +76,7 @@ def test_figures_are_drawn_and_shown(folder) -> None:
     assert f"Linear critical speed: {found:.1f} km/h" in text
 
 
+@pytest.mark.slow
 def test_the_data_are_those_of_the_table(folder) -> None:
     data = load_run(folder / "stability.nc")
     assert list(data["speed"].to_numpy()) == [100.0, 180.0, 260.0]
@@ -105,6 +109,7 @@ def test_ctrl_c_keeps_the_speeds_that_were_done(tmp_path) -> None:
     assert json.loads((tmp_path / "summary.json").read_text())["interrupted"] is True
 
 
+@pytest.mark.slow
 def test_ctrl_c_keeps_the_runs_that_were_done(tmp_path) -> None:
     # 0.1 the modes, then a sixth of 0.9 and the halvings for each run
     study = StabilityStudy(load_case("wheelset_rollers"), (20, 40, 60))
@@ -176,6 +181,7 @@ def test_the_report_of_a_lone_wheelset_is_in_the_singular_and_draws_no_hunting(t
     assert not (tmp_path / "figures" / "critical_mode.svg").exists()
 
 
+@pytest.mark.slow
 def test_a_line_with_curves_is_said_to_be_that_of_its_first_segment(tmp_path) -> None:
     case = tmp_path / "bogie_curve.toml"
     case.write_text(load_case("vehicle_curve").with_changes({"vehicle.cut": "leading_bogie"}).to_toml())
@@ -189,6 +195,7 @@ def test_a_line_with_curves_is_said_to_be_that_of_its_first_segment(tmp_path) ->
     assert line_sentences(load_case("bogie_track")) == line_sentences(load_case("bogie_rollers_constant")) == []
 
 
+@pytest.mark.slow
 def test_a_critical_speed_above_the_range_is_found_and_said_to_be_there(tmp_path) -> None:
     """On track the bogie hunts at 263 km/h; asked for are 220 to 240 km/h."""
     options = ["--speeds-kmh", "220:240:20", "--no-limit-cycles", "--out", str(tmp_path)]
@@ -230,6 +237,7 @@ def test_ctrl_c_ends_the_command_with_130(tmp_path) -> None:
     assert "Traceback" not in errors
 
 
+@pytest.mark.slow
 def test_the_branch_of_limit_cycles_is_followed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(bifurcation, "LONGEST_STEP", 3e-3)
     options = ("--speeds-kmh", "220:260:20", "--no-limit-cycles", "--branch-mm", "2", "--out", str(tmp_path))

@@ -42,6 +42,7 @@ def test_a_verdict_needs_the_whole_interval() -> None:
     assert verdict(estimate([-0.2, 0.1, -0.05])) == verdict(estimate([-0.2])) == "not decided"
 
 
+@pytest.mark.slow
 def test_every_candidate_on_offer_keeps_the_margins_and_higher_gains_track_better() -> None:
     numbers = tuned().numbers
     points = {name: one for name, one in numbers["points"].items() if name != SHIPPED}
