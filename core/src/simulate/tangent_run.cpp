@@ -40,6 +40,11 @@ void need_alike(Driver const& run, Driver const& changed) {
     throw std::invalid_argument("TangentRun: the changed simulations have other states, outputs or sampling steps");
 }
 
+void need_its_steps(Driver& run) {
+  if (!run.started() || run.integrator().exponential_adams() == nullptr)
+    throw std::invalid_argument("TangentRun: derivatives take the steps of exponential_adams, the run has others");
+}
+
 constexpr Place locked = -1, differenced = -2;
 
 /// Of each column of a row its place among states and quadratures, where it is a displacement or rate of a body.
@@ -116,8 +121,7 @@ TangentRun::TangentRun(Driver& run, std::vector<ChangedRuns> changed, MatrixXd c
       past_{MatrixXd{}, MatrixXd{}} {
   auto const [states, quadratures] = dynamics_.sizes();
   need_alike(run_, run_);
-  if (run_.integrator().exponential_adams() == nullptr)
-    throw std::invalid_argument("TangentRun: derivatives take the steps of exponential_adams, the run has others");
+  need_its_steps(run_);
   for (ChangedRuns const& one : changed_) need_alike(run_, *one.above), need_alike(run_, *one.below);
   if (directions.rows() != states && directions.cols() > 0)
     throw std::invalid_argument("TangentRun: directions need one row per state");
@@ -142,6 +146,7 @@ TangentRun::TangentRun(Driver& run, std::vector<ChangedRuns> changed, MatrixXd c
 }
 
 Status TangentRun::advance(double t_stop) {
+  need_its_steps(run_);  // it may have been started again
   run_.integrator().watch([this] { step(); });
   Status const status = run_.advance(t_stop, [this](double t, double const* x, double const* z) { keep(t, x, z); });
   run_.integrator().watch({});

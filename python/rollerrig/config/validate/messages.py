@@ -100,7 +100,7 @@ def validate(model: type[M], raw: object, file: str, prefix: str = "") -> tuple[
 
 
 def item_labels(items: Sequence[object]) -> list[str]:
-    """Of each item of a list ``.name`` where it is unique, else ``[index]``."""
+    """Labels of the items of a list: ``.name`` where it is unique, else ``[index]``."""
 
     def name(item: object) -> str:
         if isinstance(item, Mapping):

@@ -548,6 +548,7 @@ class Examples:
     def tangent(self, **given: Any) -> Any:
         """Derivatives beside a run of one wheelset, by a number that two others have."""
         run, above, below = (self.simulation(started=True) for _ in range(3))
+        run.start(**start_arguments(self.plain_state, 0) | {"method": "exponential_adams", "step": 1e-3})
         options = {"directions": np.zeros((0, 0)), "kept": [], "breakpoints": []} | given
         return _core.TangentRun(run=run, changed=[(above, below, 1e-5, True)], **options)
 
