@@ -52,7 +52,7 @@ CLOSED = 3e-5
 FOLD_WIDTH = 0.002
 """To which the speed of a fold is found [m/s]."""
 
-_TANGENT_TOLERANCE, _MOST_ITERATIONS, _FEW_ITERATIONS = 1e-4, 8, 4
+_MOST_ITERATIONS, _FEW_ITERATIONS = 8, 4
 _RATE = 100.0
 """Turns an error of a velocity into that of a displacement [1/s]."""
 
@@ -213,9 +213,7 @@ class _Shooting:
             self._start(state + change * self._rolls, period, speed + change) for change in (0.0, width, -width)
         )
         directions = np.eye(len(self._rest))[:, self._kept]
-        tangents = _core.TangentRun(
-            run, [(above, below, width)], np.ascontiguousarray(directions), _TANGENT_TOLERANCE, []
-        )
+        tangents = _core.TangentRun(run, [(above, below, width, True)], np.ascontiguousarray(directions), [], [])
         if tangents.advance(period) != _OK:
             return None
         found, end = tangents.tangents[self._kept], run.state

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 
 import rollerrig as rr
 from rollerrig.config import Case, ConfigError
+from rollerrig.simulation import sensitivity as module
 from rollerrig.simulation.sensitivity import Sensitivity, changed_case, changed_cases
 
 FINE = {
@@ -35,7 +37,7 @@ def of_whole_runs(case: Case, key: str, outputs: Sequence[str]) -> dict[str, np.
 
 
 def require_equal(case: Case, keys: Sequence[str], outputs: Sequence[str]) -> Sensitivity:
-    found = rr.sensitivity(case, keys, outputs, tolerance=1e-6)
+    found = rr.sensitivity(case, keys, outputs)
     for k, key in enumerate(keys):
         wanted = of_whole_runs(case, key, outputs)
         for name in outputs:
@@ -52,15 +54,21 @@ def test_hunting_on_rollers() -> None:
 
 @pytest.mark.slow
 def test_numbers_of_every_kind() -> None:
-    """A spring, friction, the radius of the rollers, which enters by geometry, and the speed; until forces in contact jump."""
+    """A spring, a mass, friction, a radius, which enters by geometry, and the speed; until forces in contact jump."""
     case = rr.load_case("bogie_rollers_constant").with_changes({**FINE, "time.duration": "30 ms"})
-    keys = ["vehicle.element.primary_*.x.stiffness", "contact.friction.mu_0", "support.roller_radius", "motion.speed"]
+    keys = [
+        "vehicle.element.primary_*.x.stiffness",
+        "vehicle.body.wheelset_*.mass",
+        "contact.friction.mu_0",
+        "support.roller_radius",
+        "motion.speed",
+    ]
     found = require_equal(case, keys, ["lateral", "yaw"])
     run = rr.simulate(case)
     assert np.array_equal(found.run["lateral"], run["lateral"]), "the run is that of simulate()"
     assert found.derivatives["lateral"].dims == ("parameter", "time", "body")
     assert list(found.derivatives["parameter"].values) == keys
-    assert found.values == pytest.approx([31.391e6, 0.3, 0.725, 150 / 3.6])
+    assert found.values == pytest.approx([31.391e6, 1813.0, 0.3, 0.725, 150 / 3.6])
 
 
 @pytest.mark.slow
@@ -88,6 +96,17 @@ def test_sampled_controllers_and_motors() -> None:
     require_equal(
         case, ["traction.motor.bandwidth", "rig_control.estimator.bandwidth"], ["roller_torque", "train_speed"]
     )
+
+
+def test_a_number_beside_the_contacts_is_as_if_they_were_looked_for(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Springs and masses are differenced under the contact forces of the run; here also with contacts of their own."""
+    case = rr.load_case("bogie_rollers_constant").with_changes({"time.duration": "40 ms"})
+    keys = ["vehicle.element.primary_*.x.stiffness", "vehicle.body.front_frame.mass"]
+    beside = rr.sensitivity(case, keys, ["lateral"]).derivatives["lateral"]
+    monkeypatch.setattr(module, "_BESIDE_CONTACTS", re.compile("(?!)"))
+    with_contacts = rr.sensitivity(case, keys, ["lateral"]).derivatives["lateral"]
+    off = np.abs(beside.values - with_contacts.values).max((1, 2)) / np.abs(beside.values).max((1, 2))
+    assert (off < TOLERANCE).all(), off
 
 
 def test_a_number_that_changes_nothing_has_no_derivative() -> None:
