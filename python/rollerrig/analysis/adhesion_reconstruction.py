@@ -26,6 +26,7 @@ from rollerrig.assembly.model import assemble
 from rollerrig.cases import wheelsets
 from rollerrig.common.arrays import Array
 from rollerrig.config import Case, ConfigError
+from rollerrig.config.load.adhesion_file import rail_of_points
 from rollerrig.config.write.toml import plain
 from rollerrig.contact_analysis.traction_curve import LoadedWheel, traction_coefficient
 from rollerrig.results import RunInfo, variable
@@ -265,16 +266,7 @@ def with_map(case: Case, found: xr.Dataset) -> Case:
     """
     rail: dict[str, Any] = plain(case.adhesion.rail.model_dump(exclude_none=True))  # type: ignore[union-attr]
     places, values = found["distance"].to_numpy(), found["friction"].to_numpy()
-
-    def condition(mu: float) -> dict[str, Any]:
-        return {**rail, "friction": {**rail["friction"], "mu_0": float(mu)}}
-
-    pieces = [
-        {"distance": float(place), "rail": condition(mu)} for place, mu in zip(places[:-1], values[1:], strict=True)
-    ]
-    changed = case.with_changes({
-        "adhesion.piece": pieces,
-        "adhesion.rail": condition(values[0]),
-        "adhesion.blend": float(found.attrs["piece_m"]),
-    })  # fmt: skip
+    blend = float(found.attrs["piece_m"])
+    given = rail_of_points(rail, places.tolist(), values.tolist(), blend)
+    changed = case.with_changes({f"adhesion.{key}": value for key, value in given.items()})
     return changed.model_copy(update={"name": f"{case.name}_measured"[:60]})

@@ -1,6 +1,6 @@
 """Measured signals from a file: columns of numbers with their units.
 
-    .csv, .mat, .nc, .parquet, .npz of `rollerrig serve --record` -> [read_log] -> Log: name of a column -> values, unit
+    .csv, .mat, .mf4, .nc, .parquet, .npz of `rollerrig serve --record` -> [read_log] -> Log: name of a column -> values, unit
 
 A heading is `name` or `name [unit]`; a table is separated by commas, by tabs, or by semicolons with decimal commas. A file that
 `rollerrig export` or `simulate` wrote has its columns by the same names.
@@ -52,7 +52,10 @@ def read_log(path: str | Path) -> Log:
     except FileNotFoundError:
         raise FileNotFoundError(f"{path}: no such file") from None
     except ImportError:
-        raise ResultsError(f'{path}: needs pyarrow, which is not installed: pip install "rollerrig[parquet]"') from None
+        library, extra = _OPTIONAL[kind]
+        raise ResultsError(
+            f'{path}: needs {library}, which is not installed: pip install "rollerrig[{extra}]"'
+        ) from None
     except Exception as error:  # whatever the libraries meet in a damaged file
         reason = (str(error).splitlines() or [""])[0]
         raise (
@@ -176,6 +179,21 @@ def _parquet(path: str | Path) -> Mapping[str, Any]:
     return {name: table[name].to_numpy() for name in table.column_names}
 
 
+def _mdf(path: str | Path) -> Mapping[str, Any]:
+    """Channels of numbers over the times of the one that has most; what was sampled at others is interpolated."""
+    from asammdf import MDF
+
+    with MDF(check_input(path, LARGEST_TABLE)) as file:
+        kept = [one for one in file.iter_channels() if one.samples.ndim == 1 and one.samples.dtype.kind in "fiub"]
+        if not kept:
+            raise ResultsError(f"{path}: no channel of numbers")
+        time = max((one.timestamps for one in kept), key=len)
+        inside = time[(time >= max(s.timestamps[0] for s in kept)) & (time <= min(s.timestamps[-1] for s in kept))]
+        heads = [f"{one.name} [{one.unit}]" if one.unit else one.name for one in kept]
+        values = [np.interp(inside, one.timestamps, one.samples.astype(np.float64)) for one in kept]
+        return {"time [s]": inside, **dict(zip(heads, values, strict=True))}
+
+
 def _record(path: str | Path) -> Mapping[str, Any]:
     """What `rollerrig serve --record` sent in each period."""
     with np.load(check_input(path, LARGEST_TABLE), allow_pickle=False) as kept:
@@ -187,4 +205,6 @@ def _record(path: str | Path) -> Mapping[str, Any]:
 _MAT = "import sys; from scipy.io import loadmat; loadmat(sys.argv[1], squeeze_me=True)"
 """SciPy's reader trusts a file, and a damaged one ends the process: it is tried in one of its own, where errors end with 1."""
 
-READERS = {".csv": _csv, ".mat": _mat, ".nc": _netcdf, ".parquet": _parquet, ".npz": _record}
+READERS = {".csv": _csv, ".mat": _mat, ".mf4": _mdf, ".nc": _netcdf, ".parquet": _parquet, ".npz": _record}
+_OPTIONAL = {".parquet": ("pyarrow", "parquet"), ".mf4": ("asammdf", "mdf")}
+"""Library that a kind of file needs, and the extra of the package that brings it."""

@@ -375,7 +375,7 @@ def test_a_file_without_numbers_is_refused_in_a_line(tmp_path: Path, text: str, 
     ("log", "line"),
     [
         ("none.csv", "rollerrig: none.csv: no such file"),
-        ("log.txt", "rollerrig: log.txt: a file of measured signals ends in .csv, .mat, .nc, .parquet, .npz"),
+        ("log.txt", "rollerrig: log.txt: a file of measured signals ends in .csv, .mat, .mf4, .nc, .parquet, .npz"),
         ("log.csv", "rollerrig: log.csv: log[0].over: no column 'creepage'; allowed: time, y"),
     ],
 )

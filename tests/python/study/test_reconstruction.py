@@ -12,7 +12,7 @@ import xarray as xr
 from rollerrig import ConfigError, ResultsError, load_case, simulate
 from rollerrig.analysis.adhesion_reconstruction import StopLog, check_case, read_stop, reconstruct
 from rollerrig.cli.app import main
-from rollerrig.config import Case
+from rollerrig.config import Case, case_from_toml
 from rollerrig.results import export
 from rollerrig.study.frame import Outcome
 from rollerrig.study.reconstruction import ReconstructionStudy
@@ -145,6 +145,13 @@ def test_the_stop_on_the_reconstructed_rail_is_the_measured_one(outcome: Outcome
     assert again.rig_control is not None
     assert again.adhesion is not None
     assert len(again.adhesion.piece) == numbers["pieces"] - 1
+    text = 'base = "adhesion_brake"\n[adhesion]\nrail = "low"\nfile = "adhesion_map.csv"\n'
+    from_file = case_from_toml(text, folder=tmp_path).adhesion
+    assert from_file is not None
+    assert from_file.blend == pytest.approx(again.adhesion.blend)
+    assert [piece.distance for piece in from_file.piece] == pytest.approx([p.distance for p in again.adhesion.piece])
+    friction = [[piece.rail.friction.mu_0 for piece in rail.piece] for rail in (from_file, again.adhesion)]
+    assert friction[0] == pytest.approx(friction[1], rel=1e-5)  # digits of the file
 
 
 @pytest.mark.slow

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any, Literal, TypeVar, get_args
 
 from rollerrig.config.errors import ConfigError, ConfigProblem, show_value
+from rollerrig.config.load.adhesion_file import read_adhesion_file
 from rollerrig.config.load.change import BASE, WITHOUT, apply_changes, changed_tables, changes_in
 from rollerrig.config.load.code import place_code
 from rollerrig.config.load.resolve import (
@@ -276,6 +277,9 @@ def build_case(
     support, mistakes = _part(raw, "support", resolve_support, document)
     problems += mistakes
     problems += _material(raw, document)
+    if isinstance(raw.get("adhesion"), dict) and "file" in raw["adhesion"]:
+        raw["adhesion"], mistakes = read_adhesion_file(raw["adhesion"], file, document.folder)
+        problems += mistakes
     problems += place_code(raw, file, document.folder, own_folder, allow=allow_code)
     case, mistakes = validate(Case, raw, file)
     if any(mistake.hint == BASE for mistake in mistakes):  # what is missing then stands in the base

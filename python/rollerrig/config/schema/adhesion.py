@@ -87,6 +87,12 @@ class Adhesion(Table):
     piece: tuple[Piece, ...] = Field(
         default=(), max_length=10_000, description="where or when it changes, in ascending order"
     )
+    file: str | None = optional(
+        None,
+        "CSV file in place of `piece`, relative to the file that names it: columns `distance [m]` and `friction`, of "
+        "points evenly apart, between which friction at no slip passes smoothly (`blend` is their spacing), all else as "
+        "in `rail`; or `condition`, a name that holds from there on",
+    )
     blend: Annotated[float, Quantity("m", 0.0, 1e5)] = optional(
         0.0,
         "length over which one condition passes into the next, like '10 m'; where pieces begin at a time the "
@@ -148,6 +154,12 @@ class Adhesion(Table):
         except ValueError:
             allowed = f"{quantity.allowed}, as the pieces begin at a {'time' if over_time else 'distance'}"
             raise ValueError(allowed) from None
+
+    @field_validator("file")
+    @classmethod
+    def _read_with_the_case(cls, value: str | None) -> None:
+        if value is not None:
+            raise ValueError("allowed in a case, with which it is read")
 
     @model_validator(mode="after")
     def _pieces_in_order(self) -> "Adhesion":
