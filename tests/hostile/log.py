@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import random
 import tempfile
+from contextlib import suppress
 from pathlib import Path
 
 import numpy as np
@@ -43,13 +44,21 @@ def prepare() -> tuple[Path, dict[str, bytes]]:
             + [f"{0.25 * k},{np.sin(k):.3f},{np.cos(k):.3f},0.1,{k % 3}" for k in range(ROWS)]
         ).encode(),
     }
-    try:
+    folder = Path(tempfile.mkdtemp(prefix="hostile"))
+    with suppress(ImportError):
         import pyarrow as pa
         from pyarrow import parquet
-    except ImportError:
-        return Path(tempfile.mkdtemp(prefix="hostile")), content
-    parquet.write_table(pa.table(dict(zip(heads, columns.values(), strict=True))), sink := io.BytesIO())
-    return Path(tempfile.mkdtemp(prefix="hostile")), content | {"log.parquet": sink.getvalue()}
+
+        parquet.write_table(pa.table(dict(zip(heads, columns.values(), strict=True))), sink := io.BytesIO())
+        content["log.parquet"] = sink.getvalue()
+    with suppress(ImportError):
+        from asammdf import MDF, Signal
+
+        with MDF(version="4.10") as file:
+            for key in ("axle_speed", "pressure"):
+                file.append(Signal(columns[key], time, name=key, unit=units[key]))
+            content["log.mf4"] = Path(file.save(folder / "sound.mf4")).read_bytes()
+    return folder, content
 
 
 def dataset(columns: dict[str, np.ndarray], units: dict[str, str]) -> xr.Dataset:
@@ -75,7 +84,8 @@ def record(columns: dict[str, np.ndarray], units: dict[str, str]) -> bytes:
 def attack(prepared: tuple[Path, dict[str, bytes]], choose: random.Random) -> str:
     folder, content = prepared
     name = choose.choice(list(content))
-    if name.endswith(".mat") and choose.random() < 0.9:  # each is tried in a process of its own, which takes long
+    tried_apart = name.endswith((".mat", ".mf4"))  # in a process of its own, which takes long
+    if tried_apart and choose.random() < 0.9:
         name = RAILS
     path = folder / name
     path.write_bytes(spoiled(content[name], choose))

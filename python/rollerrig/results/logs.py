@@ -28,6 +28,9 @@ from rollerrig.results.run_info import ResultsError
 GAP = 5.5
 """A step of time that is so many times the median one is a gap."""
 
+LONGEST_TRIAL = 60.0
+"""Of reading a file in a process of its own [s]."""
+
 
 @dataclass(frozen=True)
 class Log:
@@ -150,12 +153,23 @@ def _csv(path: str | Path) -> Mapping[str, Any]:
     return {name: [row[k].strip().replace(decimal, ".") for row in rows if k < len(row)] for k, name in enumerate(head)}
 
 
+def _try(path: str | Path, reading: str) -> None:
+    """Refuses a file on which its library ends the process, or never ends: it is read in a process of its own first."""
+    trial = [sys.executable, "-P", "-c", f"import sys; {reading}", str(check_input(path, LARGEST_TABLE))]
+    if not sys.executable:  # Python within another program
+        return
+    try:
+        damaged = subprocess.run(trial, capture_output=True, check=False, timeout=LONGEST_TRIAL).returncode != 0
+    except subprocess.TimeoutExpired:
+        damaged = True
+    if damaged:
+        raise ResultsError(f"{path}: a damaged file, or none of {Path(path).suffix}")
+
+
 def _mat(path: str | Path) -> Mapping[str, Any]:
     from scipy.io import loadmat
 
-    trial = [sys.executable, "-P", "-c", _MAT, str(check_input(path, LARGEST_TABLE))]
-    if sys.executable and subprocess.run(trial, capture_output=True, check=False).returncode not in (0, 1):
-        raise ResultsError(f"{path}: a damaged file of MATLAB")
+    _try(path, "from scipy.io import loadmat; loadmat(sys.argv[1], squeeze_me=True)")
     content = loadmat(path, squeeze_me=True)
     arrays = {n: v for n, v in content.items() if isinstance(v, np.ndarray) and v.ndim == 1 and v.dtype.kind in "fiub"}
     length = len(arrays["time"]) if "time" in arrays else max((len(values) for values in arrays.values()), default=0)
@@ -183,7 +197,8 @@ def _mdf(path: str | Path) -> Mapping[str, Any]:
     """Channels of numbers over the times of the one that has most; what was sampled at others is interpolated."""
     from asammdf import MDF
 
-    with MDF(check_input(path, LARGEST_TABLE)) as file:
+    _try(path, "from asammdf import MDF; list(MDF(sys.argv[1]).iter_channels())")
+    with MDF(path) as file:
         kept = [one for one in file.iter_channels() if one.samples.ndim == 1 and one.samples.dtype.kind in "fiub"]
         if not kept:
             raise ResultsError(f"{path}: no channel of numbers")
@@ -201,9 +216,6 @@ def _record(path: str | Path) -> Mapping[str, Any]:
         heads = [f"{name} [{unit}]" for name, unit in zip(kept["outputs"], kept["units"], strict=True)]
     return {"time [s]": period * np.arange(len(sensors)), **dict(zip(heads, sensors.T, strict=True))}
 
-
-_MAT = "import sys; from scipy.io import loadmat; loadmat(sys.argv[1], squeeze_me=True)"
-"""SciPy's reader trusts a file, and a damaged one ends the process: it is tried in one of its own, where errors end with 1."""
 
 READERS = {".csv": _csv, ".mat": _mat, ".mf4": _mdf, ".nc": _netcdf, ".parquet": _parquet, ".npz": _record}
 _OPTIONAL = {".parquet": ("pyarrow", "parquet"), ".mf4": ("asammdf", "mdf")}

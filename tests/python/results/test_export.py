@@ -41,7 +41,7 @@ def test_a_file_of_matlab_that_would_end_the_process_is_refused(kind: int, tmp_p
     path = tmp_path / "log.mat"
     scipy.io.savemat(path, {"time": np.arange(3.0)})
     path.write_bytes(path.read_bytes().replace(struct.pack("<II", 9, 24), struct.pack("<II", kind, 24)))
-    with pytest.raises(ResultsError, match=r"log.mat: (a damaged file of MATLAB|no table of numbers)"):
+    with pytest.raises(ResultsError, match=r"log.mat: (a damaged file, or none of|no table of numbers)"):
         read_log(path)
 
 
