@@ -37,7 +37,8 @@ ReservoirAir const unit{.fill_conductance = 2.5e-7,
                         .reservoir_pressure = 8e5,
                         .main_pipe_pressure = 8.5e5,
                         .charging_conductance = 2e-8,
-                        .reference_pressure = 1e5};
+                        .reference_pressure = 1e5,
+                        .temperature = 293.15};
 
 /// Cylinders under one demand and one command, step by step.
 template <class Air>
