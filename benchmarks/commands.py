@@ -33,7 +33,7 @@ EXAMPLES = {
     "reconstruct": "reconstruct adhesion_brake stop.csv",
     "replay": "replay adhesion_brake rig.csv",
     "control": "control adhesion_brake",
-    "tune": "tune adhesion_brake --duration 2 --draws 2 --candidates 8",
+    "tune": "tune adhesion_brake",
     "lateral": "lateral adhesion_lateral",
     "scale": "scale adhesion_brake --strategy dlr --run",
     "envelope": "envelope adhesion_brake",

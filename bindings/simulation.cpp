@@ -324,28 +324,29 @@ class Simulation {
 };
 
 void make_tangent_run(TangentRun* self, Simulation& run,
-                      std::vector<std::tuple<Simulation*, Simulation*, double>> const& changed,
-                      Matrix const& directions, double tolerance, std::vector<double> breakpoints) {
+                      std::vector<std::tuple<Simulation*, Simulation*, double, bool>> const& changed,
+                      Matrix const& directions, std::vector<int> kept, std::vector<double> breakpoints) {
   check_value(directions, finite_number, "TangentRun", "directions");
-  check_value(tolerance, positive, "TangentRun", "tolerance");
   check_value(breakpoints, finite_number, "TangentRun", "breakpoints");
+  for (int const column : kept)
+    if (column < 0 || column >= static_cast<int>(run.width())) throw nb::value_error("kept: there is no such column");
   std::vector<ChangedRuns> runs;
-  for (auto const& [above, below, half_width] : changed) {
+  for (auto const& [above, below, half_width, moves_contacts] : changed) {
     check_value(half_width, positive, "TangentRun", "changed");
-    runs.push_back({&above->driver(), &below->driver(), half_width});
+    runs.push_back({&above->driver(), &below->driver(), half_width, moves_contacts});
   }
   using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
   Eigen::MatrixXd const columns =
       Eigen::Map<RowMajor const>(directions.data(), static_cast<Eigen::Index>(directions.shape(0)),
                                  static_cast<Eigen::Index>(directions.shape(1)));
-  new (self) TangentRun(run.driver(), std::move(runs), columns, tolerance, std::move(breakpoints));
+  new (self) TangentRun(run.driver(), std::move(runs), columns, std::move(kept), std::move(breakpoints));
 }
 
 void bind_tangent_run(nb::module_& m) {
   nb::class_<TangentRun>(m, "TangentRun",
                          "Derivatives of the states and outputs of a simulation that has begun, by numbers that other "
                          "simulations have above and below it, and along directions of its starting state.")
-      .def("__init__", &make_tangent_run, "run"_a, "changed"_a, "directions"_a, "tolerance"_a, "breakpoints"_a,
+      .def("__init__", &make_tangent_run, "run"_a, "changed"_a, "directions"_a, "kept"_a, "breakpoints"_a,
            nb::keep_alive<1, 2>(), nb::keep_alive<1, 3>())
       .def(
           "advance",
@@ -365,7 +366,7 @@ void bind_tangent_run(nb::module_& m) {
                   owned_array<nb::ndim<2>>(std::move(output.derivatives), {self.numbers(), self.width()})));
             return outputs;
           },
-          "What has been recorded since the last call: time [s], row, and its derivatives, one row per changed number.")
+          "What has been recorded since the last call: time [s], kept columns, their derivatives, one row per number.")
       .def_prop_ro("time", &TangentRun::time)
       .def_prop_ro(
           "tangents", [](TangentRun const& self) { return table(self.tangents()); }, nb::rv_policy::move,

@@ -79,11 +79,11 @@ check_compiler() {
     "or name one:     CXX=/path/to/g++ $0"
   local probe
   probe="$(mktemp -d)"
-  if ! printf '#include <concepts>\n#include <numbers>\ntemplate <std::floating_point T> T f(T x) { return x; }\nint main() { return f(0.0) > std::numbers::pi; }\n' |
+  if ! printf '#include <concepts>\n#include <numbers>\nstruct S { double a, b; };\ntemplate <std::floating_point T> T f(T x) { auto [a, b] = S{x, x}; return [&] { return a + b; }(); }\nint main() { return f(0.0) > std::numbers::pi; }\n' |
     "$compiler" -std=c++20 -x c++ - -o "$probe/program" >"$probe/log" 2>&1; then
     cat "$probe/log" >&2
     rm -rf "$probe"
-    fail "$compiler cannot compile C++20; GCC 11 or Clang 14 and newer can"
+    fail "$compiler cannot compile C++20; GCC 11 or Clang 16 and newer can"
   fi
   rm -rf "$probe"
   CXX="$(command -v "$compiler")"

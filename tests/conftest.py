@@ -22,21 +22,23 @@ def pytest_addoption(parser: pytest.Parser) -> None:
         help="folder with the third-party files that tests/validation/third_party compares with; without it "
         "they are deselected",
     )
-    parser.addoption(
-        "--long", action="store_true", help="also tests that take minutes each; without it they are deselected"
-    )
+    parser.addoption("--slow", action="store_true", help="also tests that take seconds each, as .ci/run does")
+    parser.addoption("--long", action="store_true", help="also tests that take minutes each, and the slow ones")
 
 
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """What runs only when asked for: comparisons with third-party files, which are not ours to ship, and long tests."""
-    if config.getoption("--shared") is None:
-        third_party = [item for item in items if item.path.parent.name == "third_party"]
-        config.hook.pytest_deselected(items=third_party)
-        items[:] = [item for item in items if item not in third_party]
-    if not config.getoption("--long"):
-        long = [item for item in items if item.get_closest_marker("long")]
-        config.hook.pytest_deselected(items=long)
-        items[:] = [item for item in items if item not in long]
+    """What runs only when asked for: comparisons with third-party files, which are not ours to ship, slow and long tests."""
+    slow, long = config.getoption("--slow"), config.getoption("--long")
+
+    def wanted(item: pytest.Item) -> bool:
+        if item.path.parent.name == "third_party" and config.getoption("--shared") is None:
+            return False
+        if item.get_closest_marker("long"):
+            return bool(long)
+        return bool(slow or long) or not item.get_closest_marker("slow")
+
+    config.hook.pytest_deselected(items=[item for item in items if not wanted(item)])
+    items[:] = [item for item in items if wanted(item)]
 
 
 ROOT = Path(__file__).parents[1]

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import functools
 import random
 import struct
 
-import numpy as np
+import fastcrc
 
-_POLYNOMIAL = 0xC96C5795D7870F42
 NUMBERS = (
     0.0,
     -0.0,
@@ -57,27 +55,6 @@ def spoiled(content: bytes, choose: random.Random, fixed: int = 0) -> bytes:
     return bytes(data)
 
 
-@functools.cache
-def _weights(size: int) -> np.ndarray:
-    """What each bit of the last `size` bytes adds to a checksum that begins with zero, from the end."""
-    table = np.zeros(256, np.uint64)
-    for i in range(256):
-        value = i
-        for _ in range(8):
-            value = (value >> 1) ^ (_POLYNOMIAL if value & 1 else 0)
-        table[i] = value
-    weights = np.zeros((size, 8), np.uint64)
-    row = table[1 << np.arange(8)]
-    for k in range(size):
-        weights[k] = row
-        row = table[(row & np.uint64(255)).astype(np.int64)] ^ (row >> np.uint64(8))
-    return weights
-
-
 def crc64(content: bytes, before: int = 0) -> int:
-    """CRC-64/XZ as the core has it; of at least eight bytes."""
-    data = np.frombuffer(content, np.uint8).copy()
-    data[:8] ^= np.frombuffer(struct.pack("<Q", before ^ (2**64 - 1)), np.uint8)
-    room = 1 << max(17, (len(data) - 1).bit_length())
-    bits = np.unpackbits(data[::-1, None], axis=1, bitorder="little").astype(bool)
-    return int(np.bitwise_xor.reduce(_weights(room)[: len(data)][bits], initial=np.uint64(0))) ^ (2**64 - 1)
+    """CRC-64/XZ as the core has it: of bytes behind others whose checksum is `before`."""
+    return fastcrc.crc64.xz(content, before)

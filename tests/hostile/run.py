@@ -14,7 +14,7 @@ from rollerrig.results import ResultsError
 REFUSALS = (ResultsError, rr.OutputError)
 
 
-SLICES = 12
+SLICES = 36
 """Files with some of the variables each: most attacks go to these, which are read in a fraction of the time."""
 
 

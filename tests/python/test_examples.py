@@ -52,7 +52,7 @@ ANSWERS = {
 """Script -> patterns of its output in their order, and files that it leaves."""
 
 
-FEWER = {"05_brake_on_low_adhesion": {"STARTS": 2, "FINER_STARTS": 2}}
+FEWER = {"05_brake_on_low_adhesion": {"STARTS": 2, "FINER_STARTS": 2, "MOST_STARTS": 2}}
 """Script -> constants of rollerrig.study.adhesion here: its answers are those of the first start of each ensemble."""
 
 

@@ -50,6 +50,8 @@ struct OptionalMember {
   constexpr Label label() const { return {name, unit}; }
   constexpr bool complete() const { return true; }
 };
+template <class Struct, class Value, class... Rest>  // Clang before 17 deduces no aggregates
+OptionalMember(char const*, Value Struct::*, Rest...) -> OptionalMember<Struct, Value>;
 
 /// The fields of a struct in the order of its members, to be called with a function that takes all of them. (A std::tuple of
 /// them took 9 of the 23 s in which a compiler reads all laws.)

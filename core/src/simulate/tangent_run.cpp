@@ -1,13 +1,15 @@
 #include "rollerrig/simulate/tangent_run.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <stdexcept>
 #include <tuple>
 #include <utility>
+
+#include "rollerrig/integrate/integrator.hpp"
+#include "rollerrig/simulate/recorded_rows.hpp"
 
 namespace rollerrig {
 namespace {
@@ -16,12 +18,15 @@ using Place = Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double deviation = 1e-7;     ///< of displacements in a difference [m, rad]: contacts are 1e-4 m deep
-constexpr double rate = 100.0;         ///< that turns the error of a displacement into that of its rate [1/s]
-constexpr double shortest = 1e-12;     ///< no time is told apart from another within it [s]
-constexpr double first_length = 1e-3;  ///< of a step; it is halved as often as it needs [s]
-constexpr int most_halvings = 10;
-constexpr double negligible = 1e-12;  ///< change of displacements that no step need resolve [m, rad]
+constexpr double move = 3e-8;        ///< of displacements in a difference to one side [m, rad]: round-off is 2e-14 ...
+constexpr double deviation = 1e-7;   ///< ... and to both: contacts are 1e-4 m deep
+constexpr double rate = 100.0;       ///< that turns a rate into a displacement as large [1/s]
+constexpr double same_time = 1e-12;  ///< [s]
+constexpr Place many = 12;  ///< columns; J costs as much as 16 evaluations, and is kept for a second correction
+constexpr double contraction = 0.05;  ///< of corrections, from which on a step needs two
+constexpr int looked_at_every = 5;    ///< steps
+
+std::size_t at(Place i) { return static_cast<std::size_t>(i); }
 
 void need_alike(Driver const& run, Driver const& changed) {
   auto const of = [](Driver const& d) {
@@ -35,233 +40,319 @@ void need_alike(Driver const& run, Driver const& changed) {
     throw std::invalid_argument("TangentRun: the changed simulations have other states, outputs or sampling steps");
 }
 
+void need_its_steps(Driver& run) {
+  if (!run.started() || run.integrator().exponential_adams() == nullptr)
+    throw std::invalid_argument("TangentRun: derivatives take the steps of exponential_adams, the run has others");
+}
+
+constexpr Place locked = -1, differenced = -2;
+
+/// Of each column of a row its place among states and quadratures, where it is a displacement or rate of a body.
+std::vector<Place> places_of(StateMap const& map, std::vector<int> const& columns) {
+  std::vector<Place> places;
+  for (int const column : columns) {
+    auto const body = at(column) / body_columns, c = at(column) % body_columns;
+    bool const is_motion = body < map.rate.size() && c < 12;
+    Place place = !is_motion ? differenced : c < 6 ? map.coordinate[body][c] : map.rate[body][c - 6];
+    if (is_motion && c == coord_pitch && map.angle[body] >= 0) place = map.states() + map.angle[body];
+    places.push_back(place);
+  }
+  return places;
+}
+
+/// The backward difference of an order; k: steps ago.
+template <class Value>
+MatrixXd backward_difference(int order, Value const& value) {
+  static constexpr std::array<std::array<double, 5>, 5> coefficient{
+      {{1}, {1, -1}, {1, -2, 1}, {1, -3, 3, -1}, {1, -4, 6, -4, 1}}};
+  auto const& c = coefficient[at(order)];
+  MatrixXd sum = value(0);
+  for (int k = 1; k <= order; ++k) sum += c[at(k)] * value(k);
+  return sum;
+}
+
 }  // namespace
 
-TangentRun::TangentRun(Driver& run, std::vector<ChangedRuns> changed, MatrixXd const& directions, double tolerance,
+SlopesUnderContacts::SlopesUnderContacts(Model const& model) : model_{model}, evaluation_{model} {
+  model_.contact_groups.clear();
+}
+
+VectorXd SlopesUnderContacts::operator()(Dynamics const& other, double t, Inputs const& inputs) {
+  auto& work = evaluation_.work;
+  auto const& given = other.work();
+  ForceAssembly<double> const forces(model_, inputs, evaluation_, work);
+  for (std::size_t b = 0; b < model_.bodies.size(); ++b) {
+    work.motion[b].q = given.motion[b].q;
+    work.motion[b].rate = given.motion[b].rate;
+    update_motion(model_.bodies[b], work.motion[b]);
+  }
+  work.node = given.node;
+  work.placed = given.placed;
+  work.patches = given.patches;
+  work.patch_count = given.patch_count;
+  forces.place_track(t);
+  if (work.curved)
+    for (std::size_t b = 0; b < model_.bodies.size(); ++b) forces.see_from_common(b);
+  forces.accelerate(t);
+  StateMap const& map = model_.map;
+  VectorXd out(map.rates + map.nodes + map.angles + account_count);
+  int const angles = map.rates + map.nodes;
+  for (std::size_t b = 0; b < model_.bodies.size(); ++b) {
+    for (std::size_t c = 0; c < 6; ++c)
+      if (map.rate[b][c] >= 0) out[map.rate[b][c] - map.coordinates] = work.acceleration[b][c];
+    if (map.angle[b] >= 0) out[angles + map.angle[b]] = work.motion[b].rate[coord_pitch];
+  }
+  std::ranges::copy(work.node_rate, out.data() + map.rates);
+  std::ranges::copy(work.power, out.data() + angles + map.angles);
+  return out;
+}
+
+TangentRun::TangentRun(Driver& run, std::vector<ChangedRuns> changed, MatrixXd const& directions, std::vector<int> kept,
                        std::vector<double> breakpoints)
     : run_{run},
       changed_{std::move(changed)},
-      tolerance_{tolerance},
+      kept_{std::move(kept)},
+      direct_{places_of(run.plant().map(), kept_)},
       breakpoints_{std::move(breakpoints)},
       dynamics_{std::shared_ptr<Model const>(std::shared_ptr<void>{}, &run.plant().model())},  // the run's own
+      jacobian_{dynamics_.sizes()},
       time_{run.time()},
-      length_{first_length} {
+      start_time_{run.time()},
+      past_{MatrixXd{}, MatrixXd{}} {
   auto const [states, quadratures] = dynamics_.sizes();
   need_alike(run_, run_);
+  need_its_steps(run_);
   for (ChangedRuns const& one : changed_) need_alike(run_, *one.above), need_alike(run_, *one.below);
   if (directions.rows() != states && directions.cols() > 0)
     throw std::invalid_argument("TangentRun: directions need one row per state");
   auto const numbers = static_cast<Place>(changed_.size()), columns = numbers + directions.cols();
   x_ = Eigen::Map<VectorXd const>(run.states(), states);
   z_ = VectorXd::Zero(quadratures);
-  s_.setZero(states, columns);
-  z_tangents_.setZero(quadratures, columns);
+  y_.setZero(states + quadratures, columns);
   for (Place i = 0; i < numbers; ++i) {
-    auto const& [above, below, half_width] = changed_[static_cast<std::size_t>(i)];
-    s_.col(i) =
+    auto const& [above, below, half_width, moves_contacts] = changed_[at(i)];
+    y_.col(i).head(states) =
         (Eigen::Map<VectorXd const>(above->states(), states) - Eigen::Map<VectorXd const>(below->states(), states)) /
         (2.0 * half_width);
+    bool const apart = moves_contacts || run_.system() != nullptr;
+    under_contacts_.push_back(apart ? nullptr
+                                    : std::make_unique<Pair>(SlopesUnderContacts(above->plant().model()),
+                                                             SlopesUnderContacts(below->plant().model())));
   }
-  if (directions.cols() > 0) s_.rightCols(directions.cols()) = directions;
-  largest_.setZero(columns);
-  for (Place i = 0; i < numbers; ++i) largest_[i] = negligible / changed_[static_cast<std::size_t>(i)].half_width;
+  if (directions.cols() > 0) y_.topRightCorner(states, directions.cols()) = directions;
   weight_.setConstant(states, 1.0 / rate);
   weight_.head(dynamics_.kinematic_states()).setOnes();
   std::ranges::sort(breakpoints_);
 }
 
 Status TangentRun::advance(double t_stop) {
-  double const tolerance = 1e-9 * shortest;
-  while (true) {
-    double const end = next_end(t_stop);
-    if (end > t_stop + tolerance || end <= time_ + tolerance) return Status::ok;
-    if (Status const status = step(end); status != Status::ok || time_ < end) return status;
-  }
-}
-
-double TangentRun::next_end(double t_stop) const {
-  if (run_.system() != nullptr) return run_.next_sample() + run_.system()->setup().step;
-  auto const corner = std::ranges::upper_bound(breakpoints_, time_ + shortest);
-  double const limit = corner != breakpoints_.end() ? std::min(*corner, t_stop) : t_stop;
-  double const rest = limit - time_, steps = std::ceil(rest / length_ * (1.0 - 1e-9));
-  return steps > 1.0 ? time_ + rest / steps : limit;
+  need_its_steps(run_);  // it may have been started again
+  run_.integrator().watch([this] { step(); });
+  Status const status = run_.advance(t_stop, [this](double t, double const* x, double const* z) { keep(t, x, z); });
+  run_.integrator().watch({});
+  return status;
 }
 
 /// The changed drivers' sensors and controllers at this instant, in states that deviate by the tangents.
-void TangentRun::reach_samples() {
+void TangentRun::reach_samples(VectorXd const& x, VectorXd const& z) {
+  if (run_.system() == nullptr || std::exchange(reached_, true)) return;
   for (std::size_t i = 0; i < changed_.size(); ++i) {
-    auto const& [above, below, half_width] = changed_[i];
-    auto const column = static_cast<Place>(i);
-    for (auto const& [driver, width] : {std::pair{above, half_width}, std::pair{below, -half_width}}) {
-      VectorXd const x = x_ + width * s_.col(column), z = z_ + width * z_tangents_.col(column);
-      driver->reach_sample(x.data(), z.data());
+    auto const tangent = y_.col(static_cast<Place>(i));
+    for (auto const& [driver, width] : {std::pair{changed_[i].above, changed_[i].half_width},
+                                        std::pair{changed_[i].below, -changed_[i].half_width}}) {
+      VectorXd const moved = x + width * tangent.head(x.size()), quadratures = z + width * tangent.tail(z.size());
+      driver->reach_sample(moved.data(), quadratures.data());
     }
   }
 }
 
-/// The derivatives over a step of the run with sampled blocks, or over as long a time as one step of theirs serves.
-Status TangentRun::step(double end) {
-  bool const sampled = run_.system() != nullptr;
-  if (sampled) reach_samples();
-  auto const keep = [this](double t, double const* x, double const* z) {
-    Output& output = outputs_.emplace_back();
-    output.t = t;
-    output.x = Eigen::Map<VectorXd const>(x, x_.size());
-    output.z = Eigen::Map<VectorXd const>(z, z_.size());
-    output.row.resize(width());
-    run_.record(t, x, z, output.row.data());
+/// Their actuators, where a step begins at an instant.
+void TangentRun::act_on_samples() {
+  if (run_.system() == nullptr || changed_.empty()) return;
+  if (!reached_ && changed_.front().above->next_sample() > time_ + same_time) return;
+  reach_samples(x_, z_);
+  for (ChangedRuns const& one : changed_) one.above->act_on_sample(), one.below->act_on_sample();
+  reached_ = false;
+}
+
+/// The derivatives over the step that the run has just made.
+void TangentRun::step() {
+  double const end = run_.time(), h = end - time_;
+  bool const at_jump = std::ranges::any_of(breakpoints_, [&](double t) { return std::abs(t - end) < same_time; });
+  auto const& method = *run_.integrator().exponential_adams();
+  auto const states = x_.size();
+  act_on_samples();
+  auto const remember = [this, states](MatrixXd const& nonlinear) {
+    auto& last = past_.add();
+    last.x = y_.topRows(states);
+    last.nonlinear = nonlinear;
   };
-  double const middle_time = 0.5 * (time_ + end);
-  VectorXd x_middle(x_.size()), x_end(x_.size());
-  Status status = Status::ok;
-  if (!sampled) {
-    status = run_.advance(middle_time, keep);
-    if (run_.time() < middle_time) return status;  // the run has ended
-    run_.sample_states(middle_time, x_middle.data(), nullptr);
+  if (!std::exchange(joined_, true)) {
+    MatrixXd const bending = rates(time_, x_, y_);
+    slope_ = whole_slope(y_, bending);
+    linear_ = method.linear();
+    past_.clear();
+    remember(bending - linear_ * y_.topRows(states));
+    spacing_ = h;
   }
-  if (status == Status::ok) status = run_.advance(end, keep);
-  if (run_.time() < end - shortest) return status;
+  fit_spacing(h);
+  if (linear_ != method.linear()) {
+    past_.add_linear(linear_ - method.linear());
+    linear_ = method.linear();
+  }
+  VectorXd x_end(states);
   run_.sample_states(end, x_end.data(), z_.data());
-  if (sampled) {
-    differentiate_outputs(0.5 * (time_ + end));
-    for (auto const& [above, below, width] : changed_) above->act_on_sample(), below->act_on_sample();
+
+  // integrate/exponential_adams.hpp; of fewer points a polynomial of lower order.
+  auto const& weights = method.weights(h);
+  int const known = std::min(past_.known(), 4);
+  auto const past = [this](int k) -> MatrixXd const& { return past_[k].nonlinear; };
+  MatrixXd sum = weights.slope * slope_;
+  for (int m = 1; m < known; ++m) sum += weights.difference[at(m - 1)] * backward_difference(m, past);
+  MatrixXd next = y_ + h * sum;
+  double const late = at_jump ? std::nextafter(end, time_) : end;
+  MatrixXd nonlinear;
+  MatrixXd const predicted = next;
+  bool const twice = stiff_ || known < 4 || ++since_look_ >= looked_at_every;
+  Eigen::RowVectorXd first;
+  for (int correction = 0; correction < (twice ? 2 : 1); ++correction) {
+    nonlinear = rates(late, x_end, next) - linear_ * next.topRows(states);
+    auto const with_new = [&](int k) -> MatrixXd const& { return k == 0 ? nonlinear : past(k - 1); };
+    MatrixXd const corrected =
+        predicted + h * (weights.difference[at(std::min(known, 3) - 1)] * backward_difference(known, with_new));
+    Eigen::RowVectorXd const change = (corrected - next).topRows(states).colwise().norm();
+    if (correction == 1) stiff_ = (change.array() > contraction * first.array()).any(), since_look_ = 0;
+    first = change;
+    next = corrected;
   }
-  if (!std::exchange(joined_, !sampled)) start_ = look(time_, x_);  // sampled inputs have another slope from here on
-  Point last = look(std::nextafter(end, time_), x_end);
-  last.t = end;
-  Point const middle = sampled ? between(start_, last) : look(middle_time, x_middle);
-  knots_.clear();
-  solve(start_, middle, last, most_halvings);
+  start_time_ = std::exchange(time_, end);
+  start_.swap(y_), leave_.swap(slope_);
+  y_ = next;
+  slope_ = whole_slope(y_, nonlinear + linear_ * y_.topRows(states));
+  remember(nonlinear);
   x_ = x_end;
-  time_ = end;
-  if (sampled && !outputs_.empty() && outputs_.back().derivatives.empty()) reach_samples();  // the run's last instant
-  differentiate_outputs(end);
-  if (std::ranges::binary_search(breakpoints_, end)) joined_ = false, length_ = first_length;
-  if (joined_) start_ = std::move(last);
-  return status;
+  side_ = -side_;
+  joined_ = !at_jump;
 }
 
-/// From one point to another with a third between them: in two steps, or, where one step of both lengths shows that they are too
-/// long, each half by itself. No evaluation is lost.
-void TangentRun::solve(Point const& from, Point const& middle, Point const& to, int halvings) {
-  Point const first = between(from, middle), second = between(middle, to);
-  Tangents const start{s_, z_tangents_}, half = one_step(from, first, middle, start);
-  Tangents const fine = one_step(middle, second, to, half), coarse = one_step(from, middle, to, start);
-  double error = 0.0;
-  for (Place i = 0; i < s_.cols(); ++i) {
-    double const size = fine.s.col(i).cwiseProduct(weight_).lpNorm<Eigen::Infinity>();
-    largest_[i] = std::max(largest_[i], size);
-    double const off = (fine.s.col(i) - coarse.s.col(i)).cwiseProduct(weight_).lpNorm<Eigen::Infinity>() / 15.0;
-    if (largest_[i] > 0.0) error = std::max(error, off / (tolerance_ * largest_[i]));
-  }
-  if (error > 1.0 && halvings > 0) {
-    solve(from, first, middle, halvings - 1);
-    solve(middle, second, to, halvings - 1);
-    return;
-  }
-  auto const keep = [this](Point const& at, Tangents const& now) {
-    knots_.push_back({at.t, now, {at.j.a * now.s + at.by_number, at.j.g * now.s + at.power}});
-  };
-  keep(from, start), keep(middle, half), keep(to, fine);
-  s_ = fine.s;
-  z_tangents_ = fine.z;
-  length_ = (to.t - from.t) * std::clamp(0.8 * std::pow(std::max(error, 1e-10), -0.2), 0.5, 2.0);
+/// Points as far apart as the step is long: half as far and twice as far are found, else the last one is left.
+void TangentRun::fit_spacing(double h) {
+  for (; spacing_ > 1.4 * h && past_.enough(); spacing_ *= 0.5) past_.halve_step();
+  for (; spacing_ < 0.7 * h && past_.known() == past_.most; spacing_ *= 2.0) past_.double_step();
+  if (std::abs(spacing_ - h) < 1e-6 * h) return;
+  auto const last = past_[0];
+  past_.clear();
+  past_.add() = last;
+  spacing_ = h;
 }
 
-/// Half way between two points, on the Hermite polynomial through them.
-TangentRun::Point TangentRun::between(Point const& from, Point const& to) {
-  double const h = to.t - from.t;
-  return look(0.5 * (from.t + to.t), 0.5 * (from.x + to.x) + (h / 8.0) * (from.slope - to.slope));
+/// Of S and Z, from those of all but the kinematic states.
+MatrixXd TangentRun::whole_slope(MatrixXd const& y, MatrixXd const& bending) const {
+  MatrixXd slope(y.rows(), y.cols());
+  auto const kinematic = static_cast<Place>(dynamics_.kinematic_states());
+  for (Place i = 0; i < kinematic; ++i) slope.row(i) = y.row(dynamics_.velocity_column(static_cast<int>(i)));
+  slope.bottomRows(y.rows() - kinematic) = bending;
+  return slope;
 }
 
-TangentRun::Point TangentRun::look(double t, VectorXd const& x) {
-  auto const sizes = dynamics_.sizes();
-  Point point{t,
-              x,
-              VectorXd(sizes.states),
-              JacobianData(sizes),
-              MatrixXd::Zero(sizes.states, s_.cols()),
-              MatrixXd::Zero(sizes.quadratures, s_.cols())};
-  VectorXd z_dot(sizes.quadratures), slope(sizes.states), moved(sizes.states);
-  dynamics_.jacobian(t, x.data(), point.j, run_.inputs());
-  dynamics_.derivative(t, x.data(), point.slope.data(), nullptr, run_.inputs());
-  for (std::size_t i = 0; i < changed_.size(); ++i) {
-    auto const& [above, below, half_width] = changed_[i];
-    auto by_number = point.by_number.col(static_cast<Place>(i));
-    auto power = point.power.col(static_cast<Place>(i));
-    // Along with the state: a roller of another radius that turns as before would slip.
-    VectorXd const along = share_along(i) * s_.col(static_cast<Place>(i));
-    moved = x + half_width * along;
-    above->plant().derivative(t, moved.data(), by_number.data(), power.data(), above->inputs());
-    moved = x - half_width * along;
-    below->plant().derivative(t, moved.data(), slope.data(), z_dot.data(), below->inputs());
-    by_number = (by_number - slope) / (2.0 * half_width) - point.j.a * along;
-    power = (power - z_dot) / (2.0 * half_width) - point.j.g * along;
-  }
-  return point;
+/// Of all but the kinematic states, then of the quadratures.
+VectorXd TangentRun::bending_slope(Driver& of, Dynamics& by, double t, VectorXd const& x) {
+  VectorXd slope(y_.rows());
+  by.derivative(t, x.data(), slope.data(), slope.data() + x.size(), of.inputs());
+  return slope.tail(y_.rows() - dynamics_.kinematic_states());
 }
 
-/// How much of S a difference by a number may follow.
-double TangentRun::share_along(std::size_t number) const {
-  auto const s = s_.col(static_cast<Place>(number));
+/// How much of a tangent a difference by a number may follow, by what bodies are displaced.
+double TangentRun::share_along(std::size_t number, Eigen::Ref<VectorXd const> s) const {
   double const moves = changed_[number].half_width * s.head(dynamics_.kinematic_states()).lpNorm<Eigen::Infinity>();
   return moves > deviation ? deviation / moves : 1.0;
 }
 
-TangentRun::Tangents TangentRun::one_step(Point const& from, Point const& middle, Point const& to,
-                                          Tangents const& start) const {
-  double const h = to.t - from.t;
-  MatrixXd const &a1 = to.j.a, &am = middle.j.a;
-  MatrixXd const f0 = from.j.a * start.s + from.by_number;
-  MatrixXd matrix = (h * h / 12.0) * (am * a1) - (h / 6.0) * a1 - (h / 3.0) * am;
-  matrix.diagonal().array() += 1.0;
-  MatrixXd const known = 0.5 * start.s + (h / 8.0) * (f0 - to.by_number);  // of the middle
-  MatrixXd right = start.s + (h / 6.0) * (f0 + to.by_number);
-  right += (2.0 * h / 3.0) * (am * known + middle.by_number);
-  MatrixXd const s1 = matrix.partialPivLu().solve(right);
-  MatrixXd const s_middle = known + 0.5 * s1 - (h / 8.0) * (a1 * s1);
-  MatrixXd const z1 = start.z + (h / 6.0) * (from.j.g * start.s + from.power + to.j.g * s1 + to.power) +
-                      (2.0 * h / 3.0) * (middle.j.g * s_middle + middle.power);
-  return {s1, z1};
+/// J s by a difference to one side.
+VectorXd TangentRun::along(double t, VectorXd const& x, Eigen::Ref<VectorXd const> s, VectorXd const& here) {
+  double const largest = s.cwiseProduct(weight_).lpNorm<Eigen::Infinity>();
+  if (!(largest > 0.0)) return VectorXd::Zero(here.size());
+  double const part = side_ * move / largest;
+  return (bending_slope(run_, dynamics_, t, x + part * s) - here) / part;
 }
 
-/// S and Z within the last step, on the Hermite polynomials through its knots.
-TangentRun::Tangents TangentRun::tangents_at(double t) const {
-  auto const next = std::ranges::find_if(knots_, [t](Knot const& knot) { return knot.t >= t; });
-  if (next == knots_.end()) return {s_, z_tangents_};
-  if (next == knots_.begin()) return next->now;
-  Knot const &a = *(next - 1), &b = *next;
-  double const h = b.t - a.t, u = (t - a.t) / h, v = 1.0 - u;
-  auto const hermite = [&](MatrixXd const& from, MatrixXd const& to, MatrixXd const& leaving, MatrixXd const& coming) {
-    return MatrixXd((v * v * (1.0 + 2.0 * u)) * from + (u * u * (1.0 + 2.0 * v)) * to +
-                    (h * u * v) * (v * leaving - u * coming));
-  };
-  return {hermite(a.now.s, b.now.s, a.rate.s, b.rate.s), hermite(a.now.z, b.now.z, a.rate.z, b.rate.z)};
+/// J S + df/dp and dg/dx S + dg/dp, of all but the kinematic states.
+MatrixXd TangentRun::rates(double t, VectorXd const& x, MatrixXd const& y) {
+  VectorXd const here = bending_slope(run_, run_.plant(), t, x);
+  MatrixXd out(here.size(), y.cols());
+  bool const exact = y.cols() >= many;
+  if (exact) {
+    if (std::exchange(jacobian_time_, t) != t) dynamics_.jacobian(t, x.data(), jacobian_, run_.inputs());
+    auto const moving = x.size() - dynamics_.kinematic_states();
+    out.topRows(moving).noalias() = jacobian_.a.bottomRows(moving) * y.topRows(x.size());
+    out.bottomRows(jacobian_.g.rows()).noalias() = jacobian_.g * y.topRows(x.size());
+  }
+  for (Place i = 0; i < y.cols(); ++i) {
+    auto const s = y.col(i).head(x.size());
+    bool const number = i < static_cast<Place>(changed_.size());
+    bool const at_once = number && under_contacts_[at(i)] == nullptr;
+    double const width = number ? changed_[at(i)].half_width : 0.0;
+    double const share = at_once ? share_along(at(i), s) : 1.0;
+    if (!exact && (!at_once || share < 1.0)) out.col(i) = along(t, x, s, here);
+    if (!number) continue;
+    if (!at_once) {
+      auto& [above, below] = *under_contacts_[at(i)];
+      VectorXd const slope = (side_ > 0.0 ? above : below)(run_.plant(), t, run_.inputs());
+      out.col(i) += (slope - here) / (side_ * width);
+      continue;
+    }
+    auto const slope = [&](Driver& changed, double along) {
+      return bending_slope(changed, changed.plant(), t, x + (along * share) * s);
+    };
+    out.col(i) = share < 1.0 ? VectorXd((1.0 - share) * out.col(i)) : VectorXd::Zero(here.size());
+    out.col(i) += (slope(*changed_[at(i)].above, width) - slope(*changed_[at(i)].below, -width)) / (2.0 * width);
+  }
+  return out;
 }
 
-void TangentRun::differentiate_outputs(double until) {
-  for (Output& output : outputs_)
-    if (output.derivatives.empty() && output.t < until + shortest) differentiate(output, tangents_at(output.t));
+/// S and Z within the last step, on the Hermite polynomial through its ends.
+MatrixXd TangentRun::tangents_at(double t) const {
+  double const h = time_ - start_time_;
+  if (t >= time_ - same_time || !(h > 0.0)) return y_;
+  double const u = (t - start_time_) / h, v = 1.0 - u;
+  return (v * v * (1.0 + 2.0 * u)) * start_ + (u * u * (1.0 + 2.0 * v)) * y_ + (h * u * v) * (v * leave_ - u * slope_);
 }
 
-void TangentRun::differentiate(Output& output, Tangents const& tangents) {
-  auto const columns = static_cast<Place>(width());
-  output.derivatives.resize(width() * changed_.size());
-  VectorXd upper(columns), lower(columns);
+void TangentRun::keep(double t, double const* x, double const* z) {
+  if (kept_.empty()) return;
+  reach_samples(x_, z_);
+  std::vector<double> row(static_cast<std::size_t>(run_.width()));
+  run_.record(t, x, z, row.data());
+  Output& output = outputs_.emplace_back();
+  output.t = t;
+  for (int const column : kept_) output.row.push_back(row[at(column)]);
+  differentiate(t, x, z, output);
+}
+
+void TangentRun::differentiate(double t, double const* x, double const* z, Output& output) {
+  MatrixXd const y = tangents_at(t);
+  auto const states = x_.size();
+  VectorXd const x_now = Eigen::Map<VectorXd const>(x, states), z_now = Eigen::Map<VectorXd const>(z, z_.size());
+  VectorXd upper(run_.width()), lower(run_.width()), found(run_.width());
+  bool const all_direct = std::ranges::find(direct_, differenced) == direct_.end();
   for (std::size_t i = 0; i < changed_.size(); ++i) {
-    auto const& [above, below, half_width] = changed_[i];
-    auto const s = tangents.s.col(static_cast<Place>(i)), z = tangents.z.col(static_cast<Place>(i));
+    auto const& [above, below, half_width, moves_contacts] = changed_[i];
+    auto const tangent = y.col(static_cast<Place>(i));
     auto const difference = [&](Driver& plus, Driver& minus, double along, double by) {
-      VectorXd x = output.x + along * s, quadratures = output.z + along * z;
-      plus.record(output.t, x.data(), quadratures.data(), upper.data());
-      x = output.x - along * s, quadratures = output.z - along * z;
-      minus.record(output.t, x.data(), quadratures.data(), lower.data());
+      VectorXd moved = x_now + along * tangent.head(states), quadratures = z_now + along * tangent.tail(z_.size());
+      plus.record(t, moved.data(), quadratures.data(), upper.data());
+      moved = x_now - along * tangent.head(states), quadratures = z_now - along * tangent.tail(z_.size());
+      minus.record(t, moved.data(), quadratures.data(), lower.data());
       return VectorXd((upper - lower) / (2.0 * by));
     };
-    double const share = run_.system() != nullptr ? 1.0 : share_along(i);
-    Eigen::Map<VectorXd> out(output.derivatives.data() + i * width(), columns);
-    out = difference(*above, *below, share * half_width, half_width);
-    if (share < 1.0) out += (1.0 - share) * difference(run_, run_, share * half_width, share * half_width);
+    double const share = run_.system() != nullptr ? 1.0 : share_along(i, tangent.head(states));
+    if (!all_direct) found = difference(*above, *below, share * half_width, half_width);
+    if (!all_direct && share < 1.0)
+      found += (1.0 - share) * difference(run_, run_, share * half_width, share * half_width);
+    for (std::size_t k = 0; k < kept_.size(); ++k)
+      output.derivatives.push_back(direct_[k] >= 0        ? tangent[direct_[k]]
+                                   : direct_[k] == locked ? 0.0
+                                                          : found[kept_[k]]);
   }
 }
 

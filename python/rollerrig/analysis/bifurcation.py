@@ -11,7 +11,8 @@ and unstable cycles are found alike, and the branch passes its folds without tur
 with M, the monodromy matrix, and d phi_T/dV from exact Jacobians along the run (core/include/rollerrig/simulate/tangent_run.hpp).
 The eigenvalues of M on the section y' = 0 are the Floquet multipliers: what becomes of a small deviation in a period; the cycle
 is stable where all lie within the unit circle. The same system gives dV/dA: it changes its sign at a fold, where a stable and an
-unstable cycle meet. The lowest fold is the speed below which this branch has no limit cycle.
+unstable cycle meet. The lowest speed of a stable cycle, as a rule that of a fold, is the nonlinear critical speed: from it on a
+disturbance that is large enough ends in a limit cycle of this branch.
 Source: Seydel, Practical Bifurcation and Stability Analysis, 3rd ed. (2010), chapter 7; for railway vehicles Kaas-Petersen,
 Chaos in a railway bogie, Acta Mechanica 61 (1986).
 """
@@ -51,7 +52,7 @@ CLOSED = 3e-5
 FOLD_WIDTH = 0.002
 """To which the speed of a fold is found [m/s]."""
 
-_TANGENT_TOLERANCE, _MOST_ITERATIONS, _FEW_ITERATIONS = 1e-4, 8, 4
+_MOST_ITERATIONS, _FEW_ITERATIONS = 8, 4
 _RATE = 100.0
 """Turns an error of a velocity into that of a displacement [1/s]."""
 
@@ -107,8 +108,9 @@ def bifurcation(
 
     Returns:
         Over `cycle`, by amplitude: `amplitude` [m], `speed` [km/h], `frequency` [Hz], `multiplier`, the largest magnitude of a
-        Floquet multiplier, `stable`, `speed_slope` [km/h per mm], `missed` [m]. Attributes: `linear_critical_speed_kmh`,
-        `folds`, a list as JSON of speed_kmh and amplitude_mm, and `ended`, why the branch ends where it does.
+        Floquet multiplier, `stable`, `speed_slope` [km/h per mm], `missed` [m]. Attributes: `linear_critical_speed_kmh`;
+        `nonlinear_critical_speed_kmh`, the lowest of a stable limit cycle of the branch, NaN where none is stable; `folds`, a
+        list as JSON of speed_kmh and amplitude_mm; `ended`, why the branch ends where it does.
 
     Raises:
         ValueError: no oscillation begins to grow at these speeds.
@@ -211,9 +213,7 @@ class _Shooting:
             self._start(state + change * self._rolls, period, speed + change) for change in (0.0, width, -width)
         )
         directions = np.eye(len(self._rest))[:, self._kept]
-        tangents = _core.TangentRun(
-            run, [(above, below, width)], np.ascontiguousarray(directions), _TANGENT_TOLERANCE, []
-        )
+        tangents = _core.TangentRun(run, [(above, below, width, True)], np.ascontiguousarray(directions), [], [])
         if tangents.advance(period) != _OK:
             return None
         found, end = tangents.tangents[self._kept], run.state
@@ -285,14 +285,18 @@ def _extreme(left: Cycle, right: Cycle) -> float:
     return float(np.clip(min(places, key=lambda t: abs(t - 0.5)), 0.15, 0.85))
 
 
-def _folds(cycles: Sequence[Cycle]) -> list[dict[str, float]]:
-    """Those of all cycles at which the speed is an extreme."""
+def _folds(cycles: Sequence[Cycle]) -> list[int]:
+    """Places of those of all cycles at which the speed is an extreme."""
     speeds = [one.speed for one in cycles]
-    return [
-        {"speed_kmh": 3.6 * speeds[i], "amplitude_mm": 1e3 * cycles[i].amplitude}
-        for i in range(1, len(cycles) - 1)
-        if (speeds[i] - speeds[i - 1]) * (speeds[i + 1] - speeds[i]) < 0.0
-    ]
+    return [i for i in range(1, len(cycles) - 1) if (speeds[i] - speeds[i - 1]) * (speeds[i + 1] - speeds[i]) < 0.0]
+
+
+def _nonlinear_critical_speed(cycles: Sequence[Cycle], onset: float) -> float:
+    """Lowest speed of a stable cycle [m/s]; its limits count: a fold, and the linear critical speed. NaN: none is stable."""
+    stable = [one.stable for one in cycles]
+    folds = [cycles[i].speed for i in _folds(cycles) if stable[i - 1] or stable[i + 1]]
+    begins = [onset] if any(stable[:1]) else []
+    return min([one.speed for one in cycles if one.stable] + folds + begins, default=math.nan)
 
 
 def _dataset(case: Case, cycles: Sequence[Cycle], onset: float, ended: str) -> xr.Dataset:
@@ -318,7 +322,10 @@ def _dataset(case: Case, cycles: Sequence[Cycle], onset: float, ended: str) -> x
         "title": f"Limit cycles of {case.name} over their amplitude",
         "case": case.name,
         "linear_critical_speed_kmh": 3.6 * onset,
-        "folds": json.dumps(_folds(cycles)),
+        "nonlinear_critical_speed_kmh": 3.6 * _nonlinear_critical_speed(cycles, onset),
+        "folds": json.dumps(
+            [{"speed_kmh": 3.6 * cycles[i].speed, "amplitude_mm": 1e3 * cycles[i].amplitude} for i in _folds(cycles)]
+        ),
         "ended": ended,
     }
     return xr.Dataset(variables, attrs=attributes)

@@ -295,6 +295,7 @@ def stability(
     processes: Annotated[int, Option(least=1, most=2, default=2)] = 1,
     contacts_kmh: Annotated[float | None, Option(least=1.0, most=600.0)] = None,
     branch: Annotated[float | None, Option("branch_mm", "mm", 0.05, 50.0)] = None,
+    sensitivity: Switch = False,
     progress: Progress | None = None,
 ) -> Outcome[Any]:
     """Eigenvalues, damping, frequency and mode shapes over speed; limit cycles; critical speeds.
@@ -310,13 +311,14 @@ def stability(
         processes: with 2, the two sweeps run at a time.
         contacts_kmh: also compare the contact models, on rig and track, with a run at this speed [km/h].
         branch: also follow the limit cycles, stable and unstable, from the linear critical speed up to this amplitude [m].
+        sensitivity: also draw how each stiffness and damping of the suspension moves the linear critical speed.
         progress: called with the fraction done and a short text.
     """
     from rollerrig.analysis import LimitCycleSettings
     from rollerrig.study.stability import StabilityStudy
 
     settings = LimitCycleSettings(disturbance, perturbation, longest=longest, tolerance_kmh=tolerance_kmh)
-    study = StabilityStudy(_case(case), tuple(speeds_kmh), limit_cycles, settings, contacts_kmh, branch)
+    study = StabilityStudy(_case(case), tuple(speeds_kmh), limit_cycles, settings, contacts_kmh, branch, sensitivity)
     return _outcome(study, processes, progress)
 
 

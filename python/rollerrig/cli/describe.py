@@ -13,6 +13,7 @@ from rollerrig.analysis.slide_statistics import idle_valves
 from rollerrig.assembly.actuators import assemble_with_actuators
 from rollerrig.assembly.model import AssembledModel, assemble
 from rollerrig.config import GRAVITY, Case, Element, Material, ProfileSpec, Programme, Rig, Track, Vehicle, code_of
+from rollerrig.config.schema.faults import fault_text
 from rollerrig.config.schema.rig_control import BandwidthEstimator
 from rollerrig.config.schema.track import SpectrumIrregularity, rails_of_run
 from rollerrig.config.validate.check_track import highest_speed_on, speeds_on
@@ -90,16 +91,6 @@ def irregularity_lines(support: Rig | Track, rails: RailIrregularity | None = No
     return lines
 
 
-def _faults(case: Case) -> list[str]:
-    """What is wrong with single axles."""
-    lines = []
-    for fault in case.fault:
-        size = f" × {fault.factor:g}" if hasattr(fault, "factor") else ""
-        size = f" at {1e-5 * fault.pressure:g} bar" if hasattr(fault, "pressure") else size
-        lines.append(f"fault: {fault.axle}, {fault.kind.replace('_', ' ')}{size}, from {fault.begin:g} s on")
-    return lines
-
-
 _WORDS = {
     "proportional_integral": "proportional-integral feedback",
     "sliding_mode": "sliding mode",
@@ -125,7 +116,8 @@ def actuator_lines(case: Case, *, run_code: bool = False) -> list[str]:
         return []
     model = assemble_with_actuators(case)
     load = sum(model.axle_loads.values()) / len(model.wheelsets)
-    lines = [*_brake(case, load), *_traction(case, load), *_adhesion(case), *_faults(case)]
+    lines = [*_brake(case, load), *_traction(case, load), *_adhesion(case)]
+    lines += [f"fault: {fault_text(fault)}" for fault in case.fault]
     if case.rig_control is not None:
         lines += [_train(model), *_roller_drives(case)]
     for name in COMMANDS:

@@ -18,6 +18,7 @@ from rollerrig.plot.hunting import (
     hunting_over_time,
     limit_cycle_diagram,
     ramp_over_speed,
+    tornado_diagram,
     traction_forces,
     traction_sliding,
 )
@@ -63,6 +64,7 @@ __all__ = [
     "runs_together",
     "shape_speed",
     "sliding_over_time",
+    "tornado_diagram",
     "track_shifting",
     "traction_forces",
     "traction_sliding",

@@ -1,8 +1,9 @@
-"""Figures of hunting: runs from a disturbance, limit cycles over speed, traction near the limit."""
+"""Figures of hunting: runs from a disturbance, limit cycles over speed, sensitivities, traction near the limit."""
 
 import json
 import math
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -184,6 +185,46 @@ def bifurcation_diagram(branch: xr.Dataset) -> Figure:
         axes.set_ylim(bottom=0.0)
         axes.legend(loc="upper left")
         return figure
+
+
+MOST_BARS, LEAST_BAR = 15, 0.005
+"""Bars in one figure, and the shortest that can be seen, over the longest."""
+
+
+@into_axes
+def tornado_diagram(sensitivity: xr.Dataset) -> Figure:
+    """Change of the linear critical speed by numbers of the case that are 1 % larger, a bar each, the longest on top.
+
+    At most MOST_BARS bars, those of at least LEAST_BAR of the longest; the scale on top says per cent of the critical speed.
+
+    Args:
+        sensitivity: Dataset of `stability_sensitivity`.
+    """
+    speed = float(sensitivity.attrs["linear_critical_speed_kmh"])
+    change = sensitivity["critical_speed_change"].to_numpy()
+    longest = float(np.abs(change).max(initial=0.0))
+    order = [k for k in np.argsort(-np.abs(change)) if abs(change[k]) >= LEAST_BAR * longest][:MOST_BARS]
+    label = "change of the linear critical speed by 1 % more [km/h]"
+    with panels([""], label, 1.2 + 0.27 * len(order), legend=False) as (figure, (axes,)):
+        for place, k in enumerate(order):
+            ink, hatch = (COLOURS[0], "") if change[k] >= 0.0 else (COLOURS[1], "///")
+            bar = axes.barh(place, change[k], 0.7, color=ink, alpha=0.85, hatch=hatch, edgecolor="white")
+            axes.bar_label(bar, [f"{change[k]:+.2g}"], padding=3, fontsize=7.5)
+        axes.axvline(0.0, color=GREY, linewidth=1.0)
+        axes.set_yticks(range(len(order)), [_number_words(str(sensitivity["parameter"].to_numpy()[k])) for k in order])
+        axes.invert_yaxis()
+        axes.grid(visible=False, axis="y")
+        low, high = axes.get_xlim()
+        axes.set_xlim(low - 0.2 * longest * (low < 0.0), high + 0.2 * longest * (high > 0.0))  # room for the numbers
+        factors = 100.0 / speed, speed / 100.0
+        scale = axes.secondary_xaxis("top", functions=tuple(partial(np.multiply, one) for one in factors))  # type: ignore[arg-type]
+        scale.set_xlabel(f"over the linear critical speed, {speed:.1f} km/h [%]")
+        return figure
+
+
+def _number_words(key: str) -> str:
+    """A dotted key in a figure: 'primary, x, stiffness'."""
+    return key.removeprefix("vehicle.element.").replace("_*", "").replace(".", ", ").replace("_", " ")
 
 
 def _stretches(holds: Mask) -> list[slice]:

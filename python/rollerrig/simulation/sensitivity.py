@@ -2,13 +2,14 @@
 
     Case, keys -> [Case changed by +-h at each key, assembled] -> core: S' = J S + df/dp beside the run -> Sensitivity
 
-J is exact, by dual numbers. How a number enters the model is known to the assembly alone: df/dp, and the derivative of the
-starting state, are central differences between two models, in one state; for a stiffness or damping such a difference is exact.
+S takes the steps of the run: it is the derivative of what the run computes. How a number enters the model is known to the
+assembly alone: df/dp, and the derivative of the starting state, are differences between two models.
 Equations: core/include/rollerrig/simulate/tangent_run.hpp.
 """
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -33,14 +34,17 @@ from rollerrig.simulation.run import Progress, outcome, prepare
 RELATIVE_WIDTH = 1e-5
 """Half width of the differences by a number, over its size [1]: their error is its square."""
 
-TOLERANCE = 1e-5
-"""Error of one step of the derivatives, over the largest one of a displacement by the same number until then [1]."""
+METHOD, STEP = "exponential_adams", "1 ms"
+"""Whose steps the derivatives take, and the longest one of a case with another method."""
 
 _SLICES = 100
 """Slices of a run, for its progress and Ctrl-C."""
 
 _SWITCHING = ("slide_protection", "wheel_slip_control", "brake_unit", "sanding")
 """Tables of a case whose blocks switch: what they do has no derivative."""
+
+_BESIDE_CONTACTS = re.compile(r"vehicle\.(element\..*|body\.[^.]*\.(mass|inertia\..*))")
+"""Keys of numbers on which contact forces in a given state do not depend: their models need not look for contacts."""
 
 
 @dataclass(frozen=True)
@@ -64,17 +68,15 @@ def sensitivity(
     parameters: Sequence[str],
     outputs: Sequence[str],
     *,
-    tolerance: float = TOLERANCE,
     progress: Progress | None = None,
 ) -> Sensitivity:
-    """Run a case, with the derivatives of its outputs by any of its numbers.
+    """Run a case by exponential_adams, with the derivatives of its outputs by any of its numbers.
 
     Args:
         case: what to run, or its name in the catalogue.
         parameters: dotted keys of numbers, as `Case.with_changes` takes them; one with `*` stands for all that match, which
             must be equal, and are changed together.
         outputs: variables of the results of `simulate`.
-        tolerance: error of one step of the derivatives, over the largest one of a displacement by the same number [1].
         progress: called with the fraction done and a short text.
 
     Raises:
@@ -92,6 +94,8 @@ def sensitivity(
     """
     case = as_case(case)
     require_smooth(case)
+    if case.integration.method != METHOD:
+        case = case.with_changes({"time.method": METHOD, "time.step": STEP})
     values, changed = zip(*(changed_cases(case, key) for key in parameters), strict=True) if parameters else ((), ())
     model = assemble_as_run(case)
     simulation = prepare(model)
@@ -99,7 +103,7 @@ def sensitivity(
     kept = np.unique(np.concatenate([layout[name].values.ravel() for name in outputs])).astype(np.intp)
     widths = [RELATIVE_WIDTH * abs(value) for value in values]
     pairs = [_pair(model, key, cases, width) for key, cases, width in zip(parameters, changed, widths, strict=True)]
-    run = _core.TangentRun(simulation, pairs, np.zeros((0, 0)), tolerance, list(model.breakpoints))
+    run = _core.TangentRun(simulation, pairs, np.zeros((0, 0)), kept.tolist(), list(model.breakpoints))
     times, rows, derivatives = [], [], []
     duration, code, done = case.time.duration, _core.status_codes["ok"], 0
     while done < _SLICES and code == _core.status_codes["ok"]:
@@ -107,8 +111,8 @@ def sensitivity(
         code = run.advance(duration * done / _SLICES)
         for time, row, by_number in run.take_outputs():
             times.append(time)
-            rows.append(row[kept])
-            derivatives.append(by_number[:, kept])
+            rows.append(row)
+            derivatives.append(by_number)
         if progress is not None:
             progress(done / _SLICES, f"t = {run.time:.2f} s of {duration:g} s")
     ended = outcome(simulation, model, code)
@@ -187,12 +191,13 @@ def _number_at(tables: Mapping[str, Any], path: Sequence[str], key: str, file: s
 
 def _pair(
     model: AssembledModel, key: str, cases: tuple[Case, Case], half_width: float
-) -> tuple[_core.Simulation, _core.Simulation, float]:
+) -> tuple[_core.Simulation, _core.Simulation, float, bool]:
     above, below = (assemble_as_run(case) for case in cases)
     if not model.breakpoints == above.breakpoints == below.breakpoints:
         allowed = "allowed: numbers that move no corner in time of a torque or speed"
         raise ConfigError.of(model.case.name, key, "moves one", allowed)
-    return prepare(above, may_drift=True), prepare(below, may_drift=True), half_width
+    moves_contacts = _BESIDE_CONTACTS.fullmatch(key) is None
+    return prepare(above, may_drift=True), prepare(below, may_drift=True), half_width, moves_contacts
 
 
 def _layout(model: AssembledModel, width: int, outputs: Sequence[str]) -> xr.Dataset:

@@ -10,9 +10,11 @@ docs/theory/rig_control.md.
 
 The variants take one imperfection of the rig away after the other: pure rolling of the wheels on the rollers, then drives
 without lag and limit, then known force and torque. The differences between them, and what remains between the last and the
-track, add up to the whole: the causes. Tests on track with a later protection give the rig's equivalent dead time.
+track, add up to the whole within their errors: the causes. Tests on track with a later protection give the rig's equivalent
+dead time.
 """
 
+import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -42,7 +44,7 @@ from rollerrig.plot import adhesion as figures
 from rollerrig.plot.adhesion import cause_bars, dead_time_curve, slip_histogram
 from rollerrig.results import COMPLETED
 from rollerrig.simulation.run import simulate
-from rollerrig.study.assessment import SHOWN
+from rollerrig.study.assessment import NOT_DECIDED, SHOWN
 from rollerrig.study.ensemble import (
     FINER_STARTS,
     Estimate,
@@ -74,13 +76,13 @@ from rollerrig.study.runs.adhesion import (
     TOGETHER,
     VARIANTS,
     Row,
-    are_known,
     cause_shares,
     is_within_error,
     law_case,
     law_names,
     law_numbers,
     law_table,
+    to_refine,
     track_case,
     variant,
     variants_of,
@@ -93,9 +95,9 @@ RUN, RIG = ([q.key.split(".")[1] for q in QUANTITIES.below(on) if q.key.endswith
 """Names of what is reported of both ensembles, and of that of the rig alone."""
 
 VARIANT = ("tracking_rms", "mean_slip", "dump_cycles", "air_litres")
-STARTS, QUICK_STARTS, FIRST_STARTS, MOST_STARTS = 8, 2, 2, 16
-"""Tests of an ensemble; of a quick study; before the first page; and up to which they are added until the errors of the shares
-are small."""
+STARTS, QUICK_STARTS, FIRST_STARTS, MORE_STARTS, MOST_STARTS = 8, 2, 2, 2, 16
+"""Tests of an ensemble; of a quick study; before the first page; so many more at a time while the error of a share is too large;
+and the most of an ensemble."""
 
 WHOLE = ("track", "rig", "rolling")
 """Ensembles whose first test is kept as a whole, to be drawn."""
@@ -168,9 +170,23 @@ class AdhesionStudy(Study[Runs]):
         tests = self._tests(("track", *names, *later, *laws), 0, count)
         yield {**whole, **self._tests(("track", "rig"), 0, FIRST_STARTS)}
         yield {**tests, **self._tests(fine, 0, FINER_STARTS)}
-        while not self.quick and count < MOST_STARTS and not are_known(cause_shares(self._records(done, names))):
-            yield self._tests(("track", "rig", *STEPS), count, count + STARTS)
-            count += STARTS
+        while not self.quick and (found := self.collect(done)) is not None and (more := self._more_starts(found)):
+            yield more
+
+    def _more_starts(self, results: Runs) -> Round:
+        """Once, those on track and rig that decide rows; then the next of the ensembles whose share is not known yet.
+
+        Once only: an interval that is looked at after each start ends outside of a limit more often than it says.
+        """
+        count = {name: len(records) for name, records in results.records.items()}
+        needed = [row.starts_needed for row in self.rows(results) if STARTS < row.starts_needed <= MOST_STARTS]
+        if needed and count["rig"] == STARTS:
+            return self._tests(("track", "rig"), STARTS, math.ceil(max(needed)))
+        found: Round = {}
+        for pair in to_refine(cause_shares(results.records)):
+            if (begin := min(count[name] for name in pair)) < MOST_STARTS:
+                found = {**found, **self._tests(pair, begin, begin + MORE_STARTS)}
+        return found
 
     def _tests(self, names: Sequence[str], begin: int, end: int) -> Round:
         """Ensembles from one start to another; the first start of some is run as a whole."""
@@ -271,7 +287,14 @@ class AdhesionStudy(Study[Runs]):
     def summary(self, results: Runs, numbers: Numbers) -> list[str]:
         rows = self.rows(results)
         lines = [f"{SHOWN[row.verdict]}, {row.group}: {row.told}" for row in rows]
-        return [*_verdict_lines(rows), *idle_valves(self.case), *findings(numbers), *lines]
+        enough = numbers["starts"] >= STARTS
+        return [
+            *_verdict_lines(rows),
+            *(_starts_needed(rows) if enough else ()),
+            *idle_valves(self.case),
+            *findings(numbers),
+            *lines,
+        ]
 
     def files(self, results: Runs, numbers: Numbers) -> Mapping[str, Any]:
         track, rig = results.whole["track"], results.whole["rig"]
@@ -355,6 +378,16 @@ def _verdict_lines(rows: Sequence[Row]) -> Iterator[str]:
         yield f"{title}: {word.upper() if word == 'not met' else word}; {met} of {len(own)} targets met." + "".join(
             f" {SHOWN[row.verdict]}: {row.told}." for row in open_ones
         )
+
+
+def _starts_needed(rows: Sequence[Row]) -> Iterator[str]:
+    """How many starts would decide what is not decided, the fewest first."""
+    needed = {row.text: row.starts_needed for row in rows if row.verdict == NOT_DECIDED}
+    found = [
+        f"{text} about {count:g}" for text, count in sorted(needed.items(), key=lambda one: one[1]) if count < math.inf
+    ]
+    if found:
+        yield f"More starts would decide, if mean and scatter stay: {'; '.join(found)} starts. {MOST_STARTS} at most are made."
 
 
 def findings(numbers: Numbers) -> Iterator[str]:

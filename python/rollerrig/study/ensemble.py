@@ -27,6 +27,8 @@ from rollerrig.study.jobs import Done, Job, Progress, Round, whole_run
 DRAWN = tuple(name for name in Ensemble.model_fields if name != "distribution")
 SEED = 20260713
 CONFIDENCE = 0.95
+MANY = 1000
+"""Tests that nobody makes to decide one number."""
 FINER, FINER_STARTS = 0.25, 3
 """Part of step and samples that the finer tests have, and how many of them are made."""
 
@@ -125,6 +127,15 @@ class Estimate:
             return Interval(-math.inf, math.inf)
         reach = float(stdtrit(self.freedom, 0.5 + 0.5 * CONFIDENCE)) * self.standard_error + self.systematic
         return Interval(self.mean - reach, self.mean + reach)
+
+    def tests_within(self, distance: float) -> float:
+        """Number of tests, if mean and scatter stay, whose interval ends at this distance from the mean; inf: above MANY."""
+        if not 0.0 < self.freedom < math.inf:
+            return math.inf
+        tests = np.arange(2.0, MANY + 1.0)
+        scatter = self.standard_error * math.sqrt(self.freedom + 1.0)
+        reach = stdtrit(tests - 1.0, 0.5 + 0.5 * CONFIDENCE) * scatter / np.sqrt(tests) + self.systematic
+        return float(np.min(tests[reach <= distance], initial=math.inf))
 
     def times(self, factor: float) -> "Estimate":
         """The same in another unit."""

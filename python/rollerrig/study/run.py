@@ -16,6 +16,7 @@ from rollerrig.analysis.hunting import LateralRest, lateral_rest
 from rollerrig.analysis.wheel_rail_forces import STATISTICS, curved, irregular
 from rollerrig.common.formatting import number
 from rollerrig.config import Case
+from rollerrig.config.schema.faults import fault_text
 from rollerrig.plot.run import energy_over_time, motion_over_time, sliding_over_time
 from rollerrig.plot.wheel_rail_forces import line_and_response
 from rollerrig.results import motion_table, summarise, wheel_table
@@ -166,7 +167,8 @@ class RunStudy(Study[Results]):
         return {**found, **running_safety.numbers(results.assessment, results.rows)}
 
     def summary(self, results: Results, numbers: Numbers) -> list[str]:
-        return answer(numbers, results.rest, results.rows)
+        faults = [f"Fault: {fault_text(fault)}." for fault in self.case.fault if fault.kind != "none"]
+        return [*faults, *answer(numbers, results.rest, results.rows)]
 
     def shown(self, results: Results) -> Mapping[str, xr.Dataset]:
         return {self.case.name: results.run}

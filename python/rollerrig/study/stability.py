@@ -15,6 +15,7 @@ import xarray as xr
 from rollerrig.analysis import Diagram, LimitCycleSettings, limit_cycle_table, stability
 from rollerrig.analysis.bifurcation import bifurcation
 from rollerrig.analysis.critical_speed import HIGHEST_KMH, LinearCriticalSpeed, scan_above
+from rollerrig.analysis.stability_sensitivity import stability_sensitivity
 from rollerrig.config import Case, Track
 from rollerrig.plot import (
     bifurcation_diagram,
@@ -24,6 +25,7 @@ from rollerrig.plot import (
     mode_shape,
     mode_shapes,
     root_locus,
+    tornado_diagram,
 )
 from rollerrig.plot.modes import shape_speed, shown_modes
 from rollerrig.results.termination import in_words
@@ -36,7 +38,7 @@ from rollerrig.study.limit_cycles import cycle_chains, cycle_diagram
 from rollerrig.study.quantities import Numbers
 from rollerrig.study.report import VIEW, Block, Picture, Section, Table, Text
 
-BRANCH = "branch of limit cycles"
+BRANCH, SENSITIVITY = "branch of limit cycles", "sensitivity of the linear critical speed"
 
 SUSPENSION_WORDS = ("car body", "bogie", "bogies", "front bogie", "rear bogie")
 """How the names of those modes begin whose shapes are drawn together."""
@@ -147,29 +149,56 @@ BRANCH_COLUMNS = {
 
 
 def branch_numbers(branch: xr.Dataset) -> dict[str, Any]:
-    """The branch of `bifurcation`: its folds, why it ends, its limit cycles."""
+    """The branch of `bifurcation`: nonlinear critical speed, folds, why it ends, its limit cycles."""
     columns = {key: factor * branch[name].to_numpy() for key, (name, factor) in BRANCH_COLUMNS.items()}
     stable = branch["stable"].to_numpy() == 1
     points = [{key: float(values[i]) for key, values in columns.items()} for i in range(len(stable))]
     points = [{**one, "stable": bool(holds)} for one, holds in zip(points, stable, strict=True)]
-    return {"folds": json.loads(branch.attrs["folds"]), "ended": str(branch.attrs["ended"]), "points": points}
+    return {
+        "nonlinear_critical_speed_kmh": float(branch.attrs["nonlinear_critical_speed_kmh"]),
+        "folds": json.loads(branch.attrs["folds"]),
+        "ended": str(branch.attrs["ended"]),
+        "points": points,
+    }
 
 
 def branch_sentences(branch: Mapping[str, Any], linear_kmh: float) -> list[str]:
-    """The lowest fold, and where the branch ends."""
+    """The nonlinear critical speed, how the branch begins and where it ends."""
     if not branch["points"]:
         return [f"The branch of limit cycles cannot be followed, it ends {branch['ended']}."]
     begins = "Stable limit cycles begin" if branch["points"][0]["stable"] else "Unstable limit cycles begin"
     kind = "supercritical" if branch["points"][0]["stable"] else "subcritical"
-    below = [fold for fold in branch["folds"] if fold["speed_kmh"] < linear_kmh]
-    lowest = min(below, key=lambda fold: float(fold["speed_kmh"]), default=None)
-    found = f"{begins} at the linear critical speed, {linear_kmh:.2f} km/h ({kind})"
-    if lowest is not None:
-        at = f"{lowest['speed_kmh']:.2f} km/h, with {lowest['amplitude_mm']:.2f} mm"
-        found += (
-            f"; the lowest speed at which this branch has one is {at}, where a stable and an unstable one meet (fold)"
-        )
-    return [f"{found}. The branch ends {branch['ended']}."]
+    course = (
+        f"{begins} at the linear critical speed, {linear_kmh:.2f} km/h ({kind}). The branch ends {branch['ended']}."
+    )
+    lowest = branch["nonlinear_critical_speed_kmh"]
+    if lowest is None:
+        return [
+            "Nonlinear critical speed: not found, no limit cycle of the branch is stable as far as it was followed.",
+            course,
+        ]
+    folds = {fold["speed_kmh"]: f"a fold, with {fold['amplitude_mm']:.2f} mm" for fold in branch["folds"]}
+    at = folds.get(
+        lowest, "where it begins" if math.isclose(lowest, linear_kmh, rel_tol=1e-6) else "where cycles become stable"
+    )
+    found = f"Nonlinear critical speed: {lowest:.2f} km/h, the lowest with a stable limit cycle on the branch: {at}."
+    return [found, course]
+
+
+def sensitivity_numbers(found: xr.Dataset) -> list[dict[str, Any]]:
+    """What each number of the suspension does to the linear critical speed, the largest change first."""
+    speed = float(found.attrs["linear_critical_speed_kmh"])
+    rows = [
+        {
+            "parameter": str(found["parameter"].to_numpy()[k]),
+            "value": float(found["value"][k]),
+            "unit": str(found["parameter_unit"].to_numpy()[k]),
+            "change_kmh": float(found["critical_speed_change"][k]),
+            "relative_change": float(found["critical_speed_change"][k]) / speed,
+        }
+        for k in range(found.sizes["parameter"])
+    ]
+    return sorted(rows, key=lambda one: -abs(one["change_kmh"]))
 
 
 MOST_CYCLE_SPEEDS = 20
@@ -178,7 +207,7 @@ MOST_CYCLE_SPEEDS = 20
 
 @dataclass(frozen=True)
 class Results:
-    """Modes over speed, limit-cycle diagram, effects of the contact models, branch; None and empty where not asked for.
+    """Modes over speed, limit-cycle diagram, contact models, branch, sensitivity; None and empty where not asked for.
 
     `above` is the linear critical speed above the range of the modes, where that has none.
     """
@@ -188,6 +217,7 @@ class Results:
     diagram: Diagram | None
     contact: tuple[ContactEffect, ...]
     branch: xr.Dataset | None
+    sensitivity: xr.Dataset | None
 
 
 @dataclass(frozen=True)
@@ -203,6 +233,7 @@ class StabilityStudy(Study[Results]):
     settings: LimitCycleSettings = field(default_factory=LimitCycleSettings)
     contacts_kmh: float | None = None
     branch: float | None = None
+    sensitivity: bool = False
 
     command = "stability"
     heading = "Stability: {case.name}"
@@ -211,7 +242,16 @@ class StabilityStudy(Study[Results]):
         "saturation beyond its slope.",
         "Rollers or rails are speed-controlled at each speed; torques keep their value at time 0.",
     )
-    writes = ("stability.nc", "modes.csv", "shapes.csv", "limit_cycles.csv", "contact_effects.csv", "branch.csv", VIEW)
+    writes = (
+        "stability.nc",
+        "modes.csv",
+        "shapes.csv",
+        "limit_cycles.csv",
+        "contact_effects.csv",
+        "branch.csv",
+        "sensitivity.csv",
+        VIEW,
+    )
     formats = ("svg",)
 
     @property
@@ -231,6 +271,10 @@ class StabilityStudy(Study[Results]):
             yield contact_effects.contact_effect_jobs(self.case, self.speeds_kmh, self.contacts_kmh)
         if self.branch is not None and not none:
             yield {BRANCH: job(bifurcation, self.case, self.speeds_kmh, self.branch)}
+        linear = done[above].speed_kmh if search else modes.attrs["linear_critical_speed_kmh"]
+        if self.sensitivity and math.isfinite(linear):
+            around = (0.99 * linear, 1.01 * linear)
+            yield {SENSITIVITY: job(stability_sensitivity, self.case, None, around)}
 
     def collect(self, done: Done) -> Results | None:
         contact = tuple(result for result in done.values() if isinstance(result, ContactEffect))
@@ -241,7 +285,7 @@ class StabilityStudy(Study[Results]):
             linear = above.speed_kmh if above else float(done["modes"].attrs["linear_critical_speed_kmh"])
             found = cycle_diagram(cycle_speeds(self.speeds_kmh), linear, self.settings, done)
             diagram = found if found.up or found.down else None
-        return Results(done["modes"], above, diagram, contact, done.get(BRANCH))
+        return Results(done["modes"], above, diagram, contact, done.get(BRANCH), done.get(SENSITIVITY))
 
     # --------------------------------------------------------------------------------------------------- numbers
 
@@ -268,6 +312,8 @@ class StabilityStudy(Study[Results]):
             found["contact_effects"] = [asdict(one) for one in results.contact]
         if results.branch is not None:
             found["branch"] = branch_numbers(results.branch)
+        if results.sensitivity is not None:
+            found["sensitivity"] = sensitivity_numbers(results.sensitivity)
         return found
 
     def summary(self, results: Results, numbers: Numbers) -> list[str]:
@@ -288,6 +334,11 @@ class StabilityStudy(Study[Results]):
             )
         if results.branch is not None:
             lines += branch_sentences(numbers["branch"], numbers["linear_critical_speed_kmh"])
+        if numbers.get("sensitivity"):
+            most = numbers["sensitivity"][0]
+            lines.append(
+                f"It is moved most by {most['parameter']}: {most['change_kmh']:+.2g} km/h if that is 1 % larger."
+            )
         return lines if results.diagram is None else [*lines, *cycles.continuation_sentences(results.diagram)]
 
     def shown(self, results: Results) -> Mapping[str, xr.Dataset]:
@@ -306,6 +357,8 @@ class StabilityStudy(Study[Results]):
             found["contact_effects.csv"] = self.quantities.csv(numbers["contact_effects"], "contact_effects.*")
         if results.branch is not None:
             found["branch.csv"] = self.quantities.csv(numbers["branch"]["points"], "branch.points.*")
+        if results.sensitivity is not None:
+            found["sensitivity.csv"] = self.quantities.csv(numbers["sensitivity"], "sensitivity.*")
         return found
 
     # ---------------------------------------------------------------------------------------------------- report
@@ -313,6 +366,10 @@ class StabilityStudy(Study[Results]):
     def sections(self, results: Results, numbers: Numbers) -> list[Section]:
         runs = None if results.diagram is None else limit_cycle_table(results.diagram)
         found = [Section("Modes", self._modes(results.modes, runs, numbers))]
+        if results.sensitivity is not None and numbers["sensitivity"]:
+            found.append(
+                Section("What moves the linear critical speed", self._sensitivity(results.sensitivity, numbers))
+            )
         if results.diagram is not None:
             points = numbers["limit_cycles"]["points"]
             blocks = cycles.cycle_blocks(results.diagram, results.modes, self.settings, points)
@@ -328,6 +385,14 @@ class StabilityStudy(Study[Results]):
             table = self.quantities.table(numbers["contact_effects"], "contact_effects.*")
             found.append(Section("Effect of the contact model", [Text(text), table]))
         return found
+
+    def _sensitivity(self, found: xr.Dataset, numbers: Numbers) -> list[Block]:
+        caption = (
+            "Change of the linear critical speed by each stiffness and damping of the suspension, 1 % larger; numbers that equal "
+            "elements share change together. Small ones are in the table alone."
+        )
+        table = self.quantities.table(numbers["sensitivity"], "sensitivity.*", "All of them; values in SI.")
+        return [Picture("sensitivity", tornado_diagram(found), caption), table]
 
     def _branch(self, branch: xr.Dataset, numbers: Numbers) -> list[Block]:
         said = branch_sentences(numbers["branch"], numbers["linear_critical_speed_kmh"])

@@ -42,6 +42,7 @@ def cycle(shooting: module._Shooting) -> module.Cycle:
     return found
 
 
+@pytest.mark.slow
 def test_the_branch_begins_at_the_linear_critical_speed(branch: xr.Dataset) -> None:
     first = branch.isel(cycle=0)
     assert float(first["amplitude"]) == pytest.approx(1e-4)
@@ -80,6 +81,7 @@ def test_the_multipliers_are_what_becomes_of_a_deviation(shooting: module._Shoot
     assert shooting._weight * shifted == pytest.approx(shooting._weight * run.slope, abs=1e-3 * np.abs(run.slope).max())
 
 
+@pytest.mark.slow
 def test_speed_over_amplitude_is_that_of_differences(branch: xr.Dataset) -> None:
     part = branch.where(branch["amplitude"] < 7e-3, drop=True)
     between = np.diff(part["speed"]) / np.diff(1e3 * part["amplitude"])
@@ -87,6 +89,7 @@ def test_speed_over_amplitude_is_that_of_differences(branch: xr.Dataset) -> None
     assert between == pytest.approx(mean, rel=0.06)
 
 
+@pytest.mark.slow
 def test_stable_limit_cycles_are_where_runs_end(branch: xr.Dataset) -> None:
     last = branch.isel(cycle=-1)
     assert bool(last["stable"])
@@ -97,9 +100,11 @@ def test_stable_limit_cycles_are_where_runs_end(branch: xr.Dataset) -> None:
     assert float(leading.isel(time=slice(-400, None)).max()) == pytest.approx(float(last["amplitude"]), rel=2e-3)
 
 
+@pytest.mark.slow
 def test_below_the_fold_every_motion_decays_and_above_it_a_large_one_persists(branch: xr.Dataset) -> None:
     (fold,) = json.loads(branch.attrs["folds"])
     assert fold["speed_kmh"] == pytest.approx(240.90, abs=0.02)
+    assert branch.attrs["nonlinear_critical_speed_kmh"] == fold["speed_kmh"]
     settings = HuntingSettings(disturbance=9e-3, duration=10.0)
     assert hunting_run((rr.load_case(CASE), (fold["speed_kmh"] - 1.0) / 3.6, settings)).decays
     assert hunting_run((rr.load_case(CASE), (fold["speed_kmh"] + 6.0) / 3.6, settings)).persists
@@ -107,11 +112,35 @@ def test_below_the_fold_every_motion_decays_and_above_it_a_large_one_persists(br
     assert (stable == (branch["speed_slope"].to_numpy() > 0.0)).all()
 
 
+def cycle_of(amplitude: float, speed: float, multiplier: float) -> module.Cycle:
+    """One of an invented branch."""
+    return module.Cycle(amplitude, speed, 0.2, np.zeros(1), np.array([multiplier + 0j]), np.zeros(3), 0.0)
+
+
+@pytest.mark.parametrize(
+    ("speeds", "multipliers", "lowest"),
+    [
+        ([59.0, 57.0, 58.0], [1.1, 1.0, 0.9], 57.0),  # subcritical: from the fold on, which is itself on the border
+        ([61.0, 62.0, 63.0], [0.9, 0.8, 0.7], 60.0),  # supercritical: from the linear critical speed on
+        ([61.0, 62.0, 58.0, 59.0], [0.9, 1.0, 1.0, 0.9], 58.0),  # and back below it
+        ([59.0, 55.0, 56.0, 57.0], [1.1, 1.2, 1.1, 0.9], 57.0),  # that fold has no stable cycle
+        ([59.0, 58.0], [1.1, 1.2], np.nan),
+        ([], [], np.nan),
+    ],
+)
+def test_the_nonlinear_critical_speed_is_the_lowest_of_a_stable_cycle(
+    speeds: list[float], multipliers: list[float], lowest: float
+) -> None:
+    cycles = [cycle_of(1e-3 * k, *one) for k, one in enumerate(zip(speeds, multipliers, strict=True), 1)]
+    assert module._nonlinear_critical_speed(cycles, 60.0) == pytest.approx(lowest, nan_ok=True)
+
+
 def test_a_range_without_a_linear_critical_speed_is_refused() -> None:
     with pytest.raises(ValueError, match="no linear critical speed"):
         rr.bifurcation(CASE, [100.0, 120.0])
 
 
+@pytest.mark.slow
 def test_the_picture_has_stable_and_unstable_parts(branch: xr.Dataset) -> None:
     (axes,) = rr.plot.bifurcation_diagram(branch).axes
     labels = [one.get_label() for one in axes.get_lines()]

@@ -232,6 +232,7 @@ def found(bogie):
     return limit_cycles(bogie, [150.0, 180.0, 265.0], 253.4, QUICK, processes=1)
 
 
+@pytest.mark.slow
 def test_the_bogie_on_rollers_hunts_below_its_linear_critical_speed(found) -> None:
     assert found.kind == "subcritical"
     # at 1e-5, and with exponential_adams at 1e-6, it persists at 165 km/h and decays at 163; at 1e-3 it decayed at 165, too
@@ -240,6 +241,7 @@ def test_the_bogie_on_rollers_hunts_below_its_linear_critical_speed(found) -> No
     assert found.hysteresis == (pytest.approx(180 / 3.6), pytest.approx(180 / 3.6))
 
 
+@pytest.mark.slow
 def test_critical_speeds_by_the_three_definitions_are_in_order(bogie, found) -> None:
     """fold <= by disturbance <= linear, within the widths to which they were found."""
     width = QUICK.tolerance_kmh / 3.6
@@ -256,12 +258,14 @@ def test_critical_speeds_by_the_three_definitions_are_in_order(bogie, found) -> 
     assert by.persists < linear.speed - 10 * width / 3  # subcritical: the linear one lies far above
 
 
+@pytest.mark.slow
 def test_where_there_is_one_attractor_both_ways_end_in_it(found) -> None:
     up, down = (next(p for p in sweep if p.speed > 260 / 3.6) for sweep in (found.up, found.down))
     assert up.amplitude == pytest.approx(down.amplitude, rel=0.02)  # settled within 1 % each
     assert up.frequency == pytest.approx(down.frequency, rel=0.02)
 
 
+@pytest.mark.slow
 def test_the_same_diagram_twice_is_the_same_to_the_last_bit(bogie) -> None:
     short = LimitCycleSettings(longest=0.8)
     one, two = (limit_cycles(bogie, [170.0, 180.0], 253.4, short, processes=n) for n in (1, 2))

@@ -108,6 +108,7 @@ def test_track_is_stable_to_a_higher_speed_than_rollers(bogie) -> None:
     assert track.speed > rig.speed
 
 
+@pytest.mark.slow
 def test_critical_speeds_of_many_cases_are_those_of_each(bogie) -> None:
     cases = {
         "0.46 m": bogie.with_changes({"support.roller_radius": 0.46}),

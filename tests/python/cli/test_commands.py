@@ -46,6 +46,7 @@ def case(tmp_path: Path) -> Path:
     return path
 
 
+@pytest.mark.slow
 def test_run_writes_its_files(case: Path, tmp_path: Path) -> None:
     done = Done("run", case, "--out", tmp_path / "out")
     assert done.code == 0, done.err
@@ -70,6 +71,7 @@ def test_run_writes_its_files(case: Path, tmp_path: Path) -> None:
     assert rr.load_run(tmp_path / "out" / "run.nc").attrs["case"] == "short"
 
 
+@pytest.mark.slow
 def test_a_run_that_stops_keeps_its_results(case: Path, tmp_path: Path) -> None:
     lifted = {"disturbance": [{"body": "wheelset_1", "vertical": "0.5 m"}], "time.duration": "0.4 s"}
     case.write_text(rr.load_case("contact_benchmark_track").with_changes(lifted).to_toml())  # it falls for 0.32 s
@@ -80,6 +82,7 @@ def test_a_run_that_stops_keeps_its_results(case: Path, tmp_path: Path) -> None:
     assert rr.load_run(tmp_path / "out" / "run.nc").sizes["time"] > 0
 
 
+@pytest.mark.slow
 def test_ctrl_c_keeps_what_was_computed(case: Path, tmp_path: Path) -> None:
     case.write_text(CASE.replace('"0.1 s"', '"100000 s", maximum_step = "1 ms", output_step = "5 s"'))
     out = tmp_path / "out"
@@ -127,6 +130,7 @@ def test_an_unwritable_folder_is_found_before_the_run(case: Path, tmp_path: Path
     assert "a part of the path is a file" in done.err
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="needs limits of processes")
 def test_a_full_disk_ends_with_code_2_and_nothing_half_written(case: Path, tmp_path: Path) -> None:
     """A limit on the size of files stops the write as a full disk does; a folder that the command made goes too."""
@@ -246,6 +250,7 @@ def test_contact_writes_a_row_per_patch(tmp_path: Path) -> None:
     assert sum(float(row["normal_n"]) for row in centred) == pytest.approx(20e3, rel=3e-3)  # over the cosine
 
 
+@pytest.mark.slow
 def test_contact_compares_the_normal_contacts(tmp_path: Path) -> None:
     path, picture = tmp_path / "contacts.csv", tmp_path / "contacts.svg"
     done = Done("contact", "contact_benchmark_track", "--lateral-mm=0,2", "--csv", path, "--compare", "--plot", picture)

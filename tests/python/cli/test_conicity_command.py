@@ -40,6 +40,7 @@ def outputs(tmp_path_factory: pytest.TempPathFactory) -> list[Path]:
     return folders
 
 
+@pytest.mark.slow
 def test_rail_and_roller_stand_side_by_side(outputs: list[Path]) -> None:
     files = {path.relative_to(outputs[0]).as_posix() for path in outputs[0].rglob("*") if path.is_file()}
     assert files == FILES
@@ -54,12 +55,14 @@ def test_rail_and_roller_stand_side_by_side(outputs: list[Path]) -> None:
     assert [(row["support"], row["amplitude_mm"]) for row in rows[::4]] == [("rail", "1"), ("roller R = 500 mm", "1")]
 
 
+@pytest.mark.slow
 def test_every_key_of_the_summary_is_explained_and_reported(outputs: list[Path]) -> None:
     summary = json.loads((outputs[0] / "summary.json").read_text())
     assert ConicityStudy.quantities.unexplained(summary) == []
     assert ConicityStudy.quantities.unreported(summary) == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", sorted(FILES - {"timing.json"}))
 def test_same_input_same_bytes(outputs: list[Path], name: str) -> None:
     assert (outputs[0] / name).read_bytes() == (outputs[1] / name).read_bytes()

@@ -40,6 +40,7 @@ def output(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
+@pytest.mark.slow
 def test_all_files_are_written_and_say_the_same(output: Path) -> None:
     assert {path.relative_to(output).as_posix() for path in output.rglob("*.*")} == FILES
     laws = json.loads((output / "summary.json").read_text())["laws"]
@@ -52,6 +53,7 @@ def test_all_files_are_written_and_say_the_same(output: Path) -> None:
     assert float(exact[1]["adhesion"]) == 0.0
 
 
+@pytest.mark.slow
 def test_every_key_of_the_summary_is_explained(output: Path) -> None:
     assert CreepStudy.quantities.unexplained(json.loads((output / "summary.json").read_text())) == []
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import signal
@@ -25,9 +26,17 @@ from rollerrig.study.frame import Outcome
 from rollerrig.study.run import RunStudy
 
 ENTRY = [sys.executable, "-c", "from rollerrig.cli import main; main()"]
-ENVELOPE = (
-    "envelope adhesion_brake --torques-knm=-4,-8 --adhesions 0.05,0.2 --loads 1 --duration 0.6 --refine 0 --processes 1"
-)
+STUDIES = {
+    "envelope": "envelope adhesion_brake --torques-knm=-4,-8 --adhesions 0.05,0.2 --loads 1 --duration 0.6 --refine 0",
+    "wsp": "wsp adhesion_brake --quick --programme",
+    "tune": "tune adhesion_brake --free rig_control.feedback.bandwidth=[0.3,3] --duration 1 --draws 2 --candidates 2",
+}
+"""Studies at their smallest; the programme of `wsp` is PROGRAMME."""
+PROGRAMME = """
+name = "drag"
+starts = 4
+stop = [{ name = "drag_30", kind = "drag", speed = "30 km/h", rail = "low", gradient = -0.04, duration = "2 s" }]
+"""
 CASE = """
 name = "short"
 vehicle = { use = "manchester_vehicle_1", cut = "leading_wheelset" }
@@ -69,31 +78,44 @@ def call(*arguments: object) -> tuple[int, str]:
     return result.exit_code, result.stdout + result.stderr
 
 
-def test_a_study_killed_at_any_moment_goes_on_to_the_same_results(tmp_path: Path) -> None:
-    """Killed twice, each time one job further, and not only at its begin."""
-    assert call(*ENVELOPE.split(), "--out", tmp_path / "whole")[0] == 0
+@pytest.mark.parametrize("study", ["envelope", *(pytest.param(one, marks=pytest.mark.long) for one in ("wsp", "tune"))])
+def test_a_study_ended_at_any_moment_goes_on_to_the_same_results(study: str, tmp_path: Path) -> None:
+    """By Ctrl-C, then killed one job further and in the middle of another; the third time it ends by itself."""
+    (tmp_path / "drag.toml").write_text(PROGRAMME)
+    command = [*STUDIES[study].split(), *([str(tmp_path / "drag.toml")] if study == "wsp" else []), "--processes", "1"]
+    assert call(*command, "--out", tmp_path / "whole")[0] == 0
     out = tmp_path / "out"
 
     def kept() -> int:
         return (out / NAME_OF_JOBS).read_bytes().count(b"\n") if (out / NAME_OF_JOBS).exists() else 0
 
-    for later in (0.0, 0.2):
+    for ending, later in ((signal.SIGINT, 0.0), (signal.SIGKILL, 0.2)):
         before = kept()
         process = subprocess.Popen(
-            [*ENTRY, *ENVELOPE.split(), "--out", str(out)], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
+            [*ENTRY, *command, "--out", str(out)],
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.PIPE,
+            start_new_session=True,
         )
         while kept() <= max(before, 1):
             assert process.poll() is None
             time.sleep(0.005)
         time.sleep(later)
-        process.kill()
-        assert process.wait() == -signal.SIGKILL
+        os.killpg(process.pid, ending)
+        errors = process.communicate()[1].decode()
+        if ending == signal.SIGINT:
+            assert "the same command continues" in errors
+            assert "Traceback" not in errors
+        assert process.returncode == (termination.INTERRUPTED if ending == signal.SIGINT else -signal.SIGKILL)
         for path in out.rglob("*.nc"):  # what is there under its name is whole
             rr.load_run(path)
-    assert call(*ENVELOPE.split(), "--out", out)[0] == 0
+    before = kept()
+    assert call(*command, "--out", out)[0] == 0
+    assert json.loads((out / "timing.json").read_text())["jobs taken over"] == before - 1  # less the first line
     assert contents(out) == contents(tmp_path / "whole")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("moment", ["RunStudy.collect", "Outcome.write"])
 def test_ctrl_c_after_the_last_step_keeps_the_whole_run(
     moment: str, case: Path, whole_run: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -112,6 +134,7 @@ def test_ctrl_c_after_the_last_step_keeps_the_whole_run(
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 
+@pytest.mark.slow
 def test_a_run_that_becomes_infinite_keeps_what_was_finite(tmp_path: Path) -> None:
     changes = ("time.step=0.5 s", "motion.speed=400 km/h", "time.duration=2 s")
     options = [word for change in changes for word in ("--set", change)]
@@ -137,6 +160,7 @@ def test_a_folder_that_takes_no_files(case: Path) -> None:
     assert re.fullmatch(r"rollerrig: /sys/kernel/out: cannot be written: [^\n]*; choose another folder\n", text)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("progress", [False, True], ids=["results", "progress too"])
 def test_a_closed_pipe_costs_no_results(progress: bool, case: Path, tmp_path: Path) -> None:
     """`rollerrig run ... | true`, and `2>&1 | head -1` where the run goes on for hours: what was computed is not lost."""
@@ -165,6 +189,7 @@ def test_a_closed_pipe_ends_a_list_quietly() -> None:
     assert done.stderr == ""
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     "environment",
     [

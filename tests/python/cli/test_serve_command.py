@@ -188,6 +188,7 @@ def test_a_port_in_use_is_one_line_and_nothing_is_written(case: str, tmp_path: P
     assert not list(tmp_path.iterdir())
 
 
+@pytest.mark.slow
 def test_ctrl_c_ends_a_server_that_waits_and_tells_what_it_was(case: str) -> None:
     command = [sys.executable, "-c", "from rollerrig.cli import main; main()", "serve", case]
     environment = os.environ | {"PYTHONPATH": os.pathsep.join(filter(None, sys.path))}

@@ -165,6 +165,15 @@ def test_a_pattern_that_matches_nothing_is_a_mistake(bogie: Case) -> None:
         bogie.with_changes({"vehicle.element.primry_*.x.stiffness": 1e6})
 
 
+@pytest.mark.parametrize("key", ["extends", "inherits", "Base"])
+def test_another_word_for_the_base_is_the_only_mistake(key: str) -> None:
+    with pytest.raises(ConfigError) as raised:
+        case_from_toml(f'{key} = "bogie_track"')
+    assert len(raised.value.problems) == 1
+    assert str(raised.value).startswith(f"case: {key}: unknown key")
+    assert str(raised.value).endswith("did you mean 'base'?")
+
+
 # ------------------------------------------------------------------------------------------------------ printed
 
 

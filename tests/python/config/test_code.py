@@ -64,6 +64,7 @@ def test_check_runs_the_code_where_it_is_told_to(folder: Path) -> None:
     assert (folder / TRACE).exists()
 
 
+@pytest.mark.slow
 def test_run_names_the_code_beside_its_case_and_runs_it(folder: Path, tmp_path: Path) -> None:
     code, text = call("run", folder / "case.toml", "--out", tmp_path / "out")
     assert code == 0, text
@@ -106,6 +107,7 @@ def test_code_from_elsewhere_is_refused(folder: Path, tmp_path: Path, user: str)
     assert not (tmp_path / "out").exists()
 
 
+@pytest.mark.slow
 def test_code_from_elsewhere_runs_where_the_user_says_so(folder: Path, tmp_path: Path) -> None:
     (tmp_path / "mine.py").write_text(CONTROLLER)
     write_case(folder / "case.toml", "../mine.py:Mine")

@@ -101,6 +101,7 @@ def judge(raw: Raw, look: bool) -> bool:
     return False
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", SEEDS)
 def test_a_spoiled_case_is_refused_in_words_or_can_be_checked(seed: int) -> None:
     valid = [judge(raw, look=number % 10 == 0) for number, raw in enumerate(mutants(seed, EACH))]

@@ -16,7 +16,7 @@ from rollerrig.catalog import catalog_text
 from rollerrig.cli.describe import describe_case
 from rollerrig.config import Case, ConfigError, explain, json_schema, load_case
 from rollerrig.config.schema.units import Quantity
-from rollerrig.config.validate.messages import item_label
+from rollerrig.config.validate.messages import item_labels
 from rollerrig.simulation.starting_state import StartError
 
 from .schema_walk import Place, Raw, WholeNumber, build, inner, numbers_in, places, put, tables, whole_cases, with_value
@@ -73,7 +73,7 @@ def label(raw: Raw, path: tuple[str | int, ...]) -> str:
     holder: Any = raw
     text = ""
     for part in path:
-        named = f".{part}" if isinstance(part, str) else item_label(holder, part)
+        named = f".{part}" if isinstance(part, str) else item_labels(holder)[part]
         text += named if named.startswith(("[", ".")) else f".{named}"
         holder = holder[part] if isinstance(holder, list) or part in holder else None
     return text.removeprefix(".")
@@ -121,6 +121,7 @@ def written(place: Place, value: float) -> object:
     return place.range.as_written(value) if isinstance(place.range, Quantity) else int(value)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", whole_cases())
 def test_the_ends_of_every_range_can_be_checked(name: str) -> None:
     """A sample of the places, the same in every run; all of them take five minutes."""

@@ -78,14 +78,17 @@ def calls() -> Watched:
     return watch("calls")
 
 
+@pytest.mark.slow
 def test_no_abuse_of_a_call_crashes_or_hangs(calls: Watched) -> None:
     assert not calls.deaths
 
 
+@pytest.mark.slow
 def test_every_refusal_is_a_value_or_type_error(calls: Watched) -> None:
     assert not list(calls.wrong)
 
 
+@pytest.mark.slow
 def test_everything_public_is_abused_beside_a_call_that_works(calls: Watched) -> None:
     valid = {
         name.removesuffix(": as it should be"): end
@@ -97,6 +100,7 @@ def test_everything_public_is_abused_beside_a_call_that_works(calls: Watched) ->
     assert calls.public - set(valid) == set()
 
 
+@pytest.mark.slow
 def test_what_is_not_a_number_is_refused_by_the_name_of_its_argument(calls: Watched) -> None:
     outputs = ("advance: times", "advance: rows", "keep_readings: times", "keep_readings: values")  # never read
     pattern = re.compile(r"(\w+)(\[\d+\])*( = nan| full of nan = .*| ending in nan = .*) #")
@@ -110,6 +114,7 @@ def test_what_is_not_a_number_is_refused_by_the_name_of_its_argument(calls: Watc
         assert shown in end, f"{name} -> {end}"
 
 
+@pytest.mark.slow
 def test_no_number_in_a_model_crashes_or_hangs_what_is_done_with_it() -> None:
     check_models(stride=401)
 

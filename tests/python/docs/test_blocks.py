@@ -22,6 +22,7 @@ import typer
 from typer.testing import CliRunner
 
 import rollerrig as rr
+from rollerrig.analysis.adhesion_reconstruction import read_stop
 from rollerrig.catalog import catalog_file
 from rollerrig.cli.app import build_app
 from rollerrig.config import json_schema, load_any
@@ -88,6 +89,14 @@ def test_the_python_of_a_page_runs(page: Path, tmp_path: Path, monkeypatch: pyte
 def file_name(code: str) -> str:
     found = re.match(r"# (\w+\.toml)\n", code)
     return found[1] if found else ""
+
+
+def test_the_first_lines_of_a_log_are_those_of_a_stop(tmp_path: Path) -> None:
+    (lines,) = (code for _, code in blocks(ROOT / "docs/studies/fit.md") if code.startswith("time [s],"))
+    (tmp_path / "stop.csv").write_text(lines)
+    log = read_stop(tmp_path / "stop.csv", rr.load_case("adhesion_brake"))
+    assert log.axles == ("wheelset_1", "wheelset_2")
+    assert log.axle_speed == pytest.approx(120.0 / 3.6 / 0.46, rel=1e-4)
 
 
 # ---------------------------------------------------------------------------------------------------------------- TOML

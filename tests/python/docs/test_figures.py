@@ -29,6 +29,7 @@ def test_pages_quote_the_recorded_values(page: str) -> None:
     assert [one for one in stale if one not in text] == []
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", QUICK)
 def test_recorded_values_are_what_the_program_computes(name: str) -> None:
     numbers = write_figures.summary(DATA["command"][name]["command"])

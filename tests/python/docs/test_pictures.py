@@ -20,6 +20,7 @@ draw_pictures = importlib.util.module_from_spec(spec)
 spec.loader.exec_module(draw_pictures)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", NAMES)
 def test_a_picture_is_what_its_script_draws(name: str) -> None:
     now = draw_pictures.content(draw_pictures.drawn(name))

@@ -71,6 +71,7 @@ def test_a_class_gives_the_run_of_the_built_in_one(built_in: xr.Dataset) -> None
     assert different(built_in, run) <= {"air", "exhausted_air"}
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(sys.platform != "linux", reason="the library inside FMUs is built on Linux")
 @pytest.mark.parametrize("fmi", ["2", "3"])
 def test_exported_and_brought_back_in_it_gives_the_run_of_the_built_in_one(

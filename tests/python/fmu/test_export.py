@@ -50,6 +50,7 @@ def test_a_run_by_fmpy_is_that_of_simulate(name: str, tmp_path: Path) -> None:
     assert np.ptp(found["wheelset_1.left.Q"]) > 0.0
 
 
+@pytest.mark.slow
 def test_fmi_3_has_the_same_run(braked: Path, tmp_path: Path) -> None:
     export_fmu("adhesion_brake", third := tmp_path / "third.fmu", fmi="3")
     assert validation.validate_fmu(str(third)) == []
@@ -61,6 +62,7 @@ def test_fmi_3_has_the_same_run(braked: Path, tmp_path: Path) -> None:
         np.testing.assert_array_equal(old[name], new[name])
 
 
+@pytest.mark.slow
 def test_fmpy_has_nothing_to_say(braked: Path) -> None:
     assert validation.validate_fmu(str(braked)) == []
     description = fmpy.read_model_description(str(braked))

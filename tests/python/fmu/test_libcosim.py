@@ -62,6 +62,7 @@ def test_the_run_is_that_of_fmpy_and_the_description_is_without_fault(
     assert re.findall(r"\[(?:warning|error)\].*", said.out + said.err) == []
 
 
+@pytest.mark.slow
 def test_bench_and_slide_protection_side_by_side_are_the_built_in_loop(tmp_path: Path) -> None:
     """A command reaches the bench one communication step after its sample: the delay of the built-in controller."""
     case = load_case("adhesion_brake").with_changes({"time.duration": "4 s"})

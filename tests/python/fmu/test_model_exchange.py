@@ -104,6 +104,7 @@ def exchange(bogie: Path) -> Iterator[Exchange]:
     one.close()
 
 
+@pytest.mark.slow
 def test_fmpy_has_nothing_to_say(bogie: Path) -> None:
     assert validation.validate_fmu(str(bogie)) == []
     description = fmpy.read_model_description(str(bogie))
@@ -124,6 +125,7 @@ def test_fmpy_has_nothing_to_say_of_any_case_that_ships(name: str, kind: str, fm
     assert validation.validate_fmu(str(out)) == []
 
 
+@pytest.mark.slow
 def test_cvode_gives_the_run_of_rodas4(bogie: Path) -> None:
     case = load_case("bogie_rollers_constant").with_changes(
         {"time.duration": "0.2 s", "time.method": "rodas4", "time.step": None, "time.output_step": "10 ms", **TIGHT}

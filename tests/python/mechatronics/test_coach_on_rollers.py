@@ -28,6 +28,7 @@ def tracks() -> list[xr.Dataset]:
     return [simulate(case) for case in starts(track_case(coach()), 2)]
 
 
+@pytest.mark.slow
 def test_all_four_axles_slide_and_the_energy_closes(rigs: list[xr.Dataset]) -> None:
     for run in rigs:
         assert run.attrs["status"] == "ok"
@@ -39,6 +40,7 @@ def test_all_four_axles_slide_and_the_energy_closes(rigs: list[xr.Dataset]) -> N
         assert run.attrs["energy_relative_residual"] < 1e-6
 
 
+@pytest.mark.slow
 def test_the_coupler_rod_holds_it_on_the_crowns(rigs: list[xr.Dataset]) -> None:
     """Braked with 7 % of its weight it leans on the rod by some millimetres, on its suspension by as much."""
     for run in rigs:
@@ -53,6 +55,7 @@ def test_without_the_rod_it_is_refused_by_name() -> None:
         simulate(coach().with_changes({"support.restraint": None}))
 
 
+@pytest.mark.slow
 def test_the_verdict_on_the_rig_has_every_row(rigs: list[xr.Dataset], tracks: list[xr.Dataset]) -> None:
     rig = [record_of(run, coach()) for run in rigs]
     track = [record_of(run, track_case(coach())) for run in tracks]

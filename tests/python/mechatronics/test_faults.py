@@ -14,6 +14,7 @@ from rollerrig.analysis.slide_statistics import test_record as record_of
 from rollerrig.cli.describe import actuator_lines
 from rollerrig.config import Case
 from rollerrig.interfaces.plant import assembled_model
+from rollerrig.study.run import RunStudy
 from rollerrig.study.runs.adhesion import track_case
 
 FAULTY, SOUND = "wheelset_1", "wheelset_2"
@@ -183,3 +184,13 @@ def test_what_is_no_run_knows_no_faults(tmp_path: Path) -> None:
 def test_check_names_the_faults() -> None:
     case = with_fault("pads", stop(), factor=0.8, begin="1 s")
     assert f"fault: {FAULTY}, pads × 0.8, from 1 s on" in actuator_lines(case)
+
+
+def test_a_run_says_first_what_is_at_fault() -> None:
+    for case, said in (
+        (with_fault("dragging", stop(duration="0.1 s")), [f"Fault: {FAULTY}, dragging at 1 bar, from 0 s on."]),
+        (with_fault("none", stop(duration="0.1 s")), []),
+    ):
+        found = RunStudy(case).run()
+        assert found is not None
+        assert [line for line in found.summary.splitlines()[:1] if line.startswith("Fault")] == said

@@ -53,6 +53,7 @@ def test_drives_of_locked_wheels_give_the_force_of_the_rail_and_do_not_ring(
     np.testing.assert_allclose(part["contact_force"], part["virtual_force"], rtol=0.05)  # with gravity on the crown
 
 
+@pytest.mark.slow
 def test_reaction_of_the_brake_closes_a_loop_that_rings() -> None:
     """The cause: with the locked wheel's torque taken for one that turns the virtual wheel, the linear loop is unstable, and the
     run rings at its frequency."""

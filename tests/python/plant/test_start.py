@@ -92,6 +92,7 @@ def test_a_plant_with_a_parameter_starts_as_the_case_with_that_number(
     assert changed != started(case)
 
 
+@pytest.mark.slow
 def test_a_wheelset_on_its_flange_starts_alike() -> None:
     flange = {"disturbance": [{"body": "wheelset_1", "lateral": "7.5 mm", "yaw": "2 mrad"}]}
     case = load_case("bogie_rollers_constant").with_changes(flange)

@@ -22,11 +22,13 @@ from rollerrig.plot import (
     ramp_over_speed,
     root_locus,
     style,
+    tornado_diagram,
     traction_forces,
     traction_sliding,
     wheel_rail_forces,
 )
 from rollerrig.plot.contact import COMPARED, comparison_figure
+from rollerrig.plot.hunting import MOST_BARS
 from rollerrig.plot.style import house_style
 
 TIME = np.linspace(0, 2, 201)
@@ -126,6 +128,13 @@ def felt() -> xr.Dataset:
     return xr.Dataset({"acceleration": (("time", "point", "direction"), values)}, coordinates)
 
 
+def sensitivity(changes: list[float]) -> xr.Dataset:
+    keys = [f"vehicle.element.primary_*.x.number_{k}" for k in range(len(changes))]
+    return xr.Dataset(
+        {"critical_speed_change": ("parameter", changes)}, {"parameter": keys}, {"linear_critical_speed_kmh": 200.0}
+    )
+
+
 def distance() -> xr.DataArray:
     return xr.DataArray(40 * TIME, {"time": TIME}, "time", attrs={"units": "m", "long_name": "distance"})
 
@@ -147,6 +156,7 @@ FIGURES = {
     "ramp": lambda: ramp_over_speed({"steel": motion()}, "front_frame", {"steel": {"linear": 80.0, "none": np.nan}}),
     "time": lambda: hunting_over_time([(60.0, motion()), (80.0, motion())], "front_frame"),
     "amplitude": lambda: amplitude_over_speed({"steel": table()}, {"linear": 100.0}),
+    "tornado": lambda: tornado_diagram(sensitivity([0.1, -0.5, 0.3])),
     "sliding": lambda: traction_sliding(traction(), {w: w for w in WHEELS}),
     "forces": lambda: traction_forces(traction(), {w: w for w in WHEELS}),
 }
@@ -160,6 +170,7 @@ def test_every_axis_carries_its_unit(name: str) -> None:
     assert all("[" in label and label.rstrip(")").count("[") == label.count("]") for label in labels), labels
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FIGURES)
 def test_the_same_figure_gives_the_same_bytes(name: str) -> None:
     first = figure_bytes(FIGURES[name]())
@@ -206,6 +217,7 @@ def test_patches_are_counted_in_whole_numbers() -> None:
     assert np.all(ticks == np.round(ticks))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", FIGURES)
 def test_numbers_in_figures_have_one_minus(name: str) -> None:
     with house_style():
@@ -243,6 +255,7 @@ def test_runs_that_ended_early_are_drawn_as_neither() -> None:
     assert lines["steel: not decided"] == [120.0]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [2, 4, 12, 40])
 def test_the_damping_map_has_room_for_its_labels(count: int) -> None:
     """Also with few modes, where the figure is low."""
@@ -258,6 +271,7 @@ def test_the_damping_map_has_room_for_its_labels(count: int) -> None:
             assert not label.get_text() or (drawn_on.y0 <= box.y0 and box.y1 <= drawn_on.y1), label.get_text()
 
 
+@pytest.mark.slow
 def test_figures_draw_their_data_in_the_units_of_their_axes() -> None:
     forces = read_off()["wheel_load"].sel(wheel="wheelset_1_right").to_numpy()
     assert drawn("wheel_forces", 0, "wheelset 1 right") == pytest.approx(1e-3 * forces)
@@ -279,6 +293,26 @@ def test_figures_draw_their_data_in_the_units_of_their_axes() -> None:
     assert FIGURES["time"]().axes[1].lines[0].get_ydata() == pytest.approx(lateral)
     (across,) = (line for line in FIGURES["ramp"]().axes[0].lines if list(line.get_xdata()) == [80.0, 80.0])
     assert across.get_linestyle() == "--"  # the critical speed that is known, not the other
+
+
+def test_the_longest_bar_of_a_tornado_is_on_top_and_signs_can_be_read() -> None:
+    (axes,) = FIGURES["tornado"]().axes
+    places, widths = ([getattr(bar, f"get_{of}")() for bar in axes.patches] for of in ("y", "width"))
+    assert widths == [-0.5, 0.3, 0.1]
+    assert places == sorted(places)
+    assert axes.yaxis_inverted()
+    assert [label.get_text() for label in axes.get_yticklabels()] == [f"primary, x, number {k}" for k in (1, 2, 0)]
+    assert [text.get_text() for text in axes.texts] == ["-0.5", "+0.3", "+0.1"]
+    assert [bar.get_hatch() for bar in axes.patches] == ["///", "", ""]  # without colour, too
+    (relative,) = axes.child_axes
+    assert relative.get_xlabel() == "over the linear critical speed, 200.0 km/h [%]"
+    axes.figure.canvas.draw()
+    assert relative.get_xlim() == pytest.approx([0.5 * end for end in axes.get_xlim()])
+
+
+def test_a_tornado_of_many_numbers_shows_those_that_can_be_seen() -> None:
+    bars = [len(tornado_diagram(sensitivity(own)).axes[0].patches) for own in ([1.0] * 40, [1.0, 1e-3], [])]
+    assert bars == [MOST_BARS, 1, 0]
 
 
 @pytest.mark.parametrize("name", FIGURES)

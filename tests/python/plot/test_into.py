@@ -50,6 +50,7 @@ def test_panels_take_several_axes(run) -> None:
     assert rr.plot.quotient(rr.wheel_forces(run), axes=axes[0]) is axes[0]
 
 
+@pytest.mark.slow
 def test_figures_of_grids_and_colour_bars_take_axes() -> None:
     modes = rr.stability("wheelset_rollers", [100.0, 150.0])
     for draw in (rr.plot.damping_map, rr.plot.root_locus, rr.plot.mode_shape):

@@ -10,6 +10,7 @@ import pytest
 from rollerrig.plot.style import logarithmic, new_figure
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("low", [0.0123, 0.9, 4.0, 350.0])
 @pytest.mark.parametrize("decades", [0.2, 0.5, 0.9, 1.6, 2.5, 4.0, 7.0])
 @pytest.mark.parametrize("width", [2.6, 7.0])

@@ -22,6 +22,7 @@ def names(figure) -> str:
     return "\n".join(text.get_text() for text in figure.legends[0].get_texts())
 
 
+@pytest.mark.slow
 def test_the_views_have_one_scale_and_the_axes_of_the_conventions(bogie) -> None:
     side, end, plan = bogie.axes
     assert [axes.get_title(loc="left").split(":")[0] for axes in bogie.axes] == [
@@ -42,6 +43,7 @@ def test_the_views_have_one_scale_and_the_axes_of_the_conventions(bogie) -> None
     assert plan.get_ylim()[0] < plan.get_ylim()[1]
 
 
+@pytest.mark.slow
 def test_wheels_stand_on_the_rollers(bogie) -> None:
     circles = [patch for patch in bogie.axes[0].patches if isinstance(patch, Circle)]
     rollers, wheels = circles[:2], circles[2:]
@@ -52,6 +54,7 @@ def test_wheels_stand_on_the_rollers(bogie) -> None:
     assert {roller.center[1] + roller.radius for roller in rollers} == {0.0}
 
 
+@pytest.mark.slow
 def test_everything_is_named(bogie) -> None:
     case = load_case("adhesion_brake")
     text = names(bogie)
@@ -64,6 +67,7 @@ def test_everything_is_named(bogie) -> None:
     assert "locked: x" in names(vehicle("vehicle_curve"))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["wheelset_rollers", "locomotive_traction", "scaled_brake", "contact_benchmark_track"])
 def test_every_kind_of_case_is_drawn(name: str) -> None:
     figure = vehicle(name)
@@ -80,6 +84,7 @@ def test_families_are_elements_of_one_name() -> None:
     ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["adhesion_brake", "vehicle_curve", "locomotive_traction", "wheelset_rollers"])
 def test_everything_is_named_in_the_drawing_and_no_name_lies_upon_another(name: str) -> None:
     case, figure = load_case(name), vehicle(name)

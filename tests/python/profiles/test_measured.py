@@ -122,6 +122,7 @@ def test_smoothing_can_be_set_and_is_recorded(tmp_path):
     assert "smoothed at 3 mm" in read(path, smoothing=3e-3).source
 
 
+@pytest.mark.slow
 @settings(max_examples=10, deadline=None)
 @given(noise=st.sampled_from([1e-3, 3e-3, 8e-3]), seed=st.integers(0, 1000), step=st.sampled_from([0.05, 0.1, 0.2]))
 def test_noise_is_smoothed_until_the_curvature_is_usable(tmp_path_factory, noise, seed, step):

@@ -115,6 +115,7 @@ def test_a_header_in_another_unit_names_the_key_that_leaves_no_points(tmp_path):
     assert "are header and points in the same unit?" in problem
 
 
+@pytest.mark.slow
 def test_many_points_are_averaged_and_said_and_very_many_refused(tmp_path):
     table = profile_from_spec(
         {"kind": "file", "path": write(tmp_path / "wheel.txt", wheel_points(0.003)).name}, "wheel", tmp_path

@@ -41,6 +41,7 @@ for duration, lock_step in ((0.2, False), (0.2, False), (1.2, False), (0.2, True
 """The brake bites after 0.5 s."""
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="counts the calls of glibc's malloc")
 def test_a_thousand_periods_more_allocate_nothing_more(tmp_path: Path) -> None:
     compiler = shutil.which("cc") or shutil.which("gcc")
@@ -58,6 +59,7 @@ def test_a_thousand_periods_more_allocate_nothing_more(tmp_path: Path) -> None:
         assert short[1] == long[1] > 0  # the start of a run does allocate
 
 
+@pytest.mark.slow
 def test_standstill_and_walking_pace_take_the_evaluations_of_200_km_h() -> None:
     """What a step costs in time is for benchmarks/real_time.py; evaluations are counted."""
     evaluations = []
@@ -68,6 +70,7 @@ def test_standstill_and_walking_pace_take_the_evaluations_of_200_km_h() -> None:
     assert max(evaluations) < 1.05 * min(evaluations)
 
 
+@pytest.mark.slow
 def test_in_real_time_no_step_stops_for_a_jacobian_or_is_done_again() -> None:
     """The method of `simulate` renews its matrices now and then, in a step that takes thirty times the others."""
     case = brake_case(**{"time.duration": 2.0})

@@ -45,6 +45,7 @@ def test_a_file_of_matlab_that_would_end_the_process_is_refused(kind: int, tmp_p
         read_log(path)
 
 
+@pytest.mark.slow
 def test_matlab(run: xr.Dataset, file: Path) -> None:
     assert command(file, "--to", "mat") == (0, "")
     found = scipy.io.loadmat(file.with_suffix(".mat"))

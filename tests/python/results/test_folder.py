@@ -330,6 +330,7 @@ time = { duration = "0.05 s" }
 """
 
 
+@pytest.mark.slow
 def test_a_run_into_the_folder_of_another_command_is_refused_before_it_begins(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -381,6 +382,7 @@ def test_the_second_of_two_commands_in_a_folder_is_refused_before_it_begins(
     assert {path.name for path in tmp_path.iterdir()} == {NAME, "a.csv"}
 
 
+@pytest.mark.slow
 def test_a_run_beside_the_users_own_files_keeps_them(tmp_path: Path) -> None:
     case = tmp_path / "case.toml"
     case.write_text(CASE)

@@ -71,6 +71,7 @@ def test_what_is_saved_is_what_is_loaded(run: xr.Dataset, tmp_path: Path) -> Non
     xr.testing.assert_identical(rr.load_run(path), run)
 
 
+@pytest.mark.slow
 def test_a_file_is_read_as_xarray_reads_it(run: xr.Dataset, tmp_path: Path) -> None:
     """By h5netcdf, which is slow: values, order, types of values and attributes; a dimension without coordinate, lists, flags."""
     more = {"flag": ("side", [True, False]), "name": ("side", ["left", "right"]), "count": ((), 3)}
@@ -100,6 +101,7 @@ def test_any_dataset_can_be_saved(tmp_path: Path) -> None:
     xr.testing.assert_identical(rr.load_run(rr.save_run(data, tmp_path / "any.nc")), data)
 
 
+@pytest.mark.slow
 def test_the_file_is_laid_out_as_h5netcdf_lays_it_out(run: xr.Dataset, tmp_path: Path) -> None:
     """Dimensions, their numbers, scales and attributes are those that an independent writer makes of the same Dataset."""
     import h5netcdf

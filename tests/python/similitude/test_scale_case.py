@@ -95,6 +95,7 @@ HUNTING = {
 }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("strategy", STRATEGIES)
 @pytest.mark.parametrize(("name", "changes"), [("adhesion_brake", BRAKE), ("bogie_rollers_constant", HUNTING)])
 def test_a_model_that_meets_all_requirements_is_full_scale_once_mapped_back(
@@ -143,6 +144,7 @@ def test_modes_over_speed_are_mapped_back_with_their_attributes() -> None:
     assert next(crossings) == pytest.approx(next(crossings), rel=1e-6)
 
 
+@pytest.mark.slow
 def test_other_vehicles_supports_and_tables_scale_too() -> None:
     """Irregular rollers, a whole vehicle, recovery by cleaning, traction with wheel-slip control: 1 s each, one strategy."""
     for name, changes in (

@@ -57,6 +57,7 @@ def found(case: Case):
     return drift(simulation, model, equilibrium(simulation, model))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("command", ["check", "run", "stability"])
 def test_commands_refuse_it_by_name(command: str, tmp_path) -> None:
     options = {
@@ -71,6 +72,7 @@ def test_commands_refuse_it_by_name(command: str, tmp_path) -> None:
     assert "locked = ['x'] for car_body" in line
 
 
+@pytest.mark.slow
 def test_no_critical_speed_is_made_of_runs_that_roll_off(wagon) -> None:
     with pytest.raises(ConfigError, match="nothing holds the vehicle"):
         hunting_run((wagon, 80.0 / 3.6, HuntingSettings(duration=1.0)))
@@ -80,6 +82,7 @@ def test_no_critical_speed_is_made_of_runs_that_roll_off(wagon) -> None:
         assert len(error.value.problems) == 1
 
 
+@pytest.mark.slow
 def test_a_run_that_rolled_off_says_where_and_when(wagon) -> None:
     run = simulate(wagon, may_drift=True)
     # Far down the roller the contact has no answer at some steps, and which come first hangs on the last digit of the start.
@@ -154,6 +157,7 @@ def test_a_rod_that_can_hold_nothing_is_refused(wagon, changes: dict[str, object
         held_by_rod.with_changes(changes)
 
 
+@pytest.mark.slow
 def test_a_coach_that_rolls_off_is_not_blamed_for_sliding() -> None:
     """The wheels of a braked coach that nothing holds roll along their rollers: r w - R W is not their sliding."""
     coach = load_case("adhesion_brake").with_changes({"vehicle.cut": "vehicle", "time.duration": "5 s"})

@@ -279,6 +279,7 @@ def test_a_longer_profile_is_advised_only_where_the_contact_came_to_its_end() ->
         assert f"is steeper than 79 degrees from {1e3 * end:.1f} mm: a longer one is of no use" in told
 
 
+@pytest.mark.slow
 def test_a_wheelset_that_climbs_its_flange_is_stopped_there() -> None:
     case = rr.load_case("contact_benchmark_track").with_changes(
         {
@@ -339,6 +340,7 @@ def test_readings_within_a_step_are_those_of_the_state_there() -> None:
     assert read["reading_vertical_force"].to_numpy()[::10].tobytes() == rows.tobytes()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "changes"),
     [

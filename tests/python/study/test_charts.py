@@ -154,6 +154,7 @@ def drag(page: Any, panel: int, part_from: float, part_to: float) -> None:
     page.mouse.up()
 
 
+@pytest.mark.slow
 def test_a_drag_zooms_all_panels_and_a_double_click_shows_all(browser: Any, report: Path) -> None:
     opened = Opened(browser, report)
     page = opened.page
@@ -173,6 +174,7 @@ def test_a_drag_zooms_all_panels_and_a_double_click_shows_all(browser: Any, repo
         opened.close()
 
 
+@pytest.mark.slow
 def test_the_picture_stands_on_paper_and_the_chart_on_a_screen(browser: Any, report: Path) -> None:
     opened = Opened(browser, report)
     shown = "['#figure-forces img', '#figure-forces .charts'].map(s => document.querySelector(s).offsetHeight > 0)"
@@ -186,6 +188,7 @@ def test_the_picture_stands_on_paper_and_the_chart_on_a_screen(browser: Any, rep
         opened.close()
 
 
+@pytest.mark.slow
 def test_other_pictures_are_enlarged_in_a_window(browser: Any, report: Path) -> None:
     opened = Opened(browser, report)
     page = opened.page
@@ -203,6 +206,7 @@ def test_other_pictures_are_enlarged_in_a_window(browser: Any, report: Path) -> 
         opened.close()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_it_is_legible_on_a_phone(browser: Any, report: Path, scheme: str) -> None:
     opened = Opened(browser, report, 375, 740, color_scheme=scheme, has_touch=True)
@@ -231,6 +235,7 @@ def test_it_is_legible_on_a_phone(browser: Any, report: Path, scheme: str) -> No
         opened.close()
 
 
+@pytest.mark.slow
 def test_many_waves_on_a_narrow_screen_begin_with_the_last_ones(browser: Any, tmp_path: Path) -> None:
     """A run that hunts would be a block of colour; what has not settled is shown whole."""
     pictures = []

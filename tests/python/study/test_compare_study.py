@@ -55,6 +55,7 @@ def numbers(folder) -> dict:
     return json.loads((folder / "summary.json").read_text())
 
 
+@pytest.mark.slow
 def test_everything_is_written(folder) -> None:
     names = {path.name for path in folder.iterdir()}
     tables = {"modes.csv", "runs.csv", "wheels.csv", "critical_speeds.csv", "roller_effects.csv"}
@@ -76,11 +77,13 @@ def test_everything_is_written(folder) -> None:
     assert page.count("<figure") == 7
 
 
+@pytest.mark.slow
 def test_every_number_is_registered_and_every_registered_quantity_reported(numbers) -> None:
     assert QUANTITIES.unexplained(numbers) == []
     assert QUANTITIES.unreported(numbers) == ["roller_effects"]  # null where it is not computed
 
 
+@pytest.mark.slow
 def test_tables_hold_what_the_summary_says(folder, numbers) -> None:
     rows = [line.split(",") for line in (folder / "wheels.csv").read_text().splitlines()]
     for row in rows[1:]:
@@ -93,6 +96,7 @@ def test_tables_hold_what_the_summary_says(folder, numbers) -> None:
     assert len(runs) == sum(len(one["by_disturbance"]["runs"]) for one in numbers["supports"].values())
 
 
+@pytest.mark.slow
 def test_rollers_come_below_the_track_and_the_smaller_the_lower(numbers) -> None:
     speeds = numbers["critical_speed_over_radius_kmh"]
     for part in (BOGIE, "vehicle"):
@@ -103,6 +107,7 @@ def test_rollers_come_below_the_track_and_the_smaller_the_lower(numbers) -> None
         assert speeds[BOGIE][radius] == pytest.approx(speeds["vehicle"][radius], rel=0.02)
 
 
+@pytest.mark.slow
 def test_the_split_adds_up_and_its_ends_are_rig_and_track(numbers) -> None:
     causes = numbers["roller_effects"]
     loss = causes["track_kmh"] - causes["rig_kmh"]
@@ -113,6 +118,7 @@ def test_the_split_adds_up_and_its_ends_are_rig_and_track(numbers) -> None:
     assert causes["rig_kmh"] == pytest.approx(numbers["supports"]["rig"]["linear_critical_speed_kmh"], abs=1e-3)
 
 
+@pytest.mark.slow
 def test_static_loads_do_not_depend_on_the_support(numbers) -> None:
     wheels = (numbers["supports"][name]["wheels"].values() for name in ("rig", "track"))
     rig, track = ([wheel["vertical_force_kn"] for wheel in one] for one in wheels)
@@ -174,6 +180,7 @@ def test_a_loss_of_independent_effects_leaves_no_interaction() -> None:
     assert math.isnan(EffectSplit({}).loss)
 
 
+@pytest.mark.slow
 def test_ctrl_c_keeps_what_is_done(tmp_path) -> None:
     cases = compared_cases("manchester_vehicle_1", ["rig", "track"], "leading_wheelset")
     study = CompareStudy(cases, (60.0, 100.0), (), (0.725,), hunting=HuntingSettings(duration=1.0))

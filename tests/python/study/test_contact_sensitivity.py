@@ -63,6 +63,7 @@ def test_the_documentation_quotes_every_model_on_both_supports() -> None:
     assert len(recorded()) == 2 * len(contact_models(MERGING_CRITERIA))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("model", ["hertz, 0", "hertz, 0.05", "strips"])
 @pytest.mark.parametrize("on", ["rig", "track"])
 def test_what_the_documentation_quotes_is_what_runs_do(on: str, model: str) -> None:

@@ -21,6 +21,7 @@ def test_every_variant_is_a_case_and_a_case_without_slide_protection_has_none() 
     assert "estimator with 100 Hz" not in exact
 
 
+@pytest.mark.slow
 def test_pressure_and_lead_take_the_lag_away(monkeypatch: pytest.MonkeyPatch) -> None:
     """In the first 10 s, with ellipses; the whole stop with the default contact is a long test of test_lag_compensation.py."""
     monkeypatch.setattr(module, "STARTS", 2)

@@ -109,6 +109,7 @@ def test_an_inertia_assumed_too_large_is_unstable_by_feed_forward() -> None:
         assert (growth(made, rolling_plant(WHEEL, 1e7))[0] > 1e-3) == unstable, factor
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["observer", "filtered_derivative", "kalman"])
 def test_computed_growth_is_that_of_excited_runs(kind: str) -> None:
     """The bogie's longitudinal spring-mass mode near 27 Hz grows from 13 times the gains on; wheel and roller alone do not."""

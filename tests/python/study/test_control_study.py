@@ -96,6 +96,7 @@ def test_kinds_of_a_scaled_case_have_numbers_at_its_scale() -> None:
     assert feedback.boundary_layer == pytest.approx(0.5 * math.sqrt(5.0))
 
 
+@pytest.mark.slow
 def test_a_users_controller_is_compared_at_every_bandwidth(outcome: Outcome[Found]) -> None:
     built_in, mine = curve(outcome, "drive_bandwidth", "no feedback"), curve(outcome, "drive_bandwidth", USER)
     assert [one.value for one in mine] == [one.value for one in built_in]
@@ -121,6 +122,7 @@ def test_a_users_feed_forward_is_the_built_in_one_without_feedback(bandwidth: st
         np.testing.assert_allclose(mine[name], built_in[name], rtol=0.0, atol=1e-9 * scale)
 
 
+@pytest.mark.slow
 def test_feedback_and_fast_drives_help(outcome: Outcome[Found]) -> None:
     curves = {name: curve(outcome, "drive_bandwidth", name) for name in ("PI", "no feedback")}
     errors = {name: [r.numbers["tracking_rms"] for r in points] for name, points in curves.items()}
@@ -129,6 +131,7 @@ def test_feedback_and_fast_drives_help(outcome: Outcome[Found]) -> None:
     assert errors["PI"][0] > TRACKING_LIMIT > errors["PI"][1]
 
 
+@pytest.mark.slow
 def test_the_ranking_begins_with_what_ended_early(outcome: Outcome[Found]) -> None:
     ranks = outcome.numbers["ranking"]
     assert (ranks[0]["family"], ranks[0]["curve"]) == ("assumed_parameters", "wheel radius")
@@ -141,6 +144,7 @@ def test_the_ranking_begins_with_what_ended_early(outcome: Outcome[Found]) -> No
     assert failure["cause"] == "tracking"
 
 
+@pytest.mark.slow
 def test_the_course_of_the_worst_run_of_each_cause_is_kept(outcome: Outcome[Found]) -> None:
     """Of this study: tracking alone; the run in the figure is the one whose error the numbers have."""
     worst = max((r for r in outcome.results.results if r.cause == "tracking"), key=lambda r: r.numbers["tracking_rms"])
@@ -154,6 +158,7 @@ def test_the_course_of_the_worst_run_of_each_cause_is_kept(outcome: Outcome[Foun
     )
 
 
+@pytest.mark.slow
 def test_distances_are_compared_at_the_same_time(outcome: Outcome[Found]) -> None:
     """A test that the protection ends early has not run less far for it."""
     assert outcome.results.references[0].numbers["distance_relative"] == 0.0
@@ -241,6 +246,7 @@ def test_half_a_run_is_no_result() -> None:
         run_variant(brake(), False, pressed)
 
 
+@pytest.mark.slow
 def test_ctrl_c_keeps_what_is_there() -> None:
     calls = []
 
@@ -261,6 +267,7 @@ def test_ctrl_c_keeps_what_is_there() -> None:
     assert found.study.sections(references, found.study.numbers(references))
 
 
+@pytest.mark.slow
 def test_files_hold_every_run_and_every_number_is_explained(outcome: Outcome[Found], tmp_path: Path) -> None:
     files = {path.name for path in outcome.write(tmp_path)}
     assert {"variants.csv", "summary.json", "report.html", "drive_bandwidth.png", "ranges.png"} <= files
@@ -299,6 +306,7 @@ def test_the_duration_only_shortens() -> None:
     assert study_case(load_case("adhesion_brake"), 5.0).time.duration == 5.0
 
 
+@pytest.mark.slow
 def test_tables_show_errors_in_the_unit_of_their_heading(outcome: Outcome[Found]) -> None:
     tables = [block for section in outcome.study.sections(outcome.results, outcome.numbers) for block in section.blocks
               if isinstance(block, Table) and "tracking RMS [%]" in block.header]  # fmt: skip

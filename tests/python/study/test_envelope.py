@@ -336,6 +336,7 @@ def test_a_border_agrees_if_the_torque_does(limit: str, predicted: float, compar
     assert border.agrees is agrees
 
 
+@pytest.mark.slow
 def test_a_map_agrees_with_its_closed_forms(coulomb: Case) -> None:
     """One load, coarse: at every border the predicted torque is that of the runs, within a step."""
     found = envelope(
@@ -362,6 +363,7 @@ def circle(_case: Case, point: Point, _known: object) -> dict[str, Any]:
     return {"region": "grip" if inside else "contact", "limits": {}, "status": "ok", "message": "", **numbers}
 
 
+@pytest.mark.slow
 def test_cells_are_halved_where_regions_meet_and_nowhere_else(case: Case, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "run_point", circle)
     monkeypatch.setattr(module, "whole_run", lambda _case: xr.Dataset())  # of the examples
@@ -376,6 +378,7 @@ def test_cells_are_halved_where_regions_meet_and_nowhere_else(case: Case, monkey
     assert regions[1, 1] == ""  # far from the border nothing was run
 
 
+@pytest.mark.slow
 def test_stopped_and_taken_up_again_gives_the_same_map(
     case: Case, small: tuple[xr.Dataset, Path], tmp_path: Path
 ) -> None:
@@ -397,6 +400,7 @@ def test_stopped_and_taken_up_again_gives_the_same_map(
     assert rest.drop_attrs().identical(whole.drop_attrs())
 
 
+@pytest.mark.slow
 def test_runs_of_another_case_are_refused_by_the_key(
     case: Case, small: tuple[xr.Dataset, Path], tmp_path: Path
 ) -> None:
@@ -414,6 +418,7 @@ def test_runs_of_another_case_are_refused_by_the_key(
     assert (tmp_path / NAME).read_bytes() == before
 
 
+@pytest.mark.slow
 def test_another_grid_takes_over_the_runs_it_shares(case: Case, small: tuple[xr.Dataset, Path], tmp_path: Path) -> None:
     shutil.copytree(small[1], tmp_path, dirs_exist_ok=True)
     more = envelope(case.with_changes(ELLIPSES), **{**SMALL, "torques": [-4e3, -3e3, -2e3]}, folder=tmp_path)
@@ -444,6 +449,7 @@ def invoke(*arguments: object) -> tuple[int, str, str]:
     return done.exit_code, done.stdout, done.stderr
 
 
+@pytest.mark.slow
 def test_the_command_writes_its_files(case: Case, tmp_path: Path) -> None:
     out, file = tmp_path / "out", tmp_path / "brake.toml"
     file.write_text(case.with_changes(ELLIPSES).to_toml())

@@ -105,6 +105,7 @@ def hunting_log() -> tuple[WholeFit, Record, list[np.ndarray]]:
     return whole, *synthetic(whole, columns)
 
 
+@pytest.mark.slow
 def test_a_suspension_is_found_from_its_hunting() -> None:
     whole, record, exact = hunting_log()
     channels = tuple(replace(c, measured=v) for c, v in zip(record.channels, exact, strict=True))
@@ -134,6 +135,7 @@ def coast_down(*without: str, torque: np.ndarray = DRIVING) -> tuple[WholeFit, R
     return whole, *synthetic(whole, {"time": TIMES, "speed [km/h]": 0.0 * TIMES, "torque [N m]": torque})
 
 
+@pytest.mark.slow
 def test_inertia_and_losses_are_within_their_own_intervals() -> None:
     found = inside(*coast_down(), 1)
     assert sum(found.values()) >= 4, found
@@ -144,6 +146,7 @@ def test_inertia_and_losses_are_within_their_own_intervals_in_95_of_100_trials()
     assert min(inside(*coast_down(), 40).values()) >= 34
 
 
+@pytest.mark.slow
 def test_a_model_that_lacks_something_widens_the_intervals() -> None:
     """A shoe drags from 200 to 300 s, which the model does not know: the truth stays within."""
     whole, record, (exact,) = coast_down()
@@ -159,6 +162,7 @@ def test_a_model_that_lacks_something_widens_the_intervals() -> None:
     assert found.scale > found.deviation > 1.0
 
 
+@pytest.mark.slow
 def test_without_a_known_torque_only_losses_over_inertia_are_determined() -> None:
     whole, record, exact = coast_down(torque=0.0 * TIMES)
     channels = tuple(replace(c, measured=v) for c, v in zip(record.channels, exact, strict=True))
@@ -183,6 +187,7 @@ def test_a_drive_s_bandwidth_is_within_its_own_interval(count: int) -> None:
     assert inside(*step_log(), count)["bandwidth"] >= (1 if count == 2 else 180)
 
 
+@pytest.mark.slow
 def test_the_equivalent_dead_time_of_a_rig_is_found_from_its_step() -> None:
     """Half a sample and the lag of the drive, 1/(2 pi f): (D17)."""
     whole, record, _ = step_log()
@@ -330,6 +335,7 @@ def test_as_many_logs_as_tables_are_needed() -> None:
 # ----------------------------------------------------------------------------------------------------------------- files
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("kind", ["csv", "mat", "nc", "parquet"])
 def test_a_run_is_read_again_as_a_log(tmp_path: Path, kind: str) -> None:
     run = rr.simulate(rr.load_case("wheelset_rollers").with_changes({"time.duration": "0.05 s"}))
@@ -384,6 +390,7 @@ def test_the_command_refuses_a_log_in_a_line(
     assert not Path("out").exists()
 
 
+@pytest.mark.slow
 def test_the_fitted_case_says_where_its_numbers_come_from(tmp_path: Path) -> None:
     _, record, exact = creep_log()
     log = {"creepage": CREEPAGES, "traction_coefficient": exact[0], "traction_error": record.channels[0].error}
@@ -421,6 +428,7 @@ def test_several_logs_at_different_speeds_are_fitted_at_once() -> None:
     assert len(both.study._fitted_cases(both.results)) == 2  # type: ignore[attr-defined]
 
 
+@pytest.mark.slow
 def test_a_filtered_sensor_with_an_unknown_zero_gives_the_same_stiffness() -> None:
     run = rr.simulate(rr.load_case("wheelset_rollers").with_changes({"time.duration": "1 s"}))
     exact = run["lateral"].sel(body="wheelset_1")
@@ -436,6 +444,7 @@ def test_a_filtered_sensor_with_an_unknown_zero_gives_the_same_stiffness() -> No
     assert wrong.deviation > 10.0 * right.deviation
 
 
+@pytest.mark.slow
 def test_errors_that_are_not_given_are_found() -> None:
     """Two outputs of different size and noise: each gets its own standard deviation."""
     times = np.arange(0.0, 1.0, 0.01)

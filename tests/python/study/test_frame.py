@@ -154,6 +154,7 @@ def course(seconds: float) -> xr.Dataset:
     return xr.Dataset({"slept": ("time", [seconds])})
 
 
+@pytest.mark.slow
 def test_kept_jobs_are_the_same_bytes_whichever_ended_first(tmp_path: Path) -> None:
     """Two processes finish the short one first; order and file names are those of the study."""
 
@@ -190,6 +191,7 @@ def test_ctrl_c_keeps_finished_jobs_for_the_same_command(tmp_path: Path) -> None
     assert CALLS == [13.0]
 
 
+@pytest.mark.slow
 def test_a_killed_program_goes_on_where_it_was(tmp_path: Path) -> None:
     script = f"""
 import os, signal, sys

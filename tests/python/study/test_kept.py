@@ -40,6 +40,7 @@ def test_limit_cycles_go_on(wheelset: Case, tmp_path: Path) -> None:
         rr.limit_cycle(wheelset, speeds, longest=2.4, folder=tmp_path)
 
 
+@pytest.mark.slow
 def test_critical_speeds_go_on(wheelset: Case, tmp_path: Path) -> None:
     def found(**options: object) -> xr.Dataset:
         methods = ("linear", "continuation")

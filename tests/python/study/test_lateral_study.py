@@ -31,6 +31,7 @@ def outcome() -> Study:
     return found
 
 
+@pytest.mark.slow
 def test_a_sliding_wheel_is_guided_by_viscous_friction_alone(outcome: Study) -> None:
     """Friction opposes sliding: F_y = -F v_y / w. The exact theory gets there; Kalker's saturated by length keeps f22 / f11."""
     exact, paper = (outcome.numbers["guidance"][key] for key in ("track", "track_paper"))
@@ -43,6 +44,7 @@ def test_a_sliding_wheel_is_guided_by_viscous_friction_alone(outcome: Study) -> 
     assert outcome.study.guidance_of(outcome.results.runs["track_dry"]) is None
 
 
+@pytest.mark.slow
 def test_hunting_decays_on_the_degraded_track_and_persists_on_the_rig(outcome: Study) -> None:
     begin = slide_begins(outcome.results.runs["track"])
     assert 3.0 < begin < 4.5  # low adhesion begins at 3 s
@@ -57,6 +59,7 @@ def test_hunting_decays_on_the_degraded_track_and_persists_on_the_rig(outcome: S
     assert found["rig_rigid"]["roller_lateral_mm"] == 0.0
 
 
+@pytest.mark.slow
 def test_the_control_runs_tell_the_slide_from_the_rail(outcome: Study) -> None:
     """Unbraked no wheel slides. On the contaminated rail hunting ends all the same; with k_A = k_S = 1 only the slide ends it."""
     found = outcome.numbers["runs"]
@@ -73,6 +76,7 @@ def test_the_control_runs_tell_the_slide_from_the_rail(outcome: Study) -> None:
     assert "k_A = k_S = 1" in told
 
 
+@pytest.mark.slow
 def test_figures_of_runs_that_strike_are_means_with_errors(outcome: Study) -> None:
     again = outcome.numbers["ensemble"]
     assert set(again) == {"rig", "rig_rigid"}
@@ -86,12 +90,14 @@ def test_figures_of_runs_that_strike_are_means_with_errors(outcome: Study) -> No
     assert again["rig"]["real_sliding_largest_mps_standard_error"] > 1e-6
 
 
+@pytest.mark.slow
 def test_hunting_disturbs_the_control(outcome: Study) -> None:
     errors = {key: outcome.numbers["runs"][key]["tracking_rms"] for key in ("rig", "rig_rigid", "rig_centred")}
     assert errors["rig"] > 2.0 * errors["rig_rigid"] > 4.0 * errors["rig_centred"] > 0.0
     assert errors["rig"] < 0.01  # and yet stays within the project's aim
 
 
+@pytest.mark.slow
 def test_slip_on_the_rig_is_that_of_the_virtual_wheels(outcome: Study) -> None:
     """Real wheels that strike with their flanges slide on the rollers: that is no slip of the train."""
     run = outcome.results.runs["rig"]
@@ -101,6 +107,7 @@ def test_slip_on_the_rig_is_that_of_the_virtual_wheels(outcome: Study) -> None:
         assert same == (name == "virtual_speed")
 
 
+@pytest.mark.slow
 def test_a_bogie_in_the_middle_stays_there(outcome: Study) -> None:
     """Left and right are alike: rounding alone moves it, whatever the wheels do along the track."""
     for key in ("rig_centred", "rig_rigid_centred"):
@@ -117,6 +124,7 @@ def test_amplitudes() -> None:
     assert np.isnan(amplitude(time, values, 10.0, 11.0))
 
 
+@pytest.mark.slow
 def test_files_hold_every_run_and_every_number_is_explained(outcome: Study, tmp_path: Path) -> None:
     files = {path.name for path in outcome.write(tmp_path)}
     assert {f"{key}.nc" for key in LABELS} | {

@@ -36,6 +36,7 @@ def words_of(text: str) -> str:
     return re.sub(r"<(script|pre)>.*?</\1>", "", re.sub(r'src="data:[^"]*"', "", text), flags=re.DOTALL)
 
 
+@pytest.mark.slow
 def test_every_figure_is_drawn_and_shown(folder) -> None:
     drawn = {path.stem for path in (folder / "figures").glob("*.svg")}
     assert drawn == set(CAPTIONS)
@@ -46,6 +47,7 @@ def test_every_figure_is_drawn_and_shown(folder) -> None:
     assert not re.search(r"\bnan\b", words, re.IGNORECASE)
 
 
+@pytest.mark.slow
 def test_both_contacts_stand_side_by_side(outcome, folder) -> None:
     """Every critical speed with the paper's own contact and with the exact one, and the paper's 100 km/h beside each."""
     own, exact = outcome.numbers["materials"], outcome.numbers["exact_contact"]["materials"]
@@ -66,6 +68,7 @@ def test_both_contacts_stand_side_by_side(outcome, folder) -> None:
     assert outcome.numbers["traction"].keys() == outcome.numbers["exact_contact"]["traction"].keys()
 
 
+@pytest.mark.slow
 def test_traction_agrees_with_theory(outcome) -> None:
     summary = outcome.numbers
     assert [check["name"] for check in summary["checks"] if check["verdict"] == "failed"] == []
@@ -73,6 +76,7 @@ def test_traction_agrees_with_theory(outcome) -> None:
     assert all(check["reason"] for check in summary["checks"])
 
 
+@pytest.mark.slow
 def test_a_quick_study_says_so_on_every_page(outcome, folder) -> None:
     """Terminal, report with its tables and figures, drawn figures, names of data files, summary.json."""
     assert outcome.summary.startswith("QUICK: few and short runs")
@@ -89,6 +93,7 @@ def test_a_quick_study_says_so_on_every_page(outcome, folder) -> None:
     assert FULL.mark is None
 
 
+@pytest.mark.slow
 def test_what_is_only_bracketed_is_an_interval_and_never_its_middle(outcome, folder) -> None:
     """The runs at 100 and 200 km/h (100 and 160 km/h) say no more than that the onset is between them."""
     found = outcome.results.by_disturbance("steel"), outcome.results.by_disturbance("paper")
@@ -101,6 +106,7 @@ def test_what_is_only_bracketed_is_an_interval_and_never_its_middle(outcome, fol
     assert not re.search(r"(critical|disturbance)[^<]*\b1[35]0\b", str(outcome.numbers["materials"]))
 
 
+@pytest.mark.slow
 def test_only_a_whole_interval_decides(outcome, folder) -> None:
     """100 to 160 km/h is not near 100 km/h, nor is it not; a vehicle that still decays may begin to hunt anywhere above."""
     text = words_of((folder / "report.html").read_text())
@@ -116,6 +122,7 @@ def test_only_a_whole_interval_decides(outcome, folder) -> None:
     assert text.count('<td class="open">? not decided</td>') == 1
 
 
+@pytest.mark.slow
 def test_a_wrong_run_fails_its_checks(outcome) -> None:
     """A force, an energy and a symmetry that are wrong are found."""
     from rollerrig.study.runs.paper import traction_case, traction_checks
@@ -135,6 +142,7 @@ def test_a_wrong_run_fails_its_checks(outcome) -> None:
     }
 
 
+@pytest.mark.slow
 def test_every_number_is_registered_and_every_registered_quantity_reported(folder) -> None:
     summary = json.loads((folder / "summary.json").read_text())
     assert PaperStudy.quantities.unexplained(summary) == []
@@ -157,6 +165,7 @@ def test_the_same_study_gives_the_same_bytes(folder, tmp_path) -> None:
     assert [name for name in first if first[name] != second[name] and name != "timing.json"] == []
 
 
+@pytest.mark.slow
 def test_ctrl_c_keeps_what_is_done(tmp_path) -> None:
     def press(fraction: float, _text: str) -> None:
         if fraction > 0.02:
@@ -180,6 +189,7 @@ def test_no_results_at_all_make_a_report_too(tmp_path) -> None:
     assert (tmp_path / "report.html").is_file()
 
 
+@pytest.mark.slow
 def test_the_report_names_the_paper_and_compares_with_it_first(outcome, folder) -> None:
     text = (folder / "report.html").read_text()
     first = text.partition("<section")[2].partition("</section>")[0]

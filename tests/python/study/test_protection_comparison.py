@@ -57,6 +57,7 @@ def outcome(case: Case, other: Case) -> Outcome[Mapping[System, Results]]:
     return found
 
 
+@pytest.mark.slow
 def test_what_differs_is_said_and_every_number_is_explained(outcome: Outcome[Any]) -> None:
     changes = outcome.numbers["changes"]
     assert list(changes) == ["slide_protection.vent_slip", "slide_protection.vent_slip_speed"]
@@ -66,6 +67,7 @@ def test_what_differs_is_said_and_every_number_is_explained(outcome: Outcome[Any
     assert quantities.unreported(outcome.numbers) == []
 
 
+@pytest.mark.slow
 def test_differences_are_those_of_tests_in_pairs(outcome: Outcome[Mapping[System, Results]]) -> None:
     """Draw by draw, from the records themselves; a system that vents later slides deeper on the same draws."""
     for on in ("track", "rig"):
@@ -79,6 +81,7 @@ def test_differences_are_those_of_tests_in_pairs(outcome: Outcome[Mapping[System
         assert two.tests[0].measures["largest_slip"] > one.tests[0].measures["largest_slip"]
 
 
+@pytest.mark.slow
 def test_files_of_both_systems_and_the_page(outcome: Outcome[Any], tmp_path: Path) -> None:
     written = {path.relative_to(tmp_path).as_posix() for path in outcome.write(tmp_path)}
     expected = {"tests_first_low_26_quick.csv", "tests_second_low_26_quick.csv", "figures/difference_distance.png"}
@@ -88,6 +91,7 @@ def test_files_of_both_systems_and_the_page(outcome: Outcome[Any], tmp_path: Pat
     assert "tests that would decide" in page
 
 
+@pytest.mark.slow
 def test_nothing_is_better_by_a_bad_run(case: Case, other: Case, outcome: Outcome[Mapping[System, Results]]) -> None:
     """A test of either system that ended early leaves every criterion of its stop undecided, and is named."""
     results = dict(outcome.results)

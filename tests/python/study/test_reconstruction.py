@@ -55,6 +55,7 @@ def outcome(case: Case, log: StopLog) -> Outcome[xr.Dataset]:
     return found
 
 
+@pytest.mark.slow
 def test_the_log_is_that_of_the_run(run: xr.Dataset, log: StopLog) -> None:
     assert log.axles == ("wheelset_1", "wheelset_2")
     assert log.distance[-1] == pytest.approx(float(run["train_distance"][-1]), rel=2e-3)
@@ -62,6 +63,7 @@ def test_the_log_is_that_of_the_run(run: xr.Dataset, log: StopLog) -> None:
     np.testing.assert_allclose(log.pressure, expected, rtol=1e-12)
 
 
+@pytest.mark.slow
 def test_friction_is_found_within_two_per_cent(case: Case, log: StopLog) -> None:
     """In every piece in which an axle slid, but where the rail changes under the bogie."""
     rail = reconstruct(case, log, 10.0)
@@ -100,6 +102,7 @@ def test_friction_of_random_rails(tmp_path: Path) -> None:
     assert max(errors) < 0.042
 
 
+@pytest.mark.slow
 def test_a_wrong_radius_of_the_wheels_is_no_slide(case: Case, log: StopLog) -> None:
     """4 % would be a slip of every sample: a dry rail would pass for one as slippery as the brake needs."""
     still = {name: np.concatenate([value[:1].repeat(10, axis=0), value])
@@ -114,6 +117,7 @@ def test_a_wrong_radius_of_the_wheels_is_no_slide(case: Case, log: StopLog) -> N
     np.testing.assert_allclose(found["friction"].mean(), reconstruct(case, before, 10.0)["friction"].mean(), rtol=0.01)
 
 
+@pytest.mark.slow
 def test_noise_of_measured_speeds_hardly_counts(case: Case, log: StopLog) -> None:
     """0.5 km/h at the circumference: by differences of single samples the force would be off by three times itself."""
     noise = np.random.default_rng(5).normal(0.0, 0.5 / 3.6 / 0.46, log.axle_speed.shape)
@@ -126,6 +130,7 @@ def test_noise_of_measured_speeds_hardly_counts(case: Case, log: StopLog) -> Non
     assert np.nanstd(ratio) < 0.05
 
 
+@pytest.mark.slow
 def test_the_stop_on_the_reconstructed_rail_is_the_measured_one(outcome: Outcome[xr.Dataset], tmp_path: Path) -> None:
     numbers = outcome.numbers
     assert numbers["status"] == "stopped"
@@ -149,6 +154,7 @@ def test_the_stop_on_the_reconstructed_rail_is_the_measured_one(outcome: Outcome
     assert friction[0] == pytest.approx(friction[1], rel=1e-5)  # digits of the file
 
 
+@pytest.mark.slow
 def test_where_no_axle_slides_nothing_is_found(case: Case, log: StopLog) -> None:
     rolling = np.repeat(log.train_speed[:, None] / 0.46, 2, axis=1)
     with pytest.raises(ResultsError, match="no axle slid"):

@@ -201,6 +201,7 @@ def test_a_wheel_that_slides_or_stands_is_named(case: Case, run: xr.Dataset, tmp
 # ------------------------------------------------------------------------------------------------------- refusals
 
 
+@pytest.mark.slow
 def test_signs_and_radii_that_contradict_each_other_are_refused(case: Case, run: xr.Dataset, tmp_path: Path) -> None:
     def changed(name: str, factor: float, drop: str = "") -> Path:
         other = run.drop_vars([one for one in (drop, f"measured_{name}") if one in run])
@@ -283,6 +284,7 @@ def test_a_case_whose_controller_needs_more_than_a_log_is_refused(
 # --------------------------------------------------------------------------------------------- report, other files
 
 
+@pytest.mark.slow
 def test_the_report_explains_its_numbers(case: Case, run: xr.Dataset, tmp_path: Path) -> None:
     outcome = replay_log(case, str(export(run, tmp_path / "rig.csv")))
     numbers, quantities = outcome.numbers, ReplayStudy.quantities

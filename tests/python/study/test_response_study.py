@@ -37,6 +37,7 @@ def folder(outcome: Outcome, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
+@pytest.mark.slow
 def test_measured_and_linear_agree_up_to_half_the_bandwidth_of_the_drives(outcome: Outcome) -> None:
     """1 dB is asked for; at 100 N m all is linear: what is left is the torque's straight line over a step."""
     errors = [one["measured_error_db"] for channel in outcome.numbers["channels"].values() for one in channel.values()]
@@ -80,6 +81,7 @@ def test_a_wrong_name_leaves_no_folder(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == []
 
 
+@pytest.mark.slow
 def test_files(outcome: Outcome, folder: Path) -> None:
     summary = json.loads((folder / "summary.json").read_text())
     assert ResponseStudy.quantities.unexplained(summary) == []

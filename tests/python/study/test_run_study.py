@@ -37,16 +37,19 @@ def folder(outcome: Outcome[Results], tmp_path_factory: pytest.TempPathFactory) 
     return path
 
 
+@pytest.mark.slow
 def test_every_number_is_registered_and_every_registered_quantity_reported(folder: Path) -> None:
     summary = json.loads((folder / "summary.json").read_text())
     assert QUANTITIES.unexplained(summary) == []
     assert QUANTITIES.unreported(summary) == [*RESTS, "weighted_acceleration.*.*"]  # the run is too short for them
 
 
+@pytest.mark.slow
 def test_every_counter_of_the_contact_model_is_explained(outcome: Outcome[Results]) -> None:
     assert {quantity.name for quantity in CONTACT} == set(outcome.numbers["contact"])
 
 
+@pytest.mark.slow
 def test_running_safety_is_the_same_in_all_files(outcome: Outcome[Results], folder: Path) -> None:
     with (folder / "running_safety.csv").open() as file:
         rows = list(csv.DictReader(file))
@@ -57,6 +60,7 @@ def test_running_safety_is_the_same_in_all_files(outcome: Outcome[Results], fold
     assert "a filter at 0.4 Hz needs a run of at least 2.5 s" in outcome.numbers["running_safety_notes"][-1]
 
 
+@pytest.mark.slow
 def test_tables_hold_the_signals_of_the_run(outcome: Outcome[Results], folder: Path) -> None:
     with (folder / "motion.csv").open() as file:
         rows = list(csv.DictReader(file))
@@ -66,6 +70,7 @@ def test_tables_hold_the_signals_of_the_run(outcome: Outcome[Results], folder: P
     assert lateral == pytest.approx(run["lateral"].sel(body="front_frame").to_numpy(), rel=1e-8, abs=1e-18)
 
 
+@pytest.mark.slow
 def test_figures_show_the_run(folder: Path) -> None:
     drawn = {path.stem for path in (folder / "figures").iterdir()}
     assert drawn >= {"motion", "sliding", "energy", *FORCES}
@@ -81,6 +86,7 @@ def test_a_run_with_one_sample_has_a_report_without_figures(tmp_path: Path) -> N
     assert (tmp_path / "report.html").exists()
 
 
+@pytest.mark.slow
 def test_the_integrator_is_counted_in_words(folder: Path) -> None:
     text = (folder / "report.html").read_text()
     for words in ("evaluations of the right-hand side", "evaluations of the Jacobian", "smallest step [s]"):
@@ -88,6 +94,7 @@ def test_the_integrator_is_counted_in_words(folder: Path) -> None:
     assert "derivative calls" not in text
 
 
+@pytest.mark.slow
 def test_a_report_says_first_what_the_vehicle_did(outcome: Outcome[Results]) -> None:
     run, rest = outcome.results.run, FinalMotion(6.1e-3, 5.1, 0.0)
     decaying, over = replace(rest, rate=-1.0), FinalMotion(0.0, math.nan, math.nan)
@@ -114,6 +121,7 @@ def test_a_report_says_first_what_the_vehicle_did(outcome: Outcome[Results]) -> 
     assert unsaid[0].startswith("Running safety")
 
 
+@pytest.mark.slow
 def test_pictures_that_are_seen_on_paper_only_have_few_colours(folder: Path) -> None:
     text = (folder / "report.html").read_text()
     shown = re.findall(r'<figure id="figure-(\w+)"><div class="scroll"><img src="data:image/png;base64,([^"]+)"', text)

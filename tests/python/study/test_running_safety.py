@@ -42,6 +42,7 @@ def row(outcome: Outcome[Results], quantity: str, place: str, section: str = WHO
     return next(r for r in outcome.results.rows if (r.quantity, r.place, r.section) == wanted)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("point", "lowest", "highest"),
     [("car_body over rear_frame", -0.070, 0.042), ("car_body over front_frame", -0.125, 0.074)],
@@ -55,6 +56,7 @@ def test_a_car_body_feels_no_kinks_of_the_cant_over_its_bogies(
     assert found["percentile_99_85"] == pytest.approx(highest, abs=6e-4)
 
 
+@pytest.mark.slow
 def test_sections_of_a_curve_have_names_and_only_the_constant_ones_quasi_static_values(curve: Outcome[Results]) -> None:
     rows = [r for r in curve.results.rows if (r.quantity, r.place) == ("guiding_force", "wheelset_1_right")]
     found = {r.section: r.statistics["quasi_static"] for r in rows}
@@ -72,6 +74,7 @@ def test_sections_of_a_curve_have_names_and_only_the_constant_ones_quasi_static_
     assert (named == CURVE).tolist() == inside.to_numpy().tolist()
 
 
+@pytest.mark.slow
 def test_sections_stand_in_table_file_and_summary(curve: Outcome[Results]) -> None:
     own = curve.numbers["running_safety"]["guiding_force"]["wheelset_1_right"]["sections"]
     assert own[CURVE]["quasi_static"] == pytest.approx(13.34e3, rel=1e-3)
@@ -92,6 +95,7 @@ def tables_of_safety(outcome: Outcome[Results]) -> list[Table]:
     return [block for block in safety.blocks if isinstance(block, Table)]
 
 
+@pytest.mark.slow
 def test_the_limit_of_the_sum_of_guiding_forces_is_one_in_table_and_figure(curve: Outcome[Results]) -> None:
     limit = row(curve, "guiding_force_sum", "wheelset_1").limit
     assert limit == pytest.approx(10e3 + 2.0 / 3.0 * 54.546e3, rel=1e-3)
@@ -139,6 +143,7 @@ def dense() -> xr.Dataset:
     )
 
 
+@pytest.mark.slow
 def test_forces_are_filtered_at_the_default_output_step_and_right(
     irregular: Outcome[Results], dense: xr.Dataset
 ) -> None:
@@ -156,6 +161,7 @@ def test_forces_are_filtered_at_the_default_output_step_and_right(
     assert float((folded / exact["wheel_load"].std("time")).max()) > 2.0
 
 
+@pytest.mark.slow
 def test_readings_are_the_forces_of_the_run_between_its_outputs(irregular: Outcome[Results], dense: xr.Dataset) -> None:
     run = irregular.results.run
     assert run.sizes["time"] == 401
@@ -167,6 +173,7 @@ def test_readings_are_the_forces_of_the_run_between_its_outputs(irregular: Outco
     assert (float(part["reading_time"][0]), float(part["reading_time"][-1])) == pytest.approx((1.0, 2.0))
 
 
+@pytest.mark.slow
 def test_extremes_are_filtered_and_what_is_raw_is_called_raw(irregular: Outcome[Results]) -> None:
     wheels = irregular.numbers["wheels"]
     assert min(wheel["vertical_force_least_raw_n"] for wheel in wheels.values()) == 0.0
@@ -183,6 +190,7 @@ def test_extremes_are_filtered_and_what_is_raw_is_called_raw(irregular: Outcome[
     assert last.folded
 
 
+@pytest.mark.slow
 def test_the_report_explains_wheels_that_are_unloaded_for_moments(irregular: Outcome[Results]) -> None:
     sections = irregular.study.sections(irregular.results, irregular.numbers)
     texts = [str(block) for section in sections for block in section.blocks]

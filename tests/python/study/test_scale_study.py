@@ -40,6 +40,7 @@ def brake() -> Outcome[Scaled]:
     return found(study)
 
 
+@pytest.mark.slow
 def test_motors_that_stand_in_give_the_brakes_torque_as_far_as_they_can(brake: Outcome[Scaled]) -> None:
     limit = 10 * similitude("dlr").factor("N m")
     model = brake.results.mapped["model"]
@@ -51,6 +52,7 @@ def test_motors_that_stand_in_give_the_brakes_torque_as_far_as_they_can(brake: O
     assert float(np.abs(axle_torque(strong)).max()) > 1.2 * limit
 
 
+@pytest.mark.slow
 def test_the_error_budget_tells_the_violations_apart(brake: Outcome[Scaled]) -> None:
     budget = brake.numbers["error_budget"]
     assert list(budget) == ["ideal", "material", "own"]
@@ -66,6 +68,7 @@ def test_the_error_budget_tells_the_violations_apart(brake: Outcome[Scaled]) -> 
     )
 
 
+@pytest.mark.slow
 def test_fidelity_is_the_difference_at_the_same_time(brake: Outcome[Scaled]) -> None:
     """By hand from the two runs of the file that a user gets, interpolated linearly in the model's times."""
     full, model = brake.results.full, brake.results.mapped["model"]
@@ -79,6 +82,7 @@ def test_fidelity_is_the_difference_at_the_same_time(brake: Outcome[Scaled]) -> 
     )
 
 
+@pytest.mark.slow
 def test_files_hold_both_runs_and_every_number_is_explained(brake: Outcome[Scaled], tmp_path: Path) -> None:
     files = {path.name for path in brake.write(tmp_path)}
     assert {"full.nc", "model.nc", "summary.json", "axles.csv", "report.html", "speeds.png", "torques.png"} <= files
@@ -92,6 +96,7 @@ def test_files_hold_both_runs_and_every_number_is_explained(brake: Outcome[Scale
     assert (hertz["met"], hertz["deviation"]) == (False, pytest.approx(1.5))
 
 
+@pytest.mark.slow
 def test_a_run_without_actuators_shows_lateral_motion(tmp_path: Path) -> None:
     changes = {"time.duration": "0.5 s", "motion.speed": "120 km/h"}
     case = rr.load_case("bogie_rollers_constant").with_changes(changes)

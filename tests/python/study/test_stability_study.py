@@ -39,18 +39,20 @@ def folder(tmp_path_factory) -> Path:
     return out
 
 
+@pytest.mark.slow
 def test_everything_is_written(folder) -> None:
     names = {path.name for path in folder.iterdir()}
     assert {"report.html", "stability.nc", "modes.csv", "shapes.csv", "limit_cycles.csv", "summary.json"} <= names
 
 
+@pytest.mark.slow
 def test_numbers_are_registered_and_those_of_the_bogie(folder) -> None:
     summary = json.loads((folder / "summary.json").read_text())
     assert StabilityStudy.quantities.unexplained(summary) == []
     missing = [
         key
         for key in StabilityStudy.quantities.unreported(summary)
-        if not key.startswith(("contact_effects", "diverging.*", "branch."))
+        if not key.startswith(("contact_effects", "diverging.*", "branch.", "sensitivity"))
     ]
     assert missing == ["crossings"]  # there are some
     assert summary["linear_critical_speed_kmh"] == pytest.approx(253.09, abs=0.01)
@@ -63,6 +65,7 @@ def test_numbers_are_registered_and_those_of_the_bogie(folder) -> None:
     assert len(rows) == 1 + len(cycles["points"])
 
 
+@pytest.mark.slow
 def test_figures_are_drawn_and_shown(folder) -> None:
     drawn = {path.name for path in (folder / "figures").iterdir()}
     names = ("frequency", "damping", "damping_map", "root_locus", "limit_cycles", "critical_mode", "mode_shapes")
@@ -73,6 +76,7 @@ def test_figures_are_drawn_and_shown(folder) -> None:
     assert f"Linear critical speed: {found:.1f} km/h" in text
 
 
+@pytest.mark.slow
 def test_the_data_are_those_of_the_table(folder) -> None:
     data = load_run(folder / "stability.nc")
     assert list(data["speed"].to_numpy()) == [100.0, 180.0, 260.0]
@@ -105,6 +109,7 @@ def test_ctrl_c_keeps_the_speeds_that_were_done(tmp_path) -> None:
     assert json.loads((tmp_path / "summary.json").read_text())["interrupted"] is True
 
 
+@pytest.mark.slow
 def test_ctrl_c_keeps_the_runs_that_were_done(tmp_path) -> None:
     # 0.1 the modes, then a sixth of 0.9 and the halvings for each run
     study = StabilityStudy(load_case("wheelset_rollers"), (20, 40, 60))
@@ -176,6 +181,7 @@ def test_the_report_of_a_lone_wheelset_is_in_the_singular_and_draws_no_hunting(t
     assert not (tmp_path / "figures" / "critical_mode.svg").exists()
 
 
+@pytest.mark.slow
 def test_a_line_with_curves_is_said_to_be_that_of_its_first_segment(tmp_path) -> None:
     case = tmp_path / "bogie_curve.toml"
     case.write_text(load_case("vehicle_curve").with_changes({"vehicle.cut": "leading_bogie"}).to_toml())
@@ -189,6 +195,7 @@ def test_a_line_with_curves_is_said_to_be_that_of_its_first_segment(tmp_path) ->
     assert line_sentences(load_case("bogie_track")) == line_sentences(load_case("bogie_rollers_constant")) == []
 
 
+@pytest.mark.slow
 def test_a_critical_speed_above_the_range_is_found_and_said_to_be_there(tmp_path) -> None:
     """On track the bogie hunts at 263 km/h; asked for are 220 to 240 km/h."""
     options = ["--speeds-kmh", "220:240:20", "--no-limit-cycles", "--out", str(tmp_path)]
@@ -230,6 +237,7 @@ def test_ctrl_c_ends_the_command_with_130(tmp_path) -> None:
     assert "Traceback" not in errors
 
 
+@pytest.mark.slow
 def test_the_branch_of_limit_cycles_is_followed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(bifurcation, "LONGEST_STEP", 3e-3)
     options = ("--speeds-kmh", "220:260:20", "--no-limit-cycles", "--branch-mm", "2", "--out", str(tmp_path))
@@ -241,20 +249,45 @@ def test_the_branch_of_limit_cycles_is_followed(tmp_path: Path, monkeypatch: pyt
     )
     summary = json.loads((tmp_path / "summary.json").read_text())
     assert StabilityStudy.quantities.unexplained(summary) == []
+    assert summary["branch"]["nonlinear_critical_speed_kmh"] is None  # the fold is at 9.4 mm
     points = summary["branch"]["points"]
     assert [point["stable"] for point in points] == [False] * len(points)
     assert len((tmp_path / "branch.csv").read_text().splitlines()) == len(points) + 1
     assert "Branch of limit cycles" in (tmp_path / "report.html").read_text()
 
 
-def test_the_lowest_fold_is_said() -> None:
-    points = [{"amplitude_mm": 1.0, "stable": True}]
+def test_what_moves_the_critical_speed_is_drawn_and_said(tmp_path: Path) -> None:
+    options = ("--speeds-kmh", "200:220:20", "--no-limit-cycles", "--sensitivity", "--out", str(tmp_path))
+    result = run("suspended_wheelset", *options)
+    assert result.exit_code == 0, result.output
+    assert "moved most by vehicle.element.suspension_*.x.stiffness: +0.91 km/h if that is 1 % larger." in result.output
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    assert StabilityStudy.quantities.unexplained(summary) == []
+    along, across = summary["sensitivity"]
+    assert (along["value"], along["unit"]) == (3e5, "N/m")
+    assert along["change_kmh"] > across["change_kmh"] > 0.0
+    assert along["relative_change"] == pytest.approx(along["change_kmh"] / summary["linear_critical_speed_kmh"])
+    assert (tmp_path / "figures" / "sensitivity.svg").exists()
+    rows = (tmp_path / "sensitivity.csv").read_text().splitlines()
+    assert rows[0] == "parameter,value,unit,change_kmh,relative_change"
+    assert len(rows) == 3
+
+
+def test_the_nonlinear_critical_speed_is_said() -> None:
     folds = [{"speed_kmh": 230.0, "amplitude_mm": 1.0}, {"speed_kmh": 220.371, "amplitude_mm": 4.457}]
-    said = branch_sentences({"points": points, "folds": folds, "ended": "there"}, 224.1)
-    assert said == [
-        "Stable limit cycles begin at the linear critical speed, 224.10 km/h (supercritical); the lowest speed at which this "
-        "branch has one is 220.37 km/h, with 4.46 mm, where a stable and an unstable one meet (fold). The branch ends there."
-    ]
+    branch = {"points": [{"stable": True}], "folds": folds, "ended": "there"}
+    course = (
+        "Stable limit cycles begin at the linear critical speed, 224.10 km/h (supercritical). The branch ends there."
+    )
+    lowest = "Nonlinear critical speed: {} km/h, the lowest with a stable limit cycle on the branch: {}."
+    for speed, said in (
+        (220.371, lowest.format("220.37", "a fold, with 4.46 mm")),
+        (224.1, lowest.format("224.10", "where it begins")),
+        (222.0, lowest.format("222.00", "where cycles become stable")),
+    ):
+        assert branch_sentences({**branch, "nonlinear_critical_speed_kmh": speed}, 224.1) == [said, course]
+    none = branch_sentences({**branch, "nonlinear_critical_speed_kmh": None}, 224.1)
+    assert none[0].startswith("Nonlinear critical speed: not found, no limit cycle of the branch is stable")
     assert branch_sentences({"points": [], "folds": [], "ended": "at 0.00 mm"}, 224.1) == [
         "The branch of limit cycles cannot be followed, it ends at 0.00 mm."
     ]

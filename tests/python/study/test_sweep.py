@@ -313,6 +313,7 @@ def kills_its_process(case: Case) -> dict[str, float]:
     return {"its_speed": case.motion.speed}
 
 
+@pytest.mark.slow
 def test_a_worker_that_is_killed_ends_neither_the_sweep_nor_other_cases(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -553,6 +554,7 @@ def test_rollers_that_are_mounted_askew_turn_by_that_angle_and_push_the_wheelset
         case.with_changes({"support.mounting.yaw": None})
 
 
+@pytest.mark.slow
 def test_a_quantile_has_an_interval_that_holds_and_no_end_that_few_samples_do_not_have() -> None:
     """Exponential samples, 64 at a time: at least 95 of 100 intervals have the true quantile, an order statistic at each end."""
     samples = np.random.default_rng(1).exponential(size=(400, 64))

@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 
 import rollerrig as rr
+from rollerrig.study.checkpoint import NAME
 from rollerrig.study.ensemble import estimate
 from rollerrig.study.runs.tune import compromise, margins_of, not_dominated
-from rollerrig.study.tune import SHIPPED, verdict
+from rollerrig.study.tune import SHIPPED, TuneStudy, verdict
 
 GAIN = "rig_control.feedback.bandwidth"
 
@@ -41,6 +42,7 @@ def test_a_verdict_needs_the_whole_interval() -> None:
     assert verdict(estimate([-0.2, 0.1, -0.05])) == verdict(estimate([-0.2])) == "not decided"
 
 
+@pytest.mark.slow
 def test_every_candidate_on_offer_keeps_the_margins_and_higher_gains_track_better() -> None:
     numbers = tuned().numbers
     points = {name: one for name, one in numbers["points"].items() if name != SHIPPED}
@@ -84,6 +86,30 @@ def test_the_files_say_where_the_numbers_come_from(tmp_path: Path) -> None:
     rows = (tmp_path / "out" / "candidates.csv").read_text(encoding="utf-8").splitlines()
     assert len(rows) == 8
     assert (tmp_path / "out" / "figures" / "front.png").exists()
+
+
+def test_ctrl_c_keeps_what_is_computed_and_the_same_command_goes_on(tmp_path: Path) -> None:
+    """Within the second candidates, which follow from the first: they are the same again."""
+    study = TuneStudy(rr.load_case("adhesion_brake"), {GAIN: (0.3, 3.0)}, 1.0, 2, 2, 2.0, 45.0, 1)
+
+    def pressed(fraction: float, _text: str) -> None:
+        if fraction >= 0.7:
+            raise KeyboardInterrupt
+
+    cut = study.run(folder=tmp_path / "cut", progress=pressed)
+    assert cut is not None
+    assert cut.interrupted
+    cut.write(tmp_path / "cut")
+    assert "Interrupted" in (tmp_path / "cut" / "report.html").read_text(encoding="utf-8")
+    kept = (tmp_path / "cut" / NAME).read_bytes().count(b"\n") - 1  # less the first line
+    again, whole = study.run(folder=tmp_path / "cut"), study.run()
+    assert again is not None
+    assert whole is not None
+    assert again.taken_over == kept > 0
+    for name, outcome in (("cut", again), ("whole", whole)):
+        outcome.write(tmp_path / name)
+    for name in ("summary.json", "candidates.csv", "tuned.toml", "report.html"):
+        assert (tmp_path / "cut" / name).read_bytes() == (tmp_path / "whole" / name).read_bytes()
 
 
 @pytest.mark.parametrize(

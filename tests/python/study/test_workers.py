@@ -52,6 +52,7 @@ def interrupted_at_three(number: int) -> int:
     return number
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("processes", [1, 2])
 def test_each_result_is_kept_once_and_the_progress_rises(processes: int) -> None:
     done, stopped, shown = run(square, {str(k): k for k in range(6)}, processes=processes)
@@ -65,6 +66,7 @@ def test_an_interrupt_within_a_job_keeps_what_is_done() -> None:
     assert run(interrupted_at_three, {str(k): k for k in (1, 2, 3, 4)})[:2] == ({"1": 1, "2": 2}, True)
 
 
+@pytest.mark.slow
 def test_chains_run_side_by_side_and_a_job_brings_the_one_that_follows_it() -> None:
     def chain(start: int) -> Any:
         def following(done: Done) -> tuple[str, Job] | None:
@@ -85,6 +87,7 @@ def fails(name: str) -> None:
     raise FileNotFoundError(f"no {name}")
 
 
+@pytest.mark.slow
 def test_an_error_of_a_job_is_its_own_and_says_where() -> None:
     """Also one of the kind that a broken pipe has."""
     with pytest.raises(FileNotFoundError, match=r"no [ab]") as error:
@@ -114,6 +117,7 @@ def killed(job: tuple[Path, int], progress: Progress) -> int:
     return number
 
 
+@pytest.mark.slow
 def test_a_process_that_dies_costs_its_own_job_at_most(tmp_path: Path) -> None:
     jobs = {str(number): (tmp_path, number) for number in range(8)}
     done, stopped, _ = run(killed, jobs, lambda job: -job[1], processes=2)
@@ -142,6 +146,7 @@ def test_a_job_that_ends_workers_elsewhere_is_lost_too() -> None:
         }
 
 
+@pytest.mark.slow
 def test_several_processes_give_the_same_bits() -> None:
     from rollerrig.study.runs.paper import QUICK, traction_case
 
@@ -236,6 +241,7 @@ def children(process: int) -> set[int]:
     }
 
 
+@pytest.mark.slow
 @needs_proc
 @pytest.mark.parametrize("begun", [True, False], ids=["at work", "while they import"])
 def test_workers_end_when_the_program_is_killed(tmp_path: Path, begun: bool) -> None:

@@ -27,6 +27,7 @@
 // Source  Cox, Matthews, J. Comput. Phys. 176 (2002); Krogstad, J. Comput. Phys. 203 (2005); Hochbruck, Ostermann, Exponential
 //         multistep methods of Adams-type, BIT 51 (2011). Error: Milne's, Hairer, Norsett, Wanner, Solving ODEs I (1993), III.
 #pragma once
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <utility>
@@ -48,7 +49,7 @@ class ExponentialAdams {
       : n_{f.sizes().states},
         kinematic_{kinematic_states(f.system())},
         jacobian_(f.sizes()),
-        past_(n_, n_ + f.sizes().quadratures - kinematic_),
+        past_(Vector::Zero(n_), Vector::Zero(n_ + f.sizes().quadratures - kinematic_)),
         phi_(n_, kinematic_, f.sizes().quadratures),
         weights_(halvings + 2) {
     auto const size = n_ + f.sizes().quadratures;
@@ -77,6 +78,12 @@ class ExponentialAdams {
 
   Vector const& slope() const { return f_start_; }
   Vector const& error() const { return error_; }
+
+  /// For others that take the same steps: L, of all but the kinematic states, by the states; weights of a step of h [s].
+  Eigen::MatrixXd const& linear() const { return linear_; }
+  StepWeights const& weights(double h) const {
+    return weights_[static_cast<std::size_t>(std::clamp<long>(std::lround(std::log2(h_ / h)), 0, halvings))];
+  }
 
   /// Whether plan() holds: the steps stand on a grid of their own.
   bool planned() const { return planned_; }
@@ -123,7 +130,7 @@ class ExponentialAdams {
     ticks_ += step_ticks();
     bool const old = looks_at_l(++since_) && past_.enough() && std::ldexp(contraction(), level_) > worn_out;
     remember(y, f_end_);
-    if (level_ > 0 && past_.known() == PastPoints::most && error < allowed_to_double &&
+    if (level_ > 0 && past_.known() == PastPoints<>::most && error < allowed_to_double &&
         ticks_ % (2 * step_ticks()) == 0) {
       past_.double_step();
       --level_;
@@ -274,7 +281,7 @@ class ExponentialAdams {
   int n_, kinematic_;  // states; of them those with x' = another state
   JacobianData jacobian_;
   Eigen::MatrixXd linear_;  // rows of L that are not kinematic, columns of the states
-  PastPoints past_;
+  PastPoints<> past_;
   MatrixPhiFunctions phi_;
   std::vector<StepWeights> weights_;  // of h_, h_ / 2 ... and for the middle of a shortest single step
   Vector f_start_, f_end_, stage_, slope_, sum_, error_, d1_, d2_, d3_;

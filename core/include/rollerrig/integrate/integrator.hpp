@@ -10,6 +10,7 @@
 #pragma once
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <type_traits>
 #include <utility>
@@ -73,7 +74,9 @@ class Integrator {
     t_stop = std::min(t_stop, options_.final_time);
     if (!serve(t_stop, observer)) return Status::interrupted;
     while (status_ == Status::ok && t_ < t_stop) {
+      double const start = t_;
       status_ = std::visit([this](auto& m) { return step(m); }, method_);
+      if (watcher_ && t_ > start) watcher_();
       if (!serve(t_stop, observer)) return Status::interrupted;
     }
     return status_;
@@ -86,6 +89,10 @@ class Integrator {
   /// A further time that no step crosses, beside the breakpoints; until the next call.
   void hold_until(double t) { hold_ = t; }
   bool is_held() const { return std::isfinite(hold_); }
+
+  /// Called after each step that is kept, before its outputs are shown; empty: nobody.
+  void watch(std::function<void()> watcher) { watcher_ = std::move(watcher); }
+  ExponentialAdams const* exponential_adams() const { return std::get_if<ExponentialAdams>(&method_); }
 
   /// The first half of the next step, which looks at the system as it is now: its inputs may then change for the rest.
   Status prepare() {
@@ -427,6 +434,7 @@ class Integrator {
   bool pending_output_ = false;
   bool prepared_ = false;                                  // the next step
   double hold_ = std::numeric_limits<double>::infinity();  // [s]
+  std::function<void()> watcher_;
 };
 
 }  // namespace rollerrig::integrate

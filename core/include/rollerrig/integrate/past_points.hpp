@@ -11,6 +11,8 @@
 
 namespace rollerrig::integrate {
 
+/// Values: a vector, or one column for each of several solutions that take the same steps.
+template <class Values = Vector>
 class PastPoints {
  public:
   static constexpr int needed = 4;  ///< by a step: a cubic
@@ -18,14 +20,13 @@ class PastPoints {
 
   /// One point: states, and what their rates and those of the quadratures bend away from L x.
   struct Point {
-    Vector x, nonlinear;
+    Values x, nonlinear;
 
     void state(auto& archive) { archive(x, nonlinear); }
   };
 
-  PastPoints(int states, int nonlinear) {
-    for (Point& p : point_) p = {Vector::Zero(states), Vector::Zero(nonlinear)};
-  }
+  /// Of the size of these.
+  PastPoints(Values const& x, Values const& nonlinear) { point_.fill({x, nonlinear}); }
 
   void clear() { known_ = 0; }
   int known() const { return known_; }
@@ -78,7 +79,7 @@ class PastPoints {
     a.nonlinear.swap(b.nonlinear);
   }
   void mix(std::array<double, needed> const& weight, Point& out) const {
-    auto const sum = [&](auto member, Vector& v) {
+    auto const sum = [&](auto member, Values& v) {
       v = weight[0] * point_[0].*member + weight[1] * point_[1].*member + weight[2] * point_[2].*member +
           weight[3] * point_[3].*member;
     };

@@ -104,7 +104,8 @@ class Driver {
   Dynamics const& plant() const { return plant_; }
   Dynamics& observed() { return observed_; }
   Dynamics const& observed() const { return observed_; }
-  Inputs const& inputs() const { return inputs_; }  ///< that act on the plant
+  Inputs const& inputs() const { return inputs_; }                              ///< that act on the plant
+  integrate::Integrator<DrivenDynamics>& integrator() { return *integrator_; }  ///< of a run that has begun
   /// Within the last step, step_start() <= t <= time(); x and z as record() takes them.
   void sample_states(double t, double* x, double* z);
   MechatronicSystem* system() { return system_ ? &*system_ : nullptr; }

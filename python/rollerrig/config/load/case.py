@@ -282,6 +282,8 @@ def build_case(
         problems += mistakes
     problems += place_code(raw, file, document.folder, own_folder, allow=allow_code)
     case, mistakes = validate(Case, raw, file)
+    if any(mistake.hint == BASE for mistake in mistakes):  # what is missing then stands in the base
+        mistakes = [mistake for mistake in mistakes if mistake.value != "missing"]
     unresolved = {f"{key}.data" for key, part in (("vehicle", vehicle), ("support", support)) if part is None}
     problems += (drive := check_drive(raw, file))
     known = {problem.key for problem in problems if problem.file == file} | (

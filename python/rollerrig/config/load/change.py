@@ -18,7 +18,7 @@ from rollerrig.config.load.resolve import relative_to
 from rollerrig.config.read import Document
 from rollerrig.config.schema.case import CaseTables
 from rollerrig.config.schema.units import AS_WRITTEN, KEY_SUFFIXES
-from rollerrig.config.validate.messages import item_label, tables_below, tag_of
+from rollerrig.config.validate.messages import item_labels, tables_below, tag_of
 from rollerrig.config.write.differences import OWN_KEYS
 from rollerrig.config.write.toml import plain
 
@@ -77,7 +77,7 @@ def matching_paths(holder: Any, path: list[str], key: str, file: str) -> list[li
         return [path]
     first, rest = path[0], path[1:]
     items = (
-        {item_label(holder, i).strip("[]"): item for i, item in enumerate(holder)}
+        {label.strip("[]"): item for label, item in zip(item_labels(holder), holder, strict=True)}
         if isinstance(holder, list)
         else holder
     )
@@ -157,14 +157,14 @@ def _index(items: Any, part: str) -> int | None:
         return None
     if part.isdecimal() and len(part) < 10:
         return int(part) if int(part) < len(items) else None
-    labels = [item_label(items, index) for index in range(len(items))]
+    labels = item_labels(items)
     return labels.index(part) if part in labels else None
 
 
 def _nowhere(holder: Any, part: str, key: str, value: object, file: str) -> ConfigProblem:
     if not isinstance(holder, list):
         return ConfigProblem(file, key, show_value(value), f"allowed: keys that exist; '{part}' is inside a value")
-    labels = [item_label(holder, index) for index in range(len(holder))]
+    labels = item_labels(holder)
     return ConfigProblem(file, key, f"no item '{part}'", one_of(labels), nearest(part, labels))
 
 

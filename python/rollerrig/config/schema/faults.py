@@ -73,3 +73,10 @@ AnyFault = Annotated[
     Discriminator("kind"),
     by_kind(),
 ]
+
+
+def fault_text(fault: AnyFault) -> str:
+    """The fault in words: 'wheelset_2, pads × 0.8, from 0 s on'."""
+    size = f" × {fault.factor:g}" if hasattr(fault, "factor") else ""
+    size = f" at {1e-5 * fault.pressure:g} bar" if hasattr(fault, "pressure") else size
+    return f"{fault.axle}, {fault.kind.replace('_', ' ')}{size}, from {fault.begin:g} s on"

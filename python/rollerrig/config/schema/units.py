@@ -200,7 +200,7 @@ class Quantity:
         number = self._to_si(value)
         if number is None or not math.isfinite(number):
             raise ValueError(self.allowed)
-        bare = isinstance(value, Real)
+        bare = isinstance(value, float | Real)
         if not self.least <= number <= self.most:
             raise ValueError(self.allowed + (self._meant(number) if bare else ""))
         if bare and self.bare is not None and abs(number) > self.bare:
@@ -231,7 +231,7 @@ class Quantity:
     def _to_si(self, value: object) -> float | None:
         if isinstance(value, bool):
             return None
-        if isinstance(value, Real):  # those of NumPy too
+        if isinstance(value, float | Real):  # those of NumPy too; float first: Real is slow to answer
             try:
                 return float(value)
             except OverflowError:

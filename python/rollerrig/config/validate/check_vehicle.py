@@ -5,7 +5,7 @@ from typing import Any
 
 from rollerrig.config.errors import ConfigProblem, join_key, nearest, one_of, show_value
 from rollerrig.config.schema.vehicle import DIRECTIONS, Cut, Element, Vehicle
-from rollerrig.config.validate.messages import item_label
+from rollerrig.config.validate.messages import item_labels
 
 _ON_AXLE = 1e-6  # [m] round-off of positions written in decimals
 
@@ -33,9 +33,9 @@ def labelled(raw: Mapping[str, Any], key: str) -> Iterator[tuple[str, Mapping[st
     items = raw.get(key)
     if not isinstance(items, list | tuple):
         return
-    for index, item in enumerate(items):
+    for label, item in zip(item_labels(items), items, strict=True):
         if isinstance(item, Mapping):
-            yield join_key(key, item_label(items, index)), item
+            yield join_key(key, label), item
 
 
 def unknown_names(names: object, known: Sequence[str], key: str, file: str) -> list[ConfigProblem]:

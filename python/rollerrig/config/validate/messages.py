@@ -4,6 +4,7 @@ raw table -> [validate] -> (object, no problems) or (None, one problem per mista
 """
 
 import types
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, Literal, NamedTuple, TypeVar, Union, get_args, get_origin
 
@@ -22,12 +23,15 @@ _RENAMED: Mapping[str, tuple[str, ...]] = {
     "cleaned": ("recovered",),
     "cleaning": ("recovery_constant",),
     "decay": ("B", "beta", "friction"),
+    "extends": ("base",),
     "friction_fall": ("friction",),
     "held": ("fixed", "speed_controlled"),
     "ideal_rolling": ("pure_rolling",),
+    "inherits": ("base",),
     "initial": ("k_0",),
     "luenberger": ("observer",),
     "merge_barrier": ("merging_criterion", "normal.merging_criterion"),
+    "parent": ("base",),
     "polach": ("creep",),
     "ratio": ("A",),
     "remaining": ("A", "friction"),
@@ -40,7 +44,7 @@ _RENAMED: Mapping[str, tuple[str, ...]] = {
     "ultimate": ("k_inf",),
     "wsp": ("slide_protection",),
 }
-"""Former key or word -> what it may be called now; a dotted one is in a table of that name."""
+"""Former key or word, or one of other programs -> what it is called now; a dotted one is in a table of that name."""
 
 _DIVIDED: Mapping[str, str] = {
     "bench": "its step is now time.sampling_step, its standstill motion.stop_speed, its pure_rolling contact.pure_rolling"
@@ -98,17 +102,20 @@ def validate(model: type[M], raw: object, file: str, prefix: str = "") -> tuple[
         return None, problems
 
 
-def item_label(items: Sequence[object], index: int) -> str:
-    """``.name`` of a list item where names are unique, else ``[index]``."""
+def item_labels(items: Sequence[object]) -> list[str]:
+    """Labels of the items of a list: ``.name`` where it is unique, else ``[index]``."""
 
-    def name(item: object) -> object:
+    def name(item: object) -> str:
         if isinstance(item, Mapping):
-            return next((item[key] for key in NAMING_KEYS if isinstance(item.get(key), str)), None)
-        return None
+            return next((item[key] for key in NAMING_KEYS if isinstance(item.get(key), str)), "")
+        return ""
 
-    own = name(items[index]) if index < len(items) <= _MOST else None
-    usable = isinstance(own, str) and own.replace("_", "").replace("-", "").isalnum()
-    return f"{own}" if usable and [name(item) for item in items].count(own) == 1 else f"[{index}]"
+    names = [name(item) for item in items] if len(items) <= _MOST else [""] * len(items)
+    count = Counter(names)
+    return [
+        own if count[own] == 1 and own.replace("_", "").replace("-", "").isalnum() else f"[{index}]"
+        for index, own in enumerate(names)
+    ]
 
 
 def alternatives(annotation: Any) -> tuple[Any, ...]:
@@ -189,7 +196,7 @@ def _enter_list(place: _Place, annotation: Any, item: int | str) -> tuple[_Place
     arguments = get_args(annotation)
     if isinstance(item, int):
         is_list = isinstance(raw, list | tuple)
-        label = item_label(raw, item) if is_list else f"[{item}]"
+        label = item_labels(raw)[item] if is_list and item < len(raw) else f"[{item}]"
         inner = (
             arguments[0] if len(arguments) == 2 and arguments[1] is Ellipsis else dict(enumerate(arguments)).get(item)
         )

@@ -17,7 +17,7 @@ from rollerrig.config.errors import show_value
 from rollerrig.config.schema.case import CaseTables, Contact, SupportChoice, VehicleChoice
 from rollerrig.config.schema.support import Rig
 from rollerrig.config.schema.units import AS_WRITTEN
-from rollerrig.config.validate.messages import item_label
+from rollerrig.config.validate.messages import item_labels
 from rollerrig.config.write.explain import unit_of
 from rollerrig.config.write.toml import plain, text_of
 
@@ -84,7 +84,7 @@ def _items(value: Any) -> Raw | None:
     if isinstance(value, dict):
         return value
     if isinstance(value, list) and value and isinstance(value[0], dict):
-        return {item_label(value, i).strip("[]"): item for i, item in enumerate(value)}
+        return {label.strip("[]"): item for label, item in zip(item_labels(value), value, strict=True)}
     return None
 
 

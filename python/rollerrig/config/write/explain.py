@@ -127,6 +127,7 @@ def explain(key: str) -> str:
     return "\n\n".join(texts)
 
 
+@cache
 def unit_of(key: str) -> str:
     """Unit of a number at a dotted key, as `explain` says it; "" where it has none, or several that differ."""
     units = {

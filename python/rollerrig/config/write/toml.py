@@ -124,6 +124,8 @@ def plain(value: Any) -> Any:
     A number that a file may not give without its unit is a text with it, so that the result can be read again. Numbers of NumPy
     and quantities of pint become what a file would have, also in lists.
     """
+    if type(value) in (float, str, int, bool):  # nearly all are
+        return value
     if isinstance(value, dict):
         return {key: plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple):

@@ -14,6 +14,7 @@ agreement undecided, since it is then no property of the rig.
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Any, Literal
 
 import numpy as np
@@ -99,23 +100,27 @@ CAUSES = {
     "estimator": "lag of the estimated torque",
     "model": "simplifications of the virtual train, and sampling",
 }
+PAIRS = {
+    **dict(zip(CAUSES, pairwise(("rig", *STEPS, "track")), strict=True)),
+    TOGETHER: ("rig", "track"),
+}
+"""Ensembles whose difference in distance is the share of a cause."""
 LARGEST_ERROR = 5e-4
-"""More starts are made until the standard error of every share is below this part of the distance."""
+"""More starts of both are made until the standard error of a share is below this part of the distance."""
 
 
 def cause_shares(records: Mapping[str, Sequence[TestRecord]]) -> dict[str, Estimate] | None:
-    """Parts of (mean distance of the rig over that of the track, less 1) by cause, and `together` their sum.
+    """Parts of (mean distance of the rig over that of the track, less 1) by cause, and `together` the whole.
 
+    Each over the starts that both of its PAIRS have: they add up to the whole, within their errors where some have more.
     None where an ensemble is missing, of `track`, `rig` and each of STEPS.
     """
     names = ("rig", *STEPS, "track")
     if any(not records.get(name) for name in names):
         return None
-    found = distances([records[name] for name in names])
-    on_track = float(np.mean(found[-1]))
-    pairs = {name: (found[k], found[k + 1]) for k, name in enumerate(CAUSES)}
-    pairs[TOGETHER] = found[0], found[-1]
-    return {name: difference(a, b).times(1.0 / on_track) for name, (a, b) in pairs.items()}
+    found = dict(zip(names, distances([records[name] for name in names]), strict=True))
+    on_track = float(np.mean(found["track"]))
+    return {name: difference(found[a], found[b]).times(1.0 / on_track) for name, (a, b) in PAIRS.items()}
 
 
 def is_within_error(share: Estimate) -> bool:
@@ -124,9 +129,9 @@ def is_within_error(share: Estimate) -> bool:
     return interval.low <= 0.0 <= interval.high
 
 
-def are_known(shares: Mapping[str, Estimate] | None) -> bool:
-    """Whether the standard error of every share is small enough."""
-    return shares is None or all(share.standard_error < LARGEST_ERROR for share in shares.values())
+def to_refine(shares: Mapping[str, Estimate] | None) -> list[tuple[str, str]]:
+    """Pairs of ensembles whose share has too large a standard error; the others need no more starts."""
+    return [PAIRS[name] for name, share in (shares or {}).items() if not share.standard_error < LARGEST_ERROR]
 
 
 LAWS: Mapping[str, dict[str, Any]] = {
@@ -222,6 +227,14 @@ class Row:
         """A size is never below 0, its interval may be, where starts differ by more than their mean."""
         found = outcome(self.value.interval, self.low or -math.inf, self.high, excluded=self.bad_run)
         return NOT_DECIDED if self.undecided and found == "not met" else found
+
+    @property
+    def starts_needed(self) -> float:
+        """Number of starts that decide it, if mean and scatter stay; inf: more than MANY, or none does."""
+        mean, ends = self.value.mean, (self.low or -math.inf, self.high)
+        if self.undecided or (self.bad_run and ends[0] <= mean <= ends[1]):
+            return math.inf
+        return self.value.tests_within(min(abs(mean - end) for end in ends))
 
     @property
     def value_text(self) -> str:

@@ -538,7 +538,7 @@ class Examples:
             "Simulation.counters": Call(fresh("counters"), {}),
             "Simulation.contact_losses": Call(fresh("contact_losses"), {}),
             "TangentRun": Call(
-                self.tangent, {"directions": np.ones((len(x), 1)), "tolerance": 1e-3, "breakpoints": [0.01]}
+                self.tangent, {"directions": np.ones((len(x), 1)), "kept": [0, 1], "breakpoints": [0.01]}
             ),
             "TangentRun.advance": Call(lambda **given: self.tangent().advance(**given), {"t": 2e-3}),
             "TangentRun.take_outputs": Call(lambda: self.tangent().take_outputs(), {}),
@@ -548,8 +548,9 @@ class Examples:
     def tangent(self, **given: Any) -> Any:
         """Derivatives beside a run of one wheelset, by a number that two others have."""
         run, above, below = (self.simulation(started=True) for _ in range(3))
-        options = {"directions": np.zeros((0, 0)), "tolerance": 1e-3, "breakpoints": []} | given
-        return _core.TangentRun(run=run, changed=[(above, below, 1e-5)], **options)
+        run.start(**start_arguments(self.plain_state, 0) | {"method": "exponential_adams", "step": 1e-3})
+        options = {"directions": np.zeros((0, 0)), "kept": [], "breakpoints": []} | given
+        return _core.TangentRun(run=run, changed=[(above, below, 1e-5, True)], **options)
 
 
 def public_names() -> Iterator[str]:
