@@ -196,12 +196,8 @@ def controller_of(model: AssembledModel, name: str) -> Any:
         return law(pneumatics=pneumatics(case.brake), reservoir=reservoirs(model))
     if name == "slide_protection":
         return law(law=slide_protection(table, radius))
-    search = table.search and table.search.model_dump()
-    given = {
-        "axle_inertia": wheelset_inertia(model),
-        **(search or dict.fromkeys(("interval", "least", "largest"), 0.0) | {"ratio": 1.0}),
-    }
-    return core_struct(law, table, without=_TIMING, wheel_radius=radius, search=_core.SlipSearch(**given))
+    search = core_struct(_core.SlipSearch, table.search, axle_inertia=wheelset_inertia(model))
+    return core_struct(law, table, without=_TIMING, wheel_radius=radius, search=search)
 
 
 def slide_protection(table: SlideProtection | TableSlideProtection, wheel_radius: float) -> Any:

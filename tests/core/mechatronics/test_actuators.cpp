@@ -433,16 +433,26 @@ WheelSlipControl searching(WheelSlipControl law) {
 
 }  // namespace
 
-TEST_CASE(
-    "a search for the best slip finds the peak of the adhesion on either side of the threshold, pulling and braking") {
+TEST_CASE("a search for the best slip comes near the peak of the adhesion wherever it is, pulling and braking") {
+  struct Rail {
+    double peak, best;  // slip of the peak; threshold that transmits most there, over that of slip_control, 4 %
+  };
+  double fixed_least = 1.0, found_least = 1.0, best_least = 1.0;
   for (double sign : {1.0, -1.0})
-    for (double peak : {0.012, 0.15}) {  // the threshold is 4 %: there 2 x/(1 + x^2) is 0.55 and 0.50
-      double const fixed = adhesion_under(slip_control, peak, 8e3, sign, nullptr);
-      double const found = adhesion_under(searching(slip_control), peak, 8e3, sign, nullptr);
-      INFO(sign, " ", peak, " ", fixed, " ", found);
-      CHECK(fixed < 0.65);
-      CHECK(found > 0.88);  // the best threshold that stays has 0.95 and 0.96: the torque swings, as (A8) says
+    for (Rail rail : {Rail{0.012, 0.25}, {0.02, 0.47}, {0.03, 0.74}, {0.06, 1.48}, {0.1, 3.45}, {0.15, 5.47}}) {
+      WheelSlipControl best = slip_control;
+      best.slip *= rail.best, best.slip_speed *= rail.best;
+      double const found = adhesion_under(searching(slip_control), rail.peak, 8e3, sign, nullptr);
+      fixed_least = std::fmin(fixed_least, adhesion_under(slip_control, rail.peak, 8e3, sign, nullptr));
+      found_least = std::fmin(found_least, found);
+      best_least = std::fmin(best_least, adhesion_under(best, rail.peak, 8e3, sign, nullptr));
+      INFO(sign, " ", rail.peak, " ", found);
+      CHECK(found < 0.95);
     }
+  // docs/theory/adhesion.md; no threshold reaches 1: the torque swings about it, as (A8) says
+  CHECK(fixed_least == doctest::Approx(0.435).epsilon(0.02));
+  CHECK(found_least == doctest::Approx(0.822).epsilon(0.02));
+  CHECK(best_least == doctest::Approx(0.920).epsilon(0.02));
 }
 
 TEST_CASE("a search does nothing where the rail bears the demand") {

@@ -5,8 +5,9 @@
 //
 //     a' = (min(s D, r F(v)) - a)/T,   C_e = k min(a, r F(v)),   p = p(D - C_e(t - t_b))        (A18)
 //
-// D is the torque of the friction brake under the full demand at the axle's speed, k the factor that slide protection or wheel-slip control leaves. The
-// machine never drives: its torque is against the turning, and within the characteristic whatever its lag remembers.
+// D is the torque of the friction brake under the full demand at the axle's speed, k the factor that slide protection or
+// wheel-slip control leaves. The machine never drives: its torque is against the turning, and within the characteristic whatever
+// its lag remembers.
 //
 // To add a characteristic: a header in electrodynamic_brake/, its line in AnyElectrodynamicBrake, its table in
 // python/rollerrig/config/schema/brakes.py. Source  ours; docs/theory/adhesion.md.
@@ -24,7 +25,7 @@ namespace rollerrig {
 
 using AnyElectrodynamicBrake = OneOf<ConstantPowerBrake, ForceTableBrake>;
 
-/// What the machine of an axle does while slide protection vents the axle's cylinder.
+/// What the machine of an axle does while slide protection vents the axle's cylinder, or where wheel-slip control acts on it.
 enum class OnSlide : int {
   keep,        ///< nothing: the air alone gives way
   reduce,      ///< its torque goes and comes back; the friction brake does not fill what is missing

@@ -206,7 +206,9 @@ class BrakeUnit(Controller):
 class SlipSearch(Table):
     """Search for the slip at which an axle transmits most: perturb and observe. All numbers are ours."""
 
-    interval: Phase = optional(2.0, "interval between two changes of the slip above which an axle loses torque")
+    interval: Pause = optional(
+        0.0, "interval between two changes of the slip above which an axle loses torque, about 2 s; 0: no search"
+    )
     ratio: Annotated[float, Quantity("1", 1.001, 10.0)] = optional(1.15, "ratio of a change, up or down")
     least: Annotated[float, Quantity("1", 1e-3, 1.0)] = optional(0.1, "least slip tried, over slip and slip_speed")
     largest: Annotated[float, Quantity("1", 1.0, 1e3)] = optional(8.0, "largest slip tried, over slip and slip_speed")
@@ -233,9 +235,7 @@ class WheelSlipControl(Controller):
     )
     least_acceleration: Deceleration = optional(0.05, "least acceleration of the reference speed between releases")
     regained_after: Phase = optional(3.0, "without slip for so long the axles count as gripping")
-    search: SlipSearch | None = optional(
-        None, "search for the slip at which each axle transmits most: a table, {} for its defaults; absent: none"
-    )
+    search: SlipSearch = optional(SlipSearch(), "search for the slip at which each axle transmits most")
 
 
 Entry = Literal["fill", "hold", "vent", "vent_in_steps"]
