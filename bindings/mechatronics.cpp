@@ -137,6 +137,7 @@ void bind_controllers(nb::module_& m) {
           nb::kw_only(), "model"_a, "contact"_a, "adhesion"_a.none(), "patch"_a, "cell"_a, "energy_width"_a,
           "wheel_memory"_a, "sand_kept"_a, nb::keep_alive<1, 2>());
   bind_laws<AnySlideProtection>(m, "slide_protections", "Protection");
+  bind_struct<SlipSearch>(m, "SlipSearch", "Finds by trial the slip at which an axle transmits most.");
   bind_laws<AnyController>(m, "controllers");
 }
 

@@ -31,6 +31,10 @@ struct TrainInput {
 constexpr AxleInput of_vehicle[] = {
     {"axle_speed", "rad/s", "measured speed of each axle", &Measurements::vehicle_axle_speed},
 };
+constexpr AxleInput of_motors[] = {
+    of_vehicle[0],
+    {"motor_torque", "N m", "of the traction motor of each axle, as its drive reports it", &Measurements::motor_torque},
+};
 constexpr AxleInput of_rig[] = {
     {"axle_speed", "rad/s", "measured speed of each axle", &Measurements::axle_speed},
     {"roller_speed", "rad/s", "measured speed of each roller axle, positive as under a wheel that rolls forward",
@@ -39,7 +43,7 @@ constexpr AxleInput of_rig[] = {
      "of each roller drive since the last sample, as measured; positive drives the wheel forward",
      &Measurements::roller_torque},
     {"drive_torque", "N m", "of each roller drive now, as measured", &Measurements::drive_torque},
-    {"motor_torque", "N m", "of the traction motor of each axle, as its drive reports it", &Measurements::motor_torque},
+    of_motors[1],
     {"brake_torque", "N m", "of each axle's friction brake, from cylinder pressure and nominal pad friction",
      &Measurements::brake_torque},
     {"axle_load", "N", "measured vertical force under each axle", &Measurements::axle_load},
@@ -77,8 +81,10 @@ bool ControllerPlant::of_rollers() const { return std::holds_alternative<RigCont
 bool ControllerPlant::of_brakes() const { return std::holds_alternative<BrakeUnit>(part_.controller.controller); }
 
 void ControllerPlant::add_axle_inputs() {
+  bool const drives = std::holds_alternative<WheelSlipControl>(part_.controller.controller);
   std::span<AxleInput const> const table = of_rollers()  ? std::span<AxleInput const>(of_rig)
                                            : of_brakes() ? std::span<AxleInput const>(of_brake)
+                                           : drives      ? std::span<AxleInput const>(of_motors)
                                                          : of_vehicle;
   auto const* rig = std::get_if<RigController>(&part_.controller.controller);
   for (std::size_t i = 0; i < part_.axles.size(); ++i)

@@ -44,16 +44,18 @@ ActuatorStates::ActuatorStates(MechatronicSetup const& setup)
       counted_{0.0, blending_steps(setup)} {}
 
 /// The motors that brake, and what their axles are asked for in all.
-void ActuatorStates::step_electrodynamic(MechatronicSetup const& setup, std::int64_t step, PerAxle<double> const& valve,
+void ActuatorStates::step_electrodynamic(MechatronicSetup const& setup, std::int64_t step, ActingCommands const& acting,
                                          PerAxle<double> const& demand, PerAxle<double> const& axle_speed) {
   Actuators const& actuators = setup.actuators;
+  PerAxle<double> const &valve = acting[at(static_cast<int>(Command::dump_valve))],
+                        &admitted = acting[at(static_cast<int>(Command::torque_factor))];
   PerAxle<double> counted{};
   for (std::size_t i = 0; i < axle_.size(); ++i) {
     Axle& axle = axle_[i];
     double const speed = axle_speed[i];
     axle.asked = actuators.brake.sliding_torque(demand[i], speed);
     if (!actuators.electrodynamic || !setup.axles[i].electrodynamic) continue;
-    actuators.electrodynamic->step(axle.electrodynamic, axle.asked, speed, valve_of(valve[i]), setup.step);
+    actuators.electrodynamic->step(axle.electrodynamic, axle.asked, speed, valve_of(valve[i]), admitted[i], setup.step);
     counted[i] = axle.electrodynamic.counted;
   }
   counted_.send(counted, step);
@@ -94,7 +96,7 @@ void ActuatorStates::step(MechatronicSetup const& setup, std::int64_t step, Acti
     motor_before[i] = axle_[i].of_motor();
   }
   if (setup.braked()) {
-    step_electrodynamic(setup, step, valve, pressure_demand, axle_speed);
+    step_electrodynamic(setup, step, acting, pressure_demand, axle_speed);
     if (setup.brake_unit_is_sampled())
       cylinders_.take(setup.actuators.pneumatics.control_valve, valve, commanded_pressure);
     else

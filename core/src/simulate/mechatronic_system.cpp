@@ -128,6 +128,7 @@ void MechatronicSystem::ask(std::size_t index, std::int64_t step) {
 /// T of (D1) from the roller's own acceleration, and the torque of motor and brake on the axle.
 void MechatronicSystem::read_true_forces(Dynamics const& plant) {
   Model const& model = plant.model();
+  for (std::size_t i = 0; i < axles(); ++i) measured_.motor_torque[i] = actuators_.axle(i).of_motor();
   for (std::size_t i = 0; i < under_test(); ++i) {
     AxleParts const& parts = setup_.axles[i];
     if (parts.roller == absent) continue;
@@ -135,7 +136,6 @@ void MechatronicSystem::read_true_forces(Dynamics const& plant) {
     double const rate = -plant.work().acceleration[at(parts.roller)][coord_pitch];
     measured_.true_force[i] = (model.bodies[at(parts.roller)].inertia.y * rate - axle.drive[0]) /
                               model.contacts[at(parts.contacts[0])].roller_radius();
-    measured_.motor_torque[i] = axle.of_motor();
     measured_.true_torque[i] =
         axle.of_motor() + (parts.brake != absent ? plant.evaluation().brake_torque[at(parts.brake)] : 0.0);
     measured_.brake_torque[i] =

@@ -130,7 +130,7 @@ def electrodynamic_brake(brake: Brake, wheel_radius: float) -> _core.Electrodyna
         without=("kind", "axles", *law.fields),
         characteristic=core_struct(law, **{name: getattr(table, name) for name in law.fields}),
         wheel_radius=wheel_radius,
-        on_slide=("keep", "reduce", "switch_off").index(table.on_slide),
+        on_slide=("keep", "reduce", "switch_off", "slip_control").index(table.on_slide),
     )
 
 

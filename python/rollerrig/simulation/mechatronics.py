@@ -196,12 +196,14 @@ def controller_of(model: AssembledModel, name: str) -> Any:
         return law(pneumatics=pneumatics(case.brake), reservoir=reservoirs(model))
     if name == "slide_protection":
         return law(law=slide_protection(table, radius))
-    return core_struct(law, table, without=_TIMING, wheel_radius=radius)
+    search = core_struct(_core.SlipSearch, table.search, axle_inertia=wheelset_inertia(model))
+    return core_struct(law, table, without=_TIMING, wheel_radius=radius, search=search)
 
 
 def slide_protection(table: SlideProtection | TableSlideProtection, wheel_radius: float) -> Any:
     """The law of slide protection, for wheels of an assumed radius [m]."""
-    given = {"entries": entry_numbers(table)} if isinstance(table, TableSlideProtection) else {}
+    given: dict[str, Any] = {"entries": entry_numbers(table)} if isinstance(table, TableSlideProtection) else {}
+    given["return_speed"] = table.return_speed or table.least_speed
     return law_of(_core.slide_protections, table, _TIMING, wheel_radius=wheel_radius, **given)
 
 

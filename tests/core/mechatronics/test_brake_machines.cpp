@@ -74,7 +74,7 @@ TEST_CASE("a train that a motor brakes with constant power needs M (v0^3 - v1^3)
   ElectrodynamicBrake::State state;
   double v = v0, way = 0.0;
   while (v > v1) {
-    quick.step(state, 1e6, v / quick.wheel_radius, DumpValve::fill, h);
+    quick.step(state, 1e6, v / quick.wheel_radius, DumpValve::fill, 1.0, h);
     double const before = v;
     v += h * state.torque / quick.wheel_radius / mass;
     way += 0.5 * h * (before + v);
@@ -86,15 +86,15 @@ TEST_CASE("a train that a motor brakes with constant power needs M (v0^3 - v1^3)
 TEST_CASE("the motor's torque comes with its time constant, against the turning, and never beyond the characteristic") {
   ElectrodynamicBrake::State state;
   double const w = 20.0, asked = 4e3;
-  for (int k = 0; k < 100; ++k) machine.step(state, asked, w, DumpValve::fill, 1e-3);
+  for (int k = 0; k < 100; ++k) machine.step(state, asked, w, DumpValve::fill, 1.0, 1e-3);
   CHECK(state.torque == doctest::Approx(-asked * (1.0 - std::exp(-1.0))).epsilon(1e-12));
   ElectrodynamicBrake::State backwards;
-  machine.step(backwards, asked, -w, DumpValve::fill, 1e-3);
+  machine.step(backwards, asked, -w, DumpValve::fill, 1.0, 1e-3);
   CHECK(backwards.torque > 0.0);
-  machine.step(state, asked, 1.0, DumpValve::fill, 1e-3);  // the wheel has locked: 0.5 m/s is below the fading
+  machine.step(state, asked, 1.0, DumpValve::fill, 1.0, 1e-3);  // the wheel has locked: 0.5 m/s is below the fading
   CHECK(state.torque == 0.0);
   for (double speed : {-80.0, -3.0, 0.0, 3.0, 80.0}) {
-    machine.step(state, 1e5, speed, DumpValve::fill, 1e-3);
+    machine.step(state, 1e5, speed, DumpValve::fill, 1.0, 1e-3);
     CHECK(state.torque * speed <= 0.0);
     CHECK(std::fabs(state.torque) <= machine.largest(speed));
   }
@@ -105,7 +105,7 @@ TEST_CASE("motor and friction brake together give what is asked, at every speed"
   ElectrodynamicBrake::State state;
   for (double v = 50.0; v > 0.0; v -= 0.25) {
     double const w = v / r, asked = friction_brake.sliding_torque(demand, w);
-    for (int k = 0; k < 3000; ++k) machine.step(state, asked, w, DumpValve::fill, 1e-3);
+    for (int k = 0; k < 3000; ++k) machine.step(state, asked, w, DumpValve::fill, 1.0, 1e-3);
     double const rest = std::fmax(0.0, asked - state.counted), pressure = friction_brake.pressure(rest, w);
     CHECK(friction_brake.sliding_torque(pressure, w) - state.torque == doctest::Approx(asked).epsilon(1e-10));
     if (v < 1.0) CHECK(pressure == doctest::Approx(demand).epsilon(1e-10));
@@ -128,7 +128,7 @@ TEST_CASE("on a slide the motor keeps its torque, or gives way and comes back, o
     brake.on_slide = static_cast<int>(reaction);
     ElectrodynamicBrake::State state;
     auto const run = [&](double seconds, DumpValve valve, double asked) {
-      for (long k = std::lround(seconds * 1e3); k > 0; --k) brake.step(state, asked, 20.0, valve, 1e-3);
+      for (long k = std::lround(seconds * 1e3); k > 0; --k) brake.step(state, asked, 20.0, valve, 1.0, 1e-3);
     };
     run(2.0, DumpValve::fill, 4e3);
     run(vent, DumpValve::vent, 4e3);

@@ -127,7 +127,8 @@ TEST_CASE(
                          .reservoir_pressure = 6e5,
                          .main_pipe_pressure = 6e5,
                          .charging_conductance = 1e-9,
-                         .reference_pressure = 1e5};
+                         .reference_pressure = 1e5,
+                         .temperature = 293.15};
   ControlValve const valve{2e5, 2e5, 20.0, 1e5, 5e-3};
   BrakeUnit const unit{.pneumatics = {valve, air}, .reservoir = {0, 0}};
   ControllerPart part = slide_protection();

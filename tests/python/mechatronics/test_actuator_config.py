@@ -69,6 +69,11 @@ from rollerrig.simulation.controllers import COMMANDS
         ({"motion.drive": "speed_controlled"}, "motion.drive: 'speed_controlled'; allowed with [rig_control]: 'free'"),
         ({"brake.motors_stand_in": True}, "brake.motors_stand_in: true; needed: [traction]"),
         ({"wheel_slip_control": {}}, "wheel_slip_control: a table; allowed only with [traction]"),
+        (
+            {"brake.electrodynamic": {"on_slide": "slip_control"}},
+            "brake.electrodynamic.on_slide: 'slip_control'; allowed with [wheel_slip_control]",
+        ),
+        ({"slide_protection.return_speed": "4 km/h"}, "slide_protection.return_speed: "),
         ({"rig_control": None}, "adhesion: a table; allowed on rollers with [rig_control]"),
         ({"brake.demand": [[0, 0], [1, -1e5]]}, "brake.demand"),
         ({"train.mass": "6 t"}, "train.mass: 6000 kg; allowed: at least what is under test, 6241 kg"),

@@ -88,6 +88,22 @@ def test_on_a_slide_the_motor_gives_way_as_the_case_says() -> None:
     assert least["keep"] > 1e3
 
 
+def test_wheel_slip_control_keeps_axles_turning_that_motors_brake_to_a_stop_without_dump_valves() -> None:
+    """From 60 km/h on `low`: a motor that gives no way lets its axle slide until its characteristic ends."""
+    motors = {"largest_force": "20 kN", "largest_power": "1 MW", "fade_from": "5 km/h", "fade_to": "3 km/h"}
+    least, slowed = {}, {}
+    for reaction in ("keep", "slip_control"):
+        changes = {"brake.electrodynamic": {**motors, "on_slide": reaction}, "slide_protection": None}
+        changes |= {"motion.speed": "60 km/h", "wheel_slip_control": None if reaction == "keep" else {}}
+        run = simulate(track_case(case_with("6 s", **changes)))
+        rolls = run.where(run["train_speed"] > 3.0)
+        least[reaction] = float((RADIUS * rolls["axle_speed"] / rolls["train_speed"]).min())
+        slowed[reaction] = float(run["train_speed"][0] - run["train_speed"][-1])
+    assert least["keep"] < 0.05
+    assert least["slip_control"] > 0.7
+    assert slowed["slip_control"] > 1.3 * slowed["keep"]
+
+
 @pytest.mark.parametrize("support", ["rig", "track"])
 def test_a_track_brake_takes_the_energy_of_its_force(magnets: dict[str, xr.Dataset], support: str) -> None:
     """F(v) of the law, by hand, and the work that it does: the trapezoid over 10 ms of outputs, single precision."""

@@ -5,8 +5,9 @@
 //
 //     a' = (min(s D, r F(v)) - a)/T,   C_e = k min(a, r F(v)),   p = p(D - C_e(t - t_b))        (A18)
 //
-// D is the torque of the friction brake under the full demand at the axle's speed, k the factor that slide protection leaves. The
-// machine never drives: its torque is against the turning, and within the characteristic whatever its lag remembers.
+// D is the torque of the friction brake under the full demand at the axle's speed, k the factor that slide protection or
+// wheel-slip control leaves. The machine never drives: its torque is against the turning, and within the characteristic whatever
+// its lag remembers.
 //
 // To add a characteristic: a header in electrodynamic_brake/, its line in AnyElectrodynamicBrake, its table in
 // python/rollerrig/config/schema/brakes.py. Source  ours; docs/theory/adhesion.md.
@@ -24,11 +25,12 @@ namespace rollerrig {
 
 using AnyElectrodynamicBrake = OneOf<ConstantPowerBrake, ForceTableBrake>;
 
-/// What the machine of an axle does while slide protection vents the axle's cylinder.
+/// What the machine of an axle does while slide protection vents the axle's cylinder, or where wheel-slip control acts on it.
 enum class OnSlide : int {
-  keep,       ///< nothing: the air alone gives way
-  reduce,     ///< its torque goes and comes back; the friction brake does not fill what is missing
-  switch_off  ///< its torque goes until the brake is released; the friction brake takes over
+  keep,        ///< nothing: the air alone gives way
+  reduce,      ///< its torque goes and comes back; the friction brake does not fill what is missing
+  switch_off,  ///< its torque goes until the brake is released; the friction brake takes over
+  control  ///< what wheel-slip control admits, whatever the valve does; the friction brake does not fill what is missing
 };
 
 struct ElectrodynamicBrake {
@@ -46,7 +48,7 @@ struct ElectrodynamicBrake {
         Member{"time_constant", &P::time_constant, "s", "time constant of the torque, T", positive},
         Member{"blending_delay", &P::blending_delay, "s",
                "delay from the machine's torque to the pneumatic demand that takes it into account, t_b", not_negative},
-        Member{"on_slide", &P::on_slide, Range{0.0, 2.0, "0 to 2"}},
+        Member{"on_slide", &P::on_slide, Range{0.0, 3.0, "0 to 3"}},
         Member{"reduction_rate", &P::reduction_rate, "1/s",
                "reduction rate of the factor k while the cylinder is vented", not_negative},
         Member{"restoring_rate", &P::restoring_rate, "1/s",
@@ -72,22 +74,28 @@ struct ElectrodynamicBrake {
 
   /// One step.
   ///
-  /// @param asked  D [N m], not negative
-  void step(State& s, double asked, double axle_speed, DumpValve valve, double h) const {
+  /// @param asked     D [N m], not negative
+  /// @param admitted  by wheel-slip control, 0 to 1
+  void step(State& s, double asked, double axle_speed, DumpValve valve, double admitted, double h) const {
     double const most = largest(axle_speed);
     double const wanted = std::fmin(share * asked, most);
     s.able = wanted + (s.able - wanted) * std::exp(-h / time_constant);
-    give_way(s, asked, valve, h);
+    if (reaction() == OnSlide::control)
+      s.factor = admitted;
+    else
+      give_way(s, asked, valve, h);
     double const within = std::fmin(s.able, most), given = s.factor * within;
     s.torque = axle_speed < 0.0 ? given : -given;
-    s.counted = on_slide == static_cast<int>(OnSlide::reduce) ? within : given;
+    s.counted = reaction() == OnSlide::reduce || reaction() == OnSlide::control ? within : given;
   }
+
+  OnSlide reaction() const { return static_cast<OnSlide>(on_slide); }
 
  private:
   void give_way(State& s, double asked, DumpValve valve, double h) const {
-    if (on_slide == static_cast<int>(OnSlide::keep)) return;
+    if (reaction() == OnSlide::keep) return;
     bool const vents = valve == DumpValve::vent;
-    bool const stays_off = on_slide == static_cast<int>(OnSlide::switch_off) && asked > 0.0;
+    bool const stays_off = reaction() == OnSlide::switch_off && asked > 0.0;
     s.off = (s.off && stays_off) || (vents && stays_off);
     if (vents || s.off) s.factor = std::fmax(0.0, s.factor - reduction_rate * h);
     if (valve == DumpValve::fill && !s.off) s.factor = std::fmin(1.0, s.factor + restoring_rate * h);

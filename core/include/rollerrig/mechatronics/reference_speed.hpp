@@ -62,9 +62,10 @@ class ReferenceSpeed {
   }
 
   double value() const { return value_; }
+  double sign() const { return sign_; }  ///< 1 of a train that is pulled, -1 of one that is braked
   bool releases(int axle) const { return axle == released_; }
   void state(auto& archive) {
-    archive(value_, slope_, known_, since_known_, released_for_);
+    archive(sign_, value_, slope_, known_, since_known_, released_for_);
     for (int* axle : {&released_, &next_}) archive.within(*axle, none, most_axles - 1);
   }
 

@@ -1,6 +1,9 @@
 // mechatronics/wheel_slip_control.hpp - reduces the torque of a driven axle that slips, and restores it.
 //
-//   axle speeds (sampled), estimated train speed -> slip and acceleration -> factor on the torque demand of each axle, (A8)
+//   axle speeds (sampled), estimated train speed -> slip and acceleration -> factor on the torque of each axle, (A8)
+//
+// The torque is that of traction, or of an electrodynamic brake: braking is traction with all speeds negative. Which of them it is
+// says the sign of the motors' torque.
 #pragma once
 #include <cmath>
 #include <string_view>
@@ -9,6 +12,7 @@
 #include "rollerrig/fields.hpp"
 #include "rollerrig/mechatronics/measurements.hpp"
 #include "rollerrig/mechatronics/reference_speed.hpp"
+#include "rollerrig/mechatronics/slip_search.hpp"
 
 namespace rollerrig {
 
@@ -19,6 +23,7 @@ struct WheelSlipControl {
   double wheel_radius{}, reference_acceleration{}, slip{}, slip_speed{}, acceleration{}, filter_time{};
   double reduction_rate{}, restoring_rate{}, least_factor{}, release_interval{}, shortest_release{};
   double longest_release{}, release_deceleration{}, least_acceleration{}, regained_after{};
+  SlipSearch search{};
 
   static constexpr auto fields() {
     using P = WheelSlipControl;
@@ -43,13 +48,15 @@ struct WheelSlipControl {
         Member{"least_acceleration", &P::least_acceleration, "m/s^2",
                "least acceleration of the reference speed between releases"},
         Member{"regained_after", &P::regained_after, "s",
-               "duration without slip after which the axles run at the train's speed"});
+               "duration without slip after which the axles run at the train's speed"},
+        Member{"search", &P::search});
   }
 
   struct AxleState {
     double speed{}, acceleration{};  ///< at the wheel's circumference [m/s], [m/s^2]
     double factor{1.0};
-    void state(auto& archive) { archive(speed, acceleration, factor); }
+    SlipSearch::State search{};
+    void state(auto& archive) { archive(speed, acceleration, factor, search); }
   };
   struct State {
     PerAxle<AxleState> axle{};
@@ -68,10 +75,7 @@ struct WheelSlipControl {
 
   /// One sample: factors on the torque demand, 0..1.
   void step(State& s, Measurements const& now, double period, PerAxle<double>& factor) const {
-    double slowest = wheel_radius * now.vehicle_axle_speed[0];
-    for (int i = 1; i < now.axles; ++i)
-      slowest = std::fmin(slowest, wheel_radius * now.vehicle_axle_speed[static_cast<std::size_t>(i)]);
-    follow(s, slowest, now.axles, period);
+    double const sign = follow(s, now, period);  // 1 in traction, -1 in braking
     double const reference = s.reference.value();
     for (int i = 0; i < now.axles; ++i) {
       auto const k = static_cast<std::size_t>(i);
@@ -79,25 +83,41 @@ struct WheelSlipControl {
       double const speed = wheel_radius * now.vehicle_axle_speed[k];
       axle.acceleration += period / (filter_time + period) * ((speed - axle.speed) / period - axle.acceleration);
       axle.speed = speed;
-      double const slips_above = std::fmax(slip * std::fabs(reference), slip_speed);
-      bool const slips = speed - reference > slips_above || axle.acceleration > acceleration;
+      double const slips_above = axle.search.slip * std::fmax(slip * std::fabs(reference), slip_speed);
+      bool const slips = sign * (speed - reference) > slips_above || sign * axle.acceleration > acceleration;
+      bool const released = s.reference.releases(i);
+      search.step(axle.search, sign * now.motor_torque[k], sign * now.vehicle_axle_speed[k], slips, released, period);
       s.no_slip_for = slips ? 0.0 : s.no_slip_for;
-      axle.factor += (slips || s.reference.releases(i) ? -reduction_rate : restoring_rate) * period;
+      axle.factor += (slips || released ? -reduction_rate : restoring_rate) * period;
       axle.factor = std::fmin(1.0, std::fmax(least_factor, axle.factor));
       factor[k] = axle.factor;
     }
   }
 
  private:
-  void follow(State& s, double slowest, int axles, double period) const {
+  /// The reference speed, one sample on.
+  ///
+  /// @return  1 of motors that pull, -1 of those that brake; of motors without torque what they did last
+  double follow(State& s, Measurements const& now, double period) const {
+    double torque = 0.0;
+    for (int i = 0; i < now.axles; ++i) torque += now.motor_torque[static_cast<std::size_t>(i)];
+    double const sign = torque > 0.0 ? 1.0 : torque < 0.0 ? -1.0 : s.reference.sign();
+    double nearest = wheel_radius * now.vehicle_axle_speed[0];
+    for (int i = 1; i < now.axles; ++i)
+      nearest =
+          sign * std::fmin(sign * nearest, sign * wheel_radius * now.vehicle_axle_speed[static_cast<std::size_t>(i)]);
+    if (sign != s.reference.sign()) s.reference = {sign < 0.0, nearest};
     ReferenceSpeedRules const rules{reference_acceleration, least_acceleration, release_interval, shortest_release,
                                     longest_release};
-    s.reference.advance(slowest, period);
+    s.reference.advance(nearest, period);
     s.no_slip_for += period;
-    if (s.no_slip_for > regained_after) return s.reference.is_known(rules);
-    s.reference.search(rules, slowest, axles, period, [&](int axle) {
-      return s.axle[static_cast<std::size_t>(axle)].acceleration < -release_deceleration;
-    });
+    if (s.no_slip_for > regained_after)
+      s.reference.is_known(rules);
+    else
+      s.reference.search(rules, nearest, now.axles, period, [&](int axle) {
+        return sign * s.axle[static_cast<std::size_t>(axle)].acceleration < -release_deceleration;
+      });
+    return sign;
   }
 };
 

@@ -67,7 +67,7 @@ class ActuatorStates {
 
  private:
   void step_drive(MechatronicSetup const& setup, std::size_t axle, double command, double roller_speed);
-  void step_electrodynamic(MechatronicSetup const& setup, std::int64_t step, PerAxle<double> const& valve,
+  void step_electrodynamic(MechatronicSetup const& setup, std::int64_t step, ActingCommands const& acting,
                            PerAxle<double> const& demand, PerAxle<double> const& axle_speed);
   void step_pneumatics(MechatronicSetup const& setup, PerAxle<double> const& valve, PerAxle<double> const& asked,
                        PerAxle<double> const& axle_speed);

@@ -203,8 +203,19 @@ class BrakeUnit(Controller):
     delay: Delay = optional(0.0, "delay from the sample to the pressure's acting, a multiple of time.sampling_step")
 
 
+class SlipSearch(Table):
+    """Search for the slip at which an axle transmits most: perturb and observe. All numbers are ours."""
+
+    interval: Pause = optional(
+        0.0, "interval between two changes of the slip above which an axle loses torque, about 2 s; 0: no search"
+    )
+    ratio: Annotated[float, Quantity("1", 1.001, 10.0)] = optional(1.15, "ratio of a change, up or down")
+    least: Annotated[float, Quantity("1", 1e-3, 1.0)] = optional(0.1, "least slip tried, over slip and slip_speed")
+    largest: Annotated[float, Quantity("1", 1.0, 1e3)] = optional(8.0, "largest slip tried, over slip and slip_speed")
+
+
 class WheelSlipControl(Controller):
-    """Takes torque off a driven axle that slips, and gives it back."""
+    """Takes torque off an axle that slips under its motor, driving or braking, and gives it back."""
 
     reference_acceleration: Deceleration = optional(1.5, "the reference speed rises at most this fast")
     slip: Ratio = optional(0.04, "relative slip above which torque is taken off")
@@ -224,6 +235,7 @@ class WheelSlipControl(Controller):
     )
     least_acceleration: Deceleration = optional(0.05, "least acceleration of the reference speed between releases")
     regained_after: Phase = optional(3.0, "without slip for so long the axles count as gripping")
+    search: SlipSearch = optional(SlipSearch(), "search for the slip at which each axle transmits most")
 
 
 Entry = Literal["fill", "hold", "vent", "vent_in_steps"]
@@ -249,7 +261,16 @@ class ReferencedProtection(Controller):
     pulse_time: Phase = optional(0.06, "after a slide filling is stepwise: open for so long ...")
     pulse_pause: Phase = optional(0.14, "... closed for so long")
     longest_vent: Phase = optional(5.0, "after this the watchdog fills")
-    least_speed: PositiveSpeed = optional(5.0 / 3.6, "below it all valves fill")
+    least_speed: PositiveSpeed = optional(5.0 / 3.6, "below it the protection is off: all valves fill")
+    return_speed: PositiveSpeed | None = optional(
+        None, "a protection that is off is on again once its reference speed has passed this; absent: least_speed"
+    )
+
+    @model_validator(mode="after")
+    def _returns_above(self) -> "ReferencedProtection":
+        if self.return_speed is not None and self.return_speed < self.least_speed:
+            raise refused("return_speed", f"allowed: at least least_speed, {self.least_speed:g} m/s")
+        return self
 
 
 class SlideProtection(ReferencedProtection):

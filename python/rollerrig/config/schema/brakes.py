@@ -127,6 +127,9 @@ class ReservoirAir(Table):
     reference_pressure: Annotated[float, Quantity("Pa", 1.0, 1e8)] = optional(
         1e5, "at which conductances are stated, with 20 degrees C (ISO 8778)"
     )
+    temperature: Annotated[float, Quantity("K", 200.0, 400.0)] = optional(
+        293.15, "temperature of all air, which it keeps"
+    )
 
 
 AnyAir = Annotated[UnlimitedAir | ReservoirAir, Discriminator("kind"), by_kind("unlimited")]
@@ -152,10 +155,11 @@ class ElectrodynamicBrake(Table):
         "blending delay from the motor's torque to the pneumatic demand that allows for it, a multiple of "
         "time.sampling_step; the control valve's rates follow",
     )
-    on_slide: Literal["keep", "reduce", "switch_off"] = optional(
+    on_slide: Literal["keep", "reduce", "switch_off", "slip_control"] = optional(
         "reduce",
         "while slide protection vents the axle's cylinder: keep the torque; take it off and give it back, and the "
-        "friction brake does not fill the gap; or switch off until the brake is released, and the friction brake takes over",
+        "friction brake does not fill the gap; or switch off until the brake is released, and the friction brake takes over; "
+        "slip_control: whatever the valve does, the torque is what [wheel_slip_control] admits, the gap is not filled",
     )
     reduction_rate: FactorRate = optional(
         5.0, "reduction rate of the factor on the torque while the cylinder is vented"

@@ -43,8 +43,15 @@ def check_actuators(case: CaseTables, file: str) -> list[ConfigProblem]:
 
 def _needs(case: CaseTables, file: str) -> Iterator[ConfigProblem]:
     """Tables that mean nothing without another one."""
+    machine = case.brake.electrodynamic if case.brake else None
+    controlled = machine is not None and machine.on_slide == "slip_control"
+    if controlled and case.wheel_slip_control is None:
+        allowed = "allowed with [wheel_slip_control], which then acts on the brake's motors, too"
+        yield ConfigProblem(file, "brake.electrodynamic.on_slide", "'slip_control'", allowed)
     acting = {"slide_protection": "brake", "wheel_slip_control": "traction", "brake_unit": "brake"}
     for key, of in acting.items():
+        if key == "wheel_slip_control" and controlled:
+            continue
         if getattr(case, key) is not None and getattr(case, of) is None:
             yield ConfigProblem(file, key, "a table", f"allowed only with [{of}], on which it acts")
     if case.sanding is not None and case.adhesion is None:

@@ -3,7 +3,7 @@
 //   main pipe -> [choke, check valve] -> auxiliary reservoir -> [relay valve, inlet] -> cylinders -> [outlet] -> ambient
 //                                                     control valve's pressure -^
 //
-//     V p' = p_0 C p_1 phi(p_2/p_1)        (A13), with (A12): isothermal, every part of the air at the reference temperature
+//     V p' = sqrt(T/T_0) p_0 C p_1 phi(p_2/p_1)        (A13), with (A12): isothermal, every part of the air at T
 //
 // The relay valve opens in proportion to what is missing at the cylinder and lets out what is too much; nothing flows back into
 // the reservoir or the main pipe. What one volume loses another gains, to the last bit but one: air is conserved.
@@ -24,7 +24,9 @@ struct ReservoirAir {
 
   double fill_conductance{}, vent_conductance{}, critical_ratio{}, relay_band{}, opening_time{}, closing_time{};
   double least_pulse{}, reservoir_volume{}, reservoir_pressure{}, main_pipe_pressure{}, charging_conductance{};
-  double reference_pressure{};
+  double reference_pressure{}, temperature{};
+
+  static constexpr double reference_temperature = 293.15;  ///< of ISO 8778 [K]
 
   static constexpr auto fields() {
     using P = ReservoirAir;
@@ -49,7 +51,8 @@ struct ReservoirAir {
         Member{"charging_conductance", &P::charging_conductance, "m^3/(s Pa)",
                "sonic conductance of the choke between main pipe and reservoir, C", not_negative},
         Member{"reference_pressure", &P::reference_pressure, "Pa",
-               "absolute pressure at which conductances are stated, p_0", positive});
+               "absolute pressure at which conductances are stated, p_0", positive},
+        Member{"temperature", &P::temperature, "K", "temperature of all air, T", positive});
   }
 
   AirSupply start() const { return {.reservoir = reservoir_pressure, .drawn = 0.0}; }
@@ -70,7 +73,9 @@ struct ReservoirAir {
   /// p V per time that flows through an orifice [Pa m^3/s]; pressures over the ambient.
   double flow(double conductance, double from, double to, double ambient) const {
     double const upstream = from + ambient;
-    return reference_pressure * conductance * upstream * orifice_flow((to + ambient) / upstream, critical_ratio);
+    double const warmth = std::sqrt(temperature / reference_temperature);
+    return warmth * reference_pressure * conductance * upstream *
+           orifice_flow((to + ambient) / upstream, critical_ratio);
   }
 
   /// p V per time into a cylinder from the reservoir, and out of it to the ambient [Pa m^3/s].

@@ -21,12 +21,13 @@ struct BrakedAxle {
 struct BrakedAxles {
   PerAxle<BrakedAxle> axle{};
   ReferenceSpeed reference{true, 0.0};
+  bool off{false};  ///< near standstill: all valves fill
 
   double reference_speed() const { return reference.value(); }
-  void state(auto& archive) { archive(axle, reference); }
+  void state(auto& archive) { archive(axle, reference, off); }
 
   static BrakedAxles at(double train_speed) {
-    BrakedAxles state{.axle = {}, .reference = {true, train_speed}};
+    BrakedAxles state{.axle = {}, .reference = {true, train_speed}, .off = false};
     for (BrakedAxle& axle : state.axle) axle.speed = train_speed;
     return state;
   }
@@ -49,7 +50,8 @@ struct BrakedAxles {
     ReferenceSpeedRules const rules{law.reference_deceleration, law.least_deceleration, law.release_interval,
                                     law.shortest_release, law.longest_release};
     reference.advance(fastest, period);
-    if (gripping || reference.value() < law.least_speed) return reference.is_known(rules);
+    off = reference.value() < (off ? std::fmax(law.return_speed, law.least_speed) : law.least_speed);
+    if (gripping || off) return reference.is_known(rules);
     reference.search(rules, fastest, now.axles, period, [&](int released) {
       return axle[static_cast<std::size_t>(released)].acceleration > law.recovery_acceleration;
     });

@@ -18,8 +18,8 @@ struct SlipAndDeceleration {
 
   double wheel_radius{}, reference_deceleration{}, filter_time{}, vent_slip{}, vent_slip_speed{}, vent_deceleration{};
   double fill_slip{}, fill_slip_speed{}, recovery_acceleration{}, pulse_time{}, pulse_pause{}, longest_vent{};
-  double least_speed{}, release_interval{}, shortest_release{}, longest_release{}, least_deceleration{};
-  double regained_after{};
+  double least_speed{}, return_speed{}, release_interval{}, shortest_release{}, longest_release{};
+  double least_deceleration{}, regained_after{};
 
   static constexpr auto fields() {
     using P = SlipAndDeceleration;
@@ -39,7 +39,9 @@ struct SlipAndDeceleration {
         Member{"pulse_time", &P::pulse_time, "s", "duration for which the valve is open in stepwise filling"},
         Member{"pulse_pause", &P::pulse_pause, "s", "duration for which the valve is closed in stepwise filling"},
         Member{"longest_vent", &P::longest_vent, "s", "longest venting, after which the watchdog fills"},
-        Member{"least_speed", &P::least_speed, "m/s", "speed below which all valves fill"},
+        Member{"least_speed", &P::least_speed, "m/s", "speed below which the protection is off: all valves fill"},
+        Member{"return_speed", &P::return_speed, "m/s",
+               "speed above which a protection that is off is on again, at least least_speed"},
         Member{"release_interval", &P::release_interval, "s",
                "interval at which an axle is released for the reference speed while all slide; 0: never"},
         Member{"shortest_release", &P::shortest_release, "s", "shortest duration of such a release"},
@@ -55,12 +57,13 @@ struct SlipAndDeceleration {
     s.observe(*this, now, period);
     for (int i = 0; i < now.axles; ++i) {
       auto const k = static_cast<std::size_t>(i);
-      valve[k] = static_cast<double>(decide(s.axle[k], s.reference_speed(), s.reference.releases(i), period));
+      valve[k] = static_cast<double>(decide(s.axle[k], s, s.reference.releases(i), period));
     }
   }
 
  private:
-  DumpValve decide(BrakedAxle& axle, double reference, bool released, double period) const {
+  DumpValve decide(BrakedAxle& axle, BrakedAxles const& all, bool released, double period) const {
+    double const reference = all.reference_speed();
     double const slip = reference - axle.speed;
     double const vent_above = std::fmax(vent_slip * reference, vent_slip_speed);
     double const fill_below = std::fmax(fill_slip * reference, fill_slip_speed);
@@ -69,7 +72,7 @@ struct SlipAndDeceleration {
     bool const locks_up = axle.acceleration < -vent_deceleration && slip > 0.5 * fill_slip_speed;
     bool const recovers = axle.acceleration > recovery_acceleration;
     DumpValve wanted = DumpValve::hold;
-    if (reference < least_speed || axle.vents_for > longest_vent) {
+    if (all.off || axle.vents_for > longest_vent) {
       wanted = DumpValve::fill;
       axle.slid = false;
     } else if (released || ((slip > vent_above || locks_up) && !recovers)) {

@@ -26,8 +26,8 @@ struct ThresholdTable {
   double wheel_radius{}, reference_deceleration{}, filter_time{}, least_slip_reference{};
   std::vector<double> slip_thresholds{}, acceleration_thresholds{};
   std::vector<int> entries{};  ///< entries row by row: least slip first, strongest deceleration first
-  double recovery_acceleration{}, pulse_time{}, pulse_pause{}, longest_vent{}, least_speed{}, release_interval{};
-  double shortest_release{}, longest_release{}, least_deceleration{}, regained_after{};
+  double recovery_acceleration{}, pulse_time{}, pulse_pause{}, longest_vent{}, least_speed{}, return_speed{};
+  double release_interval{}, shortest_release{}, longest_release{}, least_deceleration{}, regained_after{};
 
   static constexpr auto fields() {
     using P = ThresholdTable;
@@ -49,7 +49,9 @@ struct ThresholdTable {
         Member{"pulse_pause", &P::pulse_pause, "s",
                "duration for which the valve is closed in stepwise filling or venting"},
         Member{"longest_vent", &P::longest_vent, "s", "longest venting, after which the watchdog fills"},
-        Member{"least_speed", &P::least_speed, "m/s", "speed below which all valves fill"},
+        Member{"least_speed", &P::least_speed, "m/s", "speed below which the protection is off: all valves fill"},
+        Member{"return_speed", &P::return_speed, "m/s",
+               "speed above which a protection that is off is on again, at least least_speed"},
         Member{"release_interval", &P::release_interval, "s",
                "interval at which an axle is released for the reference speed while all slide; 0: never"},
         Member{"shortest_release", &P::shortest_release, "s", "shortest duration of such a release"},
@@ -65,7 +67,7 @@ struct ThresholdTable {
     s.observe(*this, now, period);
     for (int i = 0; i < now.axles; ++i) {
       auto const k = static_cast<std::size_t>(i);
-      valve[k] = static_cast<double>(decide(s.axle[k], s.reference_speed(), s.reference.releases(i), period));
+      valve[k] = static_cast<double>(decide(s.axle[k], s, s.reference.releases(i), period));
     }
   }
 
@@ -82,7 +84,8 @@ struct ThresholdTable {
     return found;
   }
 
-  DumpValve decide(BrakedAxle& axle, double reference, bool released, double period) const {
+  DumpValve decide(BrakedAxle& axle, BrakedAxles const& all, bool released, double period) const {
+    double const reference = all.reference_speed();
     double const slip = (reference - axle.speed) / std::fmax(reference, least_slip_reference);
     bool const grips = slip_thresholds.empty() || slip < slip_thresholds.front();
     axle.grips_for = grips ? axle.grips_for + period : 0.0;
@@ -91,7 +94,7 @@ struct ThresholdTable {
     axle.pulse_clock = axle.pulse_clock > pulse_time + pulse_pause ? 0.0 : axle.pulse_clock + period;
     bool const pulse = axle.pulse_clock <= pulse_time;
     DumpValve valve = DumpValve::hold;
-    if (reference < least_speed || axle.vents_for > longest_vent) {
+    if (all.off || axle.vents_for > longest_vent) {
       valve = DumpValve::fill;
       axle.slid = false;
     } else if (wanted == Entry::vent || (wanted == Entry::vent_in_steps && pulse)) {
