@@ -75,6 +75,7 @@ def printed(script: Path, *, alone: bool) -> str:
     return out.getvalue()
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ANSWERS)
 def test_an_example_gives_its_answer(name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     if name == "10_brake_controller" and not sys.platform.startswith("linux"):

@@ -13,6 +13,7 @@ import pytest
 ROOT = Path(__file__).resolve().parents[2]
 
 
+@pytest.mark.slow
 @pytest.mark.skipif(shutil.which("bash") is None or shutil.which("c++") is None, reason="needs bash and a compiler")
 def test_a_first_look_shows_a_bogie_that_hunts(tmp_path: Path) -> None:
     programs = tmp_path / "venv" / "bin"

@@ -74,6 +74,7 @@ def test_an_unknown_controller_is_refused_with_a_guess() -> None:
         BenchEnv("adhesion_brake", "slide_protecton")
 
 
+@pytest.mark.slow
 def test_side_by_side_they_are_the_same_episodes() -> None:
     vector = make_vector(noisy(), count=2)
     try:

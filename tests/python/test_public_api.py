@@ -47,6 +47,7 @@ def test_names_of_the_analysis_are_there_and_none_is_a_module() -> None:
     assert all(callable(getattr(analysis, name)) for name in analysis.__all__)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_names_are_the_same_whatever_is_imported_first(seed: int) -> None:
     order = random.Random(seed).sample(MODULES, len(MODULES))
@@ -58,6 +59,7 @@ COSTLY = ("numpy", "pydantic", "pint", "pandas", "xarray", "matplotlib", "h5py",
 COSTLY += ("scipy.interpolate", "scipy.optimize", "scipy.integrate", "scipy.signal", "scipy.stats", "scipy.linalg")
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("work", "allowed"),
     [

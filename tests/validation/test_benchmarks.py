@@ -22,6 +22,7 @@ from validation.write_benchmarks import (
 from validation.write_measured import section as section_of
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("section", write_benchmarks.SECTIONS, ids=lambda section: section.__name__)
 def test_the_page_is_what_the_program_gives(section: Callable[[], str]) -> None:
     today = section()

@@ -137,11 +137,13 @@ def energy_share(support: str, speed: float, lateral: float) -> tuple[float, flo
     return turned_over(run), share
 
 
+@pytest.mark.slow
 def test_energy_put_in_is_stored_or_turned_into_heat() -> None:
     """Creeping forward; at speed, on the flange, on track and at rest: test_page.py."""
     energy_share("full_scale_rig", 0.5, 3 * mm)
 
 
+@pytest.mark.slow
 def test_the_energy_residual_falls_with_the_tolerance() -> None:
     residuals = [
         float(np.abs(released("full_scale_rig", 150 * kmh, 3 * mm, 0.3, tolerance=tol)[1].energy_residual()).max())
@@ -152,6 +154,7 @@ def test_the_energy_residual_falls_with_the_tolerance() -> None:
     )  # the quadratures go with the tolerance: a factor of 100, here with margin
 
 
+@pytest.mark.slow
 def test_heat_is_never_negative() -> None:
     _, run = released("full_scale_rig", 150 * kmh, 6.5 * mm, 0.3, output_step=1e-3)
     for where in ("elements", "normal", "creep"):
@@ -229,6 +232,7 @@ def reference_run() -> Run:
     return released("full_scale_rig", 150 * kmh, 2 * mm, 0.3, tolerance=1e-10, output_step=1e-3)[1]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("given", "tolerance"),
     [  # largest difference [m, rad]; measured with ellipses: 2e-11, 5e-10, 3e-9, 3e-9 (kinks cost order)
@@ -248,6 +252,7 @@ def test_methods_agree(reference_run: Run, given: dict, tolerance: float) -> Non
 
 
 # ------------------------------------------------------------------------------------------------ time and standstill
+@pytest.mark.slow
 def test_hours_of_running_change_nothing() -> None:
     """The wheels' angles are in no equation: a run that starts after ten hours is the run that starts now."""
     model = bogie("full_scale_rig", 150 * kmh)

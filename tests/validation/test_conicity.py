@@ -88,6 +88,7 @@ def comparison(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPath
     )
 
 
+@pytest.mark.slow
 def test_rolling_radius_difference(comparison: Comparison) -> None:
     y, reference = comparison.reference_lateral, comparison.reference_difference
     ours = np.array(

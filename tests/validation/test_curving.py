@@ -192,6 +192,7 @@ def sampled(curves: list[tuple[Any, ...]], sample: set[tuple[Any, ...]]) -> list
     return [curve if curve in sample else pytest.param(*curve, marks=pytest.mark.long) for curve in curves]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("radius", "deficiency", "friction"),
     sampled([(*road, mu) for road in ROADS for mu in (0.4, 0.1)], {(300.0, 0.075, 0.4), (150.0, 0.15, 0.1)}),
@@ -212,6 +213,7 @@ OTHERS = [
 ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("name", "radius", "deficiency", "friction", "rails"),
     sampled(OTHERS, {("two_axle_wagon", 300.0, 0.075, 0.4, RIGID), ("locomotive", 1000.0, 0.15, 0.1, RIGID)}),

@@ -23,6 +23,7 @@ def in_a_tight_curve(top: float, face: float | None, radius: float = 300.0) -> t
     return rr.wheel_forces(run).isel(time=0), run.isel(time=0)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["bogie_rollers_constant", "bogie_track"])
 def test_the_friction_of_the_top_on_the_gauge_face_changes_no_bit_of_a_run(name: str) -> None:
     case = rr.load_case(name).with_changes(

@@ -107,6 +107,7 @@ TOLERANCES = {
 """Of the norm over all lines of the complex difference: phases count as much as amplitudes."""
 
 
+@pytest.mark.slow
 def test_the_response_spectrum_is_that_of_the_linearised_model(run: xr.Dataset) -> None:
     model = assemble(case())
     assert model.irregularity is not None
@@ -132,6 +133,7 @@ def test_same_seed_same_bytes_of_a_whole_run() -> None:
     assert np.abs(first["vertical_force"] - other["vertical_force"]).max() > 100.0  # N
 
 
+@pytest.mark.slow
 def test_rails_on_a_stiff_foundation_are_rigid_rails() -> None:
     """What an elastic rail adds to the wheel forces goes with 1 / stiffness; ten times stiffer, it is seven times less."""
     base = rr.load_case("vehicle_track_irregular").with_changes(

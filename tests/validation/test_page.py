@@ -33,6 +33,7 @@ def differences(written: str, today: str) -> list[tuple[str, str]]:
     ]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("section", write_tables.SECTIONS, ids=lambda section: section.__name__)
 def test_the_page_is_what_the_comparisons_give(section: Callable[[], str]) -> None:
     # All cases of the exact solver take a minute: its rows are left out.

@@ -11,6 +11,7 @@ from validation.test_page import differences
 from validation.write_paper_map import HEADING, NEXT, PAGE, PLANS, SPEED, data, on_rig_and_rails, onset, section
 
 
+@pytest.mark.slow
 def test_the_lines_are_what_the_data_give() -> None:
     written = PAGE.read_text(encoding="utf-8").partition(HEADING)[2].partition(NEXT)[0]
     assert differences(HEADING + written, section()) == []

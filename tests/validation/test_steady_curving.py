@@ -169,6 +169,7 @@ def test_lubrication_lowers_guiding_forces_and_wear() -> None:
         assert float(lubricated[name].max()) < 0.65 * float(dry[name].max())
 
 
+@pytest.mark.slow
 def test_a_run_in_a_long_curve_ends_in_the_steady_state() -> None:
     case, radius = of(WAGON), 500.0
     found = rr.curving(case, [radius], [0.06], cant=CANT).isel(radius=0, cant_deficiency=0)
@@ -214,6 +215,7 @@ def test_the_straight_is_the_limit_of_large_radii() -> None:
     assert away[1][0] < 20.0
 
 
+@pytest.mark.slow
 def test_what_no_vehicle_does_is_named() -> None:
     found = rr.curving(of(WAGON), [500.0], [-0.12, 0.0, 0.7, 1.2], cant=0.1).isel(radius=0)
     slow, fine, lifted, refused = (str(why) for why in found["failure"].to_numpy())

@@ -89,6 +89,7 @@ def test_the_jacobian_is_exact_in_every_variant(name: str) -> None:
     assert np.concatenate([f_t, g_t]) == pytest.approx(difference, rel=1e-6, abs=1e-4 * (1 + np.abs(difference).max()))
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", VARIANTS)
 def test_energy_closes_in_every_variant(name: str) -> None:
     model, simulation, x = variant(name)

@@ -29,7 +29,7 @@ GAP = 5.5
 """A step of time that is so many times the median one is a gap."""
 
 LONGEST_TRIAL = 60.0
-"""Of reading a file in a process of its own [s]."""
+"""Longest reading of a file in a process of its own [s]."""
 
 
 @dataclass(frozen=True)

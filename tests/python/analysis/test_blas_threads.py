@@ -92,6 +92,7 @@ def job(_number: int, progress) -> set[int]:
     return threads()
 
 
+@pytest.mark.slow
 def test_jobs_of_worker_processes_have_one_thread(monkeypatch) -> None:
     for name in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"):
         monkeypatch.setenv(name, "2")

@@ -73,6 +73,7 @@ def test_steady_states_under_other_pressures_lie_where_the_linear_bench_says(ben
     assert np.all(left <= 1e-4 * terms + 1e-12)
 
 
+@pytest.mark.slow
 def test_a_sine_on_the_demand_gives_what_the_linear_bench_says(bench: LinearBench) -> None:
     """1 dB is asked for up to half the bandwidth of the control valve, 20 1/s: 1.6 Hz."""
     frequencies = [0.5, 1.0, 1.6]

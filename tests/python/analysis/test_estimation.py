@@ -45,6 +45,7 @@ def test_given_errors_decide_the_interval_whatever_is_left() -> None:
     assert found.deviation == pytest.approx(np.sqrt(np.sum(left**2) / (len(X) - 2)) / 0.2, rel=1e-6)
 
 
+@pytest.mark.slow
 def test_the_interval_has_the_truth_in_95_of_100_trials() -> None:
     """Of 400 trials 380 are expected, with a standard deviation of 4.4."""
     inside = 0

@@ -364,6 +364,7 @@ def test_what_is_found_late_names_the_file_too(case: Path, tmp_path: Path) -> No
     assert f"rollerrig: {case}: time.step: 9 ms; allowed" in done.err
 
 
+@pytest.mark.slow
 def test_values_of_a_case_can_be_set_on_the_command_line(case: Path, tmp_path: Path) -> None:
     sets = (
         "--set",
@@ -395,6 +396,7 @@ def test_what_cannot_be_set_is_said(text: str, line: str, case: Path, tmp_path: 
 # ------------------------------------------------------------------------------------------------- for those who begin
 
 
+@pytest.mark.slow
 def test_a_new_case_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     assert Done("new", "mine", "--from", "wheelset_rollers").code == 0

@@ -78,6 +78,7 @@ def call(*arguments: object) -> tuple[int, str]:
     return result.exit_code, result.stdout + result.stderr
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("study", ["envelope", *(pytest.param(one, marks=pytest.mark.long) for one in ("wsp", "tune"))])
 def test_a_study_ended_at_any_moment_goes_on_to_the_same_results(study: str, tmp_path: Path) -> None:
     """By Ctrl-C, then killed one job further and in the middle of another; the third time it ends by itself."""

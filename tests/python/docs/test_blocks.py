@@ -150,6 +150,7 @@ def test_the_toml_of_a_page_is_read(page: Path, tmp_path: Path, monkeypatch: pyt
 
     monkeypatch.chdir(tmp_path)
     prepare(page)
+    Path("adhesion_map.csv").write_text("distance [m],friction\n0,0.08\n10,0.1\n20,0.11\n")
     Path("mine.py").write_text("class Mine:\n    sample_time = 1e-3\n    def step(self, measurements): ...\n")
     for language, code in blocks(page):
         if language == "toml":

@@ -46,6 +46,7 @@ def test_other_units_are_refused() -> None:
         recovering(recovery_constant="5e-6 m")
 
 
+@pytest.mark.slow
 def test_the_patch_s_width_converts_one_into_the_other() -> None:
     """tau per metre run and tau per area over the width that the patches sweep: the same recovery."""
     width = rail_patch(assemble(recovering())).width

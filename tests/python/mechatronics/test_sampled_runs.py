@@ -109,6 +109,7 @@ def test_without_control_a_sampled_run_is_the_plain_rig() -> None:
     np.testing.assert_allclose(a["pitch_rate"], b["pitch_rate"], rtol=0, atol=1e-3)
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("on_track", [False, True], ids=["rig", "track"])
 def test_slow_wheels_cost_no_more_steps_and_stay_exact(on_track: bool) -> None:
     """Creep relaxes at 5e4 1/s and more: two and a little evaluations per millisecond, and the motion is that of 0.25 ms."""

@@ -95,6 +95,7 @@ def test_the_brake_demand_arrives_by_distance_over_signal_speed(name: str, reque
         assert passes(axle) - first == pytest.approx(float(place) / SIGNAL_SPEED, abs=1.5e-3)  # friction over speed
 
 
+@pytest.mark.slow
 def test_axles_clean_the_rail_one_after_the_other() -> None:
     """The axle behind finds what all ahead have dissipated: on track and rig, tested or simulated."""
     case = load_case("adhesion_recovery").with_changes({"train.axles": COACH, "time.duration": "8 s"})

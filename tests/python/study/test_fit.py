@@ -181,6 +181,7 @@ def step_log() -> tuple[WholeFit, Record, list[np.ndarray]]:
     return whole, *synthetic(whole, {"time": times, "torque": 0.0 * times})
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("count", [2, pytest.param(200, marks=pytest.mark.long)])
 def test_a_drive_s_bandwidth_is_within_its_own_interval(count: int) -> None:
     """95 % are expected: 190 of 200 with a standard deviation of 3."""

@@ -72,6 +72,7 @@ def test_the_margin_reported_is_the_gain_at_which_the_loop_is_unstable() -> None
     assert once == pytest.approx(2.0 * doubled, rel=1e-3)
 
 
+@pytest.mark.slow
 def test_the_files_say_where_the_numbers_come_from(tmp_path: Path) -> None:
     found = tuned()
     found.write(tmp_path / "out")
@@ -88,6 +89,7 @@ def test_the_files_say_where_the_numbers_come_from(tmp_path: Path) -> None:
     assert (tmp_path / "out" / "figures" / "front.png").exists()
 
 
+@pytest.mark.slow
 def test_ctrl_c_keeps_what_is_computed_and_the_same_command_goes_on(tmp_path: Path) -> None:
     """Within the second candidates, which follow from the first: they are the same again."""
     study = TuneStudy(rr.load_case("adhesion_brake"), {GAIN: (0.3, 3.0)}, 1.0, 2, 2, 2.0, 45.0, 1)

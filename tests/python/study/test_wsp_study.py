@@ -76,11 +76,13 @@ def outcome(case: Case) -> Outcome[Results]:
 # ------------------------------------------------------------------------------------------------------- a programme run
 
 
+@pytest.mark.slow
 def test_every_number_is_explained_and_every_explained_number_is_there(outcome: Outcome[Results]) -> None:
     assert QUANTITIES.unexplained(outcome.numbers) == []
     assert QUANTITIES.unreported(outcome.numbers) == []
 
 
+@pytest.mark.slow
 def test_distances_are_those_since_the_demand_and_k_wet_is_that_of_the_trade(outcome: Outcome[Results]) -> None:
     """100 / (100 + increase in %), of the means to second order of their scatter."""
     for on in ("track", "rig"):
@@ -99,6 +101,7 @@ def test_distances_are_those_since_the_demand_and_k_wet_is_that_of_the_trade(out
     assert drag["stopped"] == 0
 
 
+@pytest.mark.slow
 def test_with_fewer_starts_than_the_programme_needs_nothing_is_decided(outcome: Outcome[Results]) -> None:
     """Though every lock is zero and every K_wet far within its limit."""
     for stop in outcome.numbers["stops"].values():
@@ -111,6 +114,7 @@ def test_with_fewer_starts_than_the_programme_needs_nothing_is_decided(outcome: 
     assert "none not met, 3 not decided" in outcome.summary
 
 
+@pytest.mark.slow
 def test_the_page_says_that_no_standard_is_quoted_and_the_files_are_there(
     outcome: Outcome[Results], tmp_path: Path
 ) -> None:
@@ -124,6 +128,7 @@ def test_the_page_says_that_no_standard_is_quoted_and_the_files_are_there(
     assert [line.split(",")[:2] for line in lines] == [["track", "1"], ["track", "2"], ["rig", "1"], ["rig", "2"]]
 
 
+@pytest.mark.slow
 def test_processor_time_is_told_stop_by_stop(outcome: Outcome[Results]) -> None:
     times = outcome.timing["processor time of the tests [s]"]
     assert times["all"] == pytest.approx(times["low_26"] + times["drag_30"])
@@ -424,6 +429,7 @@ def test_without_limits_nothing_is_judged() -> None:
     assert verdict_of([]) is None
 
 
+@pytest.mark.slow
 def test_the_summary_says_how_far_a_verdict_on_the_rig_is_one_on_track(outcome: Outcome[Results]) -> None:
     lines = outcome.summary.splitlines()
     assert lines[0].startswith("On track 0 of 3 criteria are met")

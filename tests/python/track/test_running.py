@@ -52,6 +52,7 @@ def test_in_a_steady_curve_the_wheels_carry_the_uncompensated_force() -> None:
     assert -8e-3 < leading < -1e-3  # to the outside
 
 
+@pytest.mark.slow
 def test_a_right_curve_is_the_mirror_of_a_left_one_and_the_energy_audit_closes() -> None:
     left, right = through_a_transition("left"), through_a_transition("right")
     for run in (left, right):

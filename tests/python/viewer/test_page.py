@@ -14,6 +14,7 @@ from browser import Opened
 from rollerrig.viewer.columns import interpolated
 
 
+@pytest.mark.slow
 def test_it_asks_for_nothing_and_complains_of_nothing(opened: Opened, both: Path) -> None:
     opened.ask("r.clock.set(0.2)")
     assert opened.requests == [both.as_uri()]
@@ -122,6 +123,7 @@ def test_what_it_leaves_out_is_said(opened: Opened) -> None:
     assert "schematic" in text
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("scheme", ["dark", "light"])
 def test_a_narrow_screen_in_dark_and_light(browser: Any, tmp_path: Path, in_curve: xr.Dataset, scheme: str) -> None:
     page = Opened(
@@ -183,6 +185,7 @@ def test_by_software_light_is_computed_at_the_vertices(opened: Opened) -> None:
     assert opened.ask("r.worlds[0].materials.steel.opacity") == 1
 
 
+@pytest.mark.slow
 def test_a_brake_test_begins_with_speeds_and_pressures(
     browser: Any, tmp_path: Path, opened: Opened, on_track: xr.Dataset
 ) -> None:
@@ -247,6 +250,7 @@ def test_patches_are_drawn_on_the_wheels(opened: Opened) -> None:
         assert np.abs(off).max() < 0.4e-3  # the approach of the surfaces is 0.1 to 0.2 mm
 
 
+@pytest.mark.slow
 def test_patches_are_drawn_on_the_wheels_in_a_canted_curve(browser: Any, tmp_path: Path, in_curve: xr.Dataset) -> None:
     page = Opened(browser, rr.view(in_curve, path=tmp_path / "curve.html"))
     try:
