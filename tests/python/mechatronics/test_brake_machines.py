@@ -88,7 +88,7 @@ def test_on_a_slide_the_motor_gives_way_as_the_case_says() -> None:
     assert least["keep"] > 1e3
 
 
-def test_wheel_slip_control_keeps_axles_turning_that_motors_brake_to_a_stop_without_dump_valves() -> None:
+def test_wheel_slip_control_keeps_axles_turning_that_motors_brake_without_dump_valves() -> None:
     """From 60 km/h on `low`: a motor that gives no way lets its axle slide until its characteristic ends."""
     motors = {"largest_force": "20 kN", "largest_power": "1 MW", "fade_from": "5 km/h", "fade_to": "3 km/h"}
     least, slowed = {}, {}
