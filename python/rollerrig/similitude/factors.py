@@ -47,6 +47,7 @@ _BASE: dict[str, Exponents] = {
     "J": (1, 2, -2),
     "W": (1, 2, -3),
     "Pa": (1, -1, -2),
+    "K": (0, 0, 0),  # the same air in the model
     "MPa": (1, -1, -2),
 }
 

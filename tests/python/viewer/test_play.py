@@ -301,7 +301,12 @@ def test_a_browser_moves_it(browser: Any, address: tuple[str, int]) -> None:
         page.page.click("#push")
         page.page.locator("#live-speed").evaluate("e => { e.value = 150; e.dispatchEvent(new Event('input')); }")
         page.page.locator("#live-radius").evaluate("e => { e.value = 0.4; e.dispatchEvent(new Event('input')); }")
-        page.page.wait_for_function("Math.abs(rollerrig.worlds[0].head.shapes.roller_radius - 0.4) < 0.01")
+        for _ in range(100):
+            page.page.wait_for_timeout(200)
+            state = page.page.evaluate("rollerrig.worlds[0].head.shapes.roller_radius")
+            if abs(state - 0.4) < 0.01:
+                break
+        assert state == pytest.approx(0.4, abs=0.01)
         assert page.page.evaluate("rollerrig.worlds[0].numbers.end") > before
         assert page.complaints == []
         hosts = {url.split("/")[2] for url in page.requests}
