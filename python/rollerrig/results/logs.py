@@ -199,7 +199,8 @@ def _mdf(path: str | Path) -> Mapping[str, Any]:
 
     _try(path, "from asammdf import MDF; list(MDF(sys.argv[1]).iter_channels())")
     with MDF(path) as file:
-        kept = [one for one in file.iter_channels() if one.samples.ndim == 1 and one.samples.dtype.kind in "fiub"]
+        filled = (one for one in file.iter_channels() if len(one.timestamps))  # a group may have no record
+        kept = [one for one in filled if one.samples.ndim == 1 and one.samples.dtype.kind in "fiub"]
         if not kept:
             raise ResultsError(f"{path}: no channel of numbers")
         time = max((one.timestamps for one in kept), key=len)

@@ -14,17 +14,19 @@ from rollerrig.results.run_info import ResultsError
 
 @pytest.fixture
 def log_file(tmp_path: Path) -> Path:
-    """A speed 100 times a second, a pressure 20 times, from 0.5 s on."""
+    """A speed 100 times a second, a pressure 20 times, from 0.5 s on, and a group without a record."""
     asammdf = pytest.importorskip("asammdf")
     fast, slow = np.arange(0.0, 3.0, 0.01), np.arange(0.5, 2.51, 0.05)
     with asammdf.MDF(version="4.10") as file:
         file.append(asammdf.Signal(120.0 - 3.6 * fast, fast, name="train_speed", unit="km/h"))
         file.append(asammdf.Signal(1.0 + slow, slow, name="axle.cylinder_pressure", unit="bar"))
+        file.append(asammdf.Signal(np.array([]), np.array([]), name="never_sampled", unit="V"))
         return Path(file.save(tmp_path / "stop.mf4"))
 
 
 def test_channels_of_two_rates_are_columns_of_the_faster_one(log_file: Path) -> None:
     log = read_log(log_file)
+    assert list(log.columns) == ["time", "train_speed", "axle.cylinder_pressure"]
     time = log_quantity(log, "time", {"s": 1.0})
     assert (time[0], time[-1]) == pytest.approx((0.5, 2.5))
     assert np.diff(time) == pytest.approx(0.01)
