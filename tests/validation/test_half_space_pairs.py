@@ -1,8 +1,9 @@
 """How far the laws of normal contact are from the exact half-space in random poses of new and worn pairs at given heights, by
-category; bars for the strips. HALF_SPACE_POSES: how many poses of their own the long tests take.
+category; bars for the strips. HALF_SPACE_POSES: how many poses of its own the test of a factor takes.
 
-    pytest tests/validation/test_half_space_pairs.py -s            the table of errors
-    HALF_SPACE_POSES=5000 pytest ... --long                        everything anew
+    pytest tests/validation/test_half_space_pairs.py -s                        the table of errors
+    HALF_SPACE_POSES=100000 pytest ... --long -s -k factor                     the force in other poses; 50 minutes of a core
+    pytest ... --long                                                          everything anew
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from validation.free_patches import lowered, patches
+from validation.free_patches import patches, touch
 from validation.half_space_pairs import (
     CATEGORIES,
     CONFORMAL,
@@ -29,7 +30,7 @@ from validation.half_space_pairs import (
     surfaces_of,
 )
 from validation.reference import mm
-from validation.write_half_space_pairs import ROLLERS, random_load, random_pose
+from validation.write_half_space_pairs import ROLLERS, random_pose
 
 Array = NDArray[np.float64]
 
@@ -41,9 +42,11 @@ BARS = {
     "pressure": (0.03, 0.10, 0.20),
     "centre": (0.1, 0.24, 0.45),  # asked for were 0.2 and 0.4; measured 0.02, 0.23 and 0.42
 }
-COUNT = int(os.environ.get("HALF_SPACE_POSES", "300"))
+COUNT = int(os.environ.get("HALF_SPACE_POSES", "500"))
 #: No force may be further from the exact one than this factor; no jump larger than this share of the load per um of approach.
 FACTOR, JUMP = 1.5, 0.01
+#: Of the poses whose force is compared: tests they are shared among, depths below each first touch, their range [mm].
+BLOCKS, DEPTHS, DEEP = 10, 5, (0.005, 0.2)
 
 
 @pytest.fixture(scope="module", params=["strips", "hertz"])
@@ -119,18 +122,26 @@ def test_the_half_space_is_one_where_it_is_used() -> None:
 
 
 @pytest.mark.long
-def test_no_force_is_outside_a_factor_of_the_exact_one() -> None:
-    rng = np.random.default_rng(11)
-    beyond = []
-    for i in range(COUNT):
+@pytest.mark.parametrize("block", range(BLOCKS))
+def test_no_force_is_outside_a_factor_of_the_exact_one(block: int) -> None:
+    """At five depths below the first touch of each random pose, on grids of 16 x 16 cells (0.4 % of the force)."""
+    rng = np.random.default_rng((11, block))
+    found = []
+    for i in range(COUNT // (BLOCKS * DEPTHS)):
         pair, radius = PAIRS[i % len(PAIRS)], ROLLERS[i // len(PAIRS) % len(ROLLERS)]
-        pose = lowered(surfaces_of(pair), random_pose(rng, radius), random_load(rng))
-        at = PairPose(pair, "", radius, pose.x, pose.y, pose.height, pose.yaw, pose.roll)
-        theirs = sum(patch.force for patch in patches(surfaces_of(pair), pose, 40, 1e-4))
-        ours = sum(patch.normal for patch in our_patches(at, "strips"))
-        if not 1 / FACTOR < ours / theirs < FACTOR:
-            beyond.append(f"{ours:.0f} instead of {theirs:.0f} N: {at}")
-    assert not beyond, f"{len(beyond)} of {COUNT}\n" + "\n".join(beyond[:20])
+        touching, _, _ = touch(surfaces_of(pair), random_pose(rng, radius))
+        for depth in np.exp(rng.uniform(*np.log(DEEP), DEPTHS)):
+            pose = replace(touching, height=touching.height - float(depth))
+            at = PairPose(pair, "", radius, pose.x, pose.y, pose.height, pose.yaw, pose.roll)
+            theirs = sum(patch.force for patch in patches(surfaces_of(pair), pose, 16, 1e-3))
+            ours = sum(patch.normal for patch in our_patches(at, "strips"))
+            found.append((abs(np.log(ours / theirs)) if ours > 0.0 else np.inf, ours, theirs, at))
+    found.sort(key=lambda one: -one[0])
+    error = np.exp([one[0] for one in found]) - 1
+    shares = ", ".join(f"{100 * e:.2f}" for e in np.quantile(error, (0.5, 0.95, 0.999)))
+    worst = "\n".join(f"{ours:.0f} instead of {theirs:.0f} N: {at}" for _, ours, theirs, at in found[:3])
+    print(f"\n{len(found)} poses: {shares} % (median, 95 %, 99.9 %); worst:\n{worst}")
+    assert error[0] < FACTOR - 1, worst
 
 
 def exact_force(at: PairPose) -> float:
