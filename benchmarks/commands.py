@@ -77,7 +77,7 @@ def measure(name: str, folder: Path, out: Path) -> float:
     command = [
         sys.executable,
         "-c",
-        "from rollerrig.cli.app import main; main()",
+        "from rollerrig.cli import main; main()",
         *EXAMPLES[name].split(),
         "--out",
         str(out),

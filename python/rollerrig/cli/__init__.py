@@ -3,6 +3,19 @@
 rollerrig COMMAND ... -> [cli] -> functions of the package -> files, a few printed lines, an exit code
 """
 
-from rollerrig.cli.app import main
+import sys
 
 __all__ = ["main"]
+
+
+def main() -> None:
+    """Entry point of `rollerrig`; interrupted while it loads its modules, it ends as a command does."""
+    try:
+        from rollerrig.cli.app import build_app
+
+        build_app()(prog_name="rollerrig")
+    except KeyboardInterrupt:
+        sys.exit(130)  # termination.INTERRUPTED, which may not be loaded yet
+    except BrokenPipeError:  # `rollerrig catalog | head`
+        sys.stderr.close()
+        sys.exit(1)  # termination.CLOSED

@@ -1,13 +1,11 @@
 """The commands and where each of them stands."""
 
-import sys
-
 import typer
 
 from rollerrig import __version__
 from rollerrig.cli import cases, commands, interfaces, runs
 from rollerrig.cli.study_command import SPECIAL, study_command
-from rollerrig.cli.termination import CLOSED, INTERRUPTED, readable_errors
+from rollerrig.cli.termination import readable_errors
 
 COMMANDS = (
     "paper",
@@ -87,14 +85,3 @@ def build_app() -> typer.Typer:
         whole = (command.__doc__ or "").strip().partition("\n")[0]  # the list of commands would cut it off
         app.command(word, short_help=whole)(readable_errors(command))
     return app
-
-
-def main() -> None:
-    """Entry point of `rollerrig`."""
-    try:
-        build_app()(prog_name="rollerrig")
-    except KeyboardInterrupt:
-        sys.exit(INTERRUPTED)
-    except BrokenPipeError:  # `rollerrig catalog | head`
-        sys.stderr.close()
-        sys.exit(CLOSED)

@@ -135,6 +135,20 @@ def test_ctrl_c_after_the_last_step_keeps_the_whole_run(
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 
+@pytest.mark.parametrize("module", ["typer", "rollerrig.cli.app", "rollerrig.cli.commands"])
+def test_ctrl_c_while_modules_are_loaded_is_no_traceback(module: str) -> None:
+    press = (
+        "import os, signal, sys\n"
+        "class Finder:\n"
+        "    def find_spec(self, name, *rest):\n"
+        f"        if name == {module!r}: os.kill(os.getpid(), signal.SIGINT)\n"
+        "sys.meta_path.insert(0, Finder())\n"
+    )
+    command = [sys.executable, "-c", f"{press}{ENTRY[-1]}", "catalog"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert (done.returncode, done.stdout, done.stderr) == (termination.INTERRUPTED, "", "")
+
+
 @pytest.mark.slow
 def test_a_run_that_becomes_infinite_keeps_what_was_finite(tmp_path: Path) -> None:
     changes = ("time.step=0.5 s", "motion.speed=400 km/h", "time.duration=2 s")
