@@ -41,6 +41,7 @@ void bind_actuators(nb::module_& m) {
   bind_struct<Motor>(m, "Motor", "A drive from torque command to torque.");
   def_function(m, "reflected_inertia", "Of a geared rotor on the axle that it drives [kg m^2].", &reflected_inertia,
                Argument{"rotor_inertia"}, Argument{"gear_ratio"});
+  bind_struct<CylinderPipe>(m, "CylinderPipe", "Pipes from a relay valve to the dump valves of its axles.");
   bind_laws<AnyAir>(m, "airs", "Air");
   bind_struct<ControlValve>(m, "ControlValve", "A brake's control valve and the volume of a cylinder behind it.");
   bind_struct<Pneumatics>(m, "Pneumatics", "From brake demand and dump valves' commands to cylinder pressures.");

@@ -69,6 +69,11 @@ struct ModelParameters::Walk {
         number(value);
       } else if constexpr (std::is_same_v<V, std::optional<double>>) {
         if (value) number(*value);
+      } else if constexpr (requires {
+                             value.has_value();
+                             requires Described<typename V::value_type>;
+                           }) {
+        if (value) fields(*value, inner, fixed);
       } else if constexpr (Described<V>) {
         fields(value, inner, fixed);
       } else if constexpr (IsVariant<V>::value) {

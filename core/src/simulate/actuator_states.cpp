@@ -40,7 +40,7 @@ void step_motor(Motor const& motor, double* state, double command, double speed,
 
 ActuatorStates::ActuatorStates(MechatronicSetup const& setup)
     : axle_(setup.axles.size()),
-      cylinders_{setup.actuators.pneumatics, setup.reservoir, setup.axles.size()},
+      cylinders_{setup.actuators.pneumatics, setup.reservoir, setup.relay_valve, setup.axles.size()},
       counted_{0.0, blending_steps(setup)} {}
 
 /// The motors that brake, and what their axles are asked for in all.

@@ -59,6 +59,8 @@ constexpr Field axle_table[] = {
     {"slip_dissipation", "J", "of a simulated axle's slip since the start"},
     {"reservoir_pressure", "Pa",
      "of the auxiliary reservoir that feeds the axle's cylinder, over the ambient; 0 where the supply is unlimited"},
+    {"pipe_pressure", "Pa",
+     "in the pipe between the axle's relay valve and its dump valve, over the ambient; 0 where the air has no pipe"},
 };
 
 constexpr Field train_table[] = {
@@ -249,7 +251,8 @@ void MechatronicSystem::record_axle(Dynamics const& plant, std::size_t i, Inputs
                         0.0,
                         0.0,
                         0.0,
-                        actuators_.cylinders().supply(i).reservoir};
+                        actuators_.cylinders().supply(i).reservoir,
+                        actuators_.cylinders().pipe_pressure(i)};
   static_assert(std::size(row) == std::size(axle_table));
   std::copy(std::begin(row), std::end(row), out);
 }
@@ -291,6 +294,7 @@ void MechatronicSystem::record_simulated(std::size_t i, double* out) const {
   set("inlet_open", static_cast<double>(cylinder.inlet_open));
   set("outlet_open", static_cast<double>(cylinder.outlet_open));
   set("reservoir_pressure", actuators_.cylinders().supply(i).reservoir);
+  set("pipe_pressure", actuators_.cylinders().pipe_pressure(i));
   set("axle_work", own.work);
   set("work_on_train", own.to_train);
   set("slip_dissipation", own.dissipated);

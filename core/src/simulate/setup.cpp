@@ -66,12 +66,16 @@ void check_law(WheelSlideProtection const& control, std::size_t /*axles*/) {
        "slide_protection: entries: needed is one for each band of slip and acceleration");
 }
 void check_law(WheelSlipControl const& /*control*/, std::size_t /*axles*/) {}
+/// Of a reservoir or a relay valve for each axle, and for as many more as there may be; or none.
+void check_numbers(std::vector<int> const& numbers, std::size_t axles, std::size_t most, std::string const& owner) {
+  need(numbers.empty() || (numbers.size() >= axles && numbers.size() <= most),
+       owner + " needs one number per axle, or none");
+  for (int number : numbers)
+    need(number >= 0 && at(number) < most, owner + ": allowed is 0 to " + std::to_string(most - 1));
+}
 void check_law(BrakeUnit const& unit, std::size_t axles) {
-  need(unit.reservoir.empty() || (unit.reservoir.size() >= axles && unit.reservoir.size() <= at(most_axles)),
-       "brake_unit: reservoir needs one number per axle, or none");
-  for (int number : unit.reservoir)
-    need(number >= 0 && number < most_axles,
-         "brake_unit: reservoir: allowed is 0 to " + std::to_string(most_axles - 1));
+  check_numbers(unit.reservoir, axles, at(most_axles), "brake_unit: reservoir");
+  check_numbers(unit.relay_valve, axles, at(most_axles), "brake_unit: relay_valve");
 }
 
 /// Axles that are only simulated stand behind those of the model in the lists, wherever they are in the train.
@@ -83,11 +87,8 @@ void check_simulated(MechatronicSetup const& setup) {
        "SimulatedAxles: static_load, load_transfer and position need one number per axle");
   need(setup.brake_delay.empty() || setup.brake_delay.size() == axles,
        "MechatronicSetup: brake_delay needs one number per axle, or none");
-  need(setup.reservoir.empty() || setup.reservoir.size() == axles,
-       "MechatronicSetup: reservoir needs one number per axle, or none");
-  for (int number : setup.reservoir)
-    need(number >= 0 && static_cast<std::size_t>(number) < axles,
-         "MechatronicSetup: reservoir: allowed is 0 to " + std::to_string(axles - 1));
+  check_numbers(setup.reservoir, axles, axles, "MechatronicSetup: reservoir");
+  check_numbers(setup.relay_valve, axles, axles, "MechatronicSetup: relay_valve");
   for (std::size_t i = axles - count; i < axles; ++i)
     need(setup.axles[i].wheelset == absent, "axle " + std::to_string(i) + ": wheelset must be absent: it is simulated");
   if (count == 0) return;

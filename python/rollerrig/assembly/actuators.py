@@ -147,9 +147,12 @@ def track_brake(table: AnyTrackBrake, bogies: int) -> _core.TrackBrake:
 def pneumatics(brake: Brake) -> _core.Pneumatics:
     """Chain from brake demand and the dump valves' commands to cylinder pressures."""
     valve = core_struct(_core.ControlValve, **{name: getattr(brake, name) for name in _core.ControlValve.fields})
-    given = {}
-    if isinstance(brake.air, ReservoirAir) and brake.air.reservoir_pressure is None:
-        given = {"reservoir_pressure": brake.air.main_pipe_pressure}
+    given: dict[str, Any] = {}
+    if isinstance(brake.air, ReservoirAir):
+        if brake.air.reservoir_pressure is None:
+            given["reservoir_pressure"] = brake.air.main_pipe_pressure
+        if brake.air.pipe is not None:
+            given["pipe"] = core_struct(_core.CylinderPipe, brake.air.pipe, without=("axles_per_relay_valve",))
     air = core_struct(_core.airs[brake.air.kind], brake.air, without=("kind", "axles_per_reservoir"), **given)
     return core_struct(_core.Pneumatics, control_valve=valve, air=air)
 

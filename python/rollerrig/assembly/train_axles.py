@@ -63,8 +63,21 @@ def reservoirs(model: AssembledModel) -> list[int]:
     brake = model.case.brake
     if brake is None or not isinstance(brake.air, ReservoirAir) or brake.air.axles_per_reservoir is None:
         return []
+    return _in_rows(model, brake.air.axles_per_reservoir)
+
+
+def relay_valves(model: AssembledModel) -> list[int]:
+    """Number of each axle's relay valve, as `model.axle_names`; empty: the air has no pipes."""
+    brake = model.case.brake
+    if brake is None or not isinstance(brake.air, ReservoirAir) or brake.air.pipe is None:
+        return []
+    return _in_rows(model, brake.air.pipe.axles_per_relay_valve)
+
+
+def _in_rows(model: AssembledModel, count: int) -> list[int]:
+    """Number of the row of so many axles that each axle belongs to, counted from the front of the train."""
     along = places(model)
-    return [sorted(along).index(place) // brake.air.axles_per_reservoir for place in along]
+    return [sorted(along).index(place) // count for place in along]
 
 
 def places(model: AssembledModel) -> list[float]:

@@ -13,7 +13,14 @@ from rollerrig.assembly.actuators import electrodynamic_brake, friction_brake, p
 from rollerrig.assembly.laws import angular, core_struct
 from rollerrig.assembly.model import AssembledModel
 from rollerrig.assembly.model_parts import ABSENT, AxleActuators
-from rollerrig.assembly.train_axles import brake_delay, reservoirs, simulated_axles, simulated_count, train_mass
+from rollerrig.assembly.train_axles import (
+    brake_delay,
+    relay_valves,
+    reservoirs,
+    simulated_axles,
+    simulated_count,
+    train_mass,
+)
 from rollerrig.config import Adhesion, Brake, Case, ForceSensor, Motor, Rig, RigControl, Sensors
 from rollerrig.config.schema.actuators import SlideProtection, TableSlideProtection, entry_numbers
 from rollerrig.config.schema.rig_control import (
@@ -65,6 +72,7 @@ def mechatronic_setup(
         rail=virtual_rail(model) if simulated_count(case) else None,
         brake_delay=brake_delay(model),
         reservoir=reservoirs(model),
+        relay_valve=relay_valves(model),
     )
 
 
@@ -193,7 +201,7 @@ def controller_of(model: AssembledModel, name: str) -> Any:
     if isinstance(table, RigControl):
         return rig_controller(model)
     if name == "brake_unit" and case.brake is not None:
-        return law(pneumatics=pneumatics(case.brake), reservoir=reservoirs(model))
+        return law(pneumatics=pneumatics(case.brake), reservoir=reservoirs(model), relay_valve=relay_valves(model))
     if name == "slide_protection":
         return law(law=slide_protection(table, radius))
     search = core_struct(_core.SlipSearch, table.search, axle_inertia=wheelset_inertia(model))

@@ -38,7 +38,8 @@ ReservoirAir const unit{.fill_conductance = 2.5e-7,
                         .main_pipe_pressure = 8.5e5,
                         .charging_conductance = 2e-8,
                         .reference_pressure = 1e5,
-                        .temperature = 293.15};
+                        .temperature = 293.15,
+                        .pipe = {}};
 
 /// Cylinders under one demand and one command, step by step.
 template <class Air>
@@ -55,7 +56,8 @@ struct Bench {
   void run(double seconds, DumpValve command, double demand) {
     std::vector<DumpValve> const commands(cylinder.size(), command);
     std::vector<double> const demands(cylinder.size(), demand);
-    for (long k = std::lround(seconds / step); k > 0; --k) air.step(valve, cylinder, supply, commands, demands, step);
+    for (long k = std::lround(seconds / step); k > 0; --k)
+      air.step(valve, cylinder, {}, supply, commands, demands, step);
   }
 };
 

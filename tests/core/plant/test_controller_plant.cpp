@@ -128,15 +128,16 @@ TEST_CASE(
                          .main_pipe_pressure = 6e5,
                          .charging_conductance = 1e-9,
                          .reference_pressure = 1e5,
-                         .temperature = 293.15};
+                         .temperature = 293.15,
+                         .pipe = {}};
   ControlValve const valve{2e5, 2e5, 20.0, 1e5, 5e-3};
-  BrakeUnit const unit{.pneumatics = {valve, air}, .reservoir = {0, 0}};
+  BrakeUnit const unit{.pneumatics = {valve, air}, .reservoir = {0, 0}, .relay_valve = {}};
   ControllerPart part = slide_protection();
   part.controller = {.sampling = {.every = 2}, .controller = unit};
   ControllerPlant plant(part);
   CHECK(plant.variables().size() == 6);  // two inputs and a pressure per axle, no parameter
   plant.start(1.0);
-  BrakeCylinders inside(unit.pneumatics, unit.reservoir, 2);
+  BrakeCylinders inside(unit.pneumatics, unit.reservoir, {}, 2);
   for (int k = 0; k < 1000; ++k) {
     PerAxle<double> const command{k > 500 ? 2.0 : 0.0, 0.0}, demand{3e5, 2e5};
     inside.step(unit.pneumatics, command, demand, 2e-3);

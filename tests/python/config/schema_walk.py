@@ -148,7 +148,7 @@ def whole_cases() -> dict[str, Raw]:
     brake = plain(load_case("adhesion_brake"))
     brake["traction"] = {"motor": {"envelope": [[0, 1e4], [100, 1e3]]}}
     brake["wheel_slip_control"] = {}
-    brake["brake"]["air"] = {"kind": "reservoir", "reservoir_pressure": "8 bar"}
+    brake["brake"]["air"] = {"kind": "reservoir", "reservoir_pressure": "8 bar", "pipe": {"length": "4 m"}}
     brake["brake"]["electrodynamic"] = {}
     brake["track_brake"] = {"demand": [[0.0, 0.0], [1.0, 1.0]], "friction": 0.1}
     brake["sanding"] = {}

@@ -14,7 +14,14 @@ from rollerrig.assembly.actuators import friction_brake, pneumatics
 from rollerrig.assembly.laws import core_struct
 from rollerrig.config import Brake, Case, Encoder, ForceSensor, Motor, Sensors
 from rollerrig.config.schema.actuators import AnySlideProtection
-from rollerrig.config.schema.brakes import MOST_AXLES, AnyAir, AnyElectrodynamicBrake, AnySandingStart, AnyTrackBrake
+from rollerrig.config.schema.brakes import (
+    MOST_AXLES,
+    AnyAir,
+    AnyElectrodynamicBrake,
+    AnySandingStart,
+    AnyTrackBrake,
+    CylinderPipe,
+)
 from rollerrig.config.schema.contact import kinds
 from rollerrig.config.schema.rig_control import AnyEstimator, AnyFeedback, AnySpeedSensor, Assumed, Protection
 from rollerrig.config.schema.units import Quantity
@@ -82,6 +89,7 @@ def test_each_controller_of_the_core_is_a_table_of_the_case() -> None:
         (_core.Sensors, Sensors, set()),
         (_core.RollerProtection, Protection, set()),
         (_core.AssumedParameters, Assumed, set()),
+        (_core.CylinderPipe, CylinderPipe, {"axles_per_relay_valve"}),
     ],
 )
 def test_tables_and_structs_have_the_same_fields(struct: Any, table: type[BaseModel], others: set[str]) -> None:
@@ -191,4 +199,5 @@ def _setup(axles: int) -> _core.MechatronicSetup:
         rail=None,
         brake_delay=[],
         reservoir=[],
+        relay_valve=[],
     )

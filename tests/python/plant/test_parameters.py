@@ -123,6 +123,18 @@ def test_numbers_that_a_case_may_leave_out_are_parameters_where_it_gives_them() 
     assert given["rig_control.estimator.torque_change"] == "N m"
 
 
+def test_numbers_of_the_pipes_are_parameters_where_the_air_has_them() -> None:
+    case = load_case("adhesion_valves")
+    names = {v.name for v in _core.Plant(assembled_model(case)).variables}
+    piped = case.with_changes({"brake.air": {"kind": "reservoir", "pipe": {"length": "4 m"}}})
+    given = {v.name: v.start for v in _core.Plant(assembled_model(piped)).variables if v.causality == "parameter"}
+    assert {name for name in given if name not in names} == {
+        f"brake.air.pipe.{number}" for number in ("length", "diameter", "relay_conductance")
+    }
+    narrow = pressure_after(plant_of(piped, brake__air__pipe__diameter=0.004), 1.0)
+    assert narrow < 0.6 * pressure_after(plant_of(piped), 1.0)
+
+
 def test_parameters_of_air_act_on_the_run() -> None:
     """In the first second the pressure rises as the control valve lets it, later it is what the conductance lets through."""
     case = load_case("adhesion_valves")

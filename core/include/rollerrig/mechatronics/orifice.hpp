@@ -13,6 +13,21 @@
 
 namespace rollerrig {
 
+/// Sonic conductance C [m^3/(s Pa)] and b.
+struct Orifice {
+  double conductance{}, critical_ratio{};
+};
+
+/// Two orifices one behind the other as one, (A26).
+inline Orifice in_series(Orifice const& one, Orifice const& other) {
+  if (!(one.conductance > 0.0 && other.conductance > 0.0)) return {0.0, one.critical_ratio};
+  double const both = std::pow(std::pow(one.conductance, -3.0) + std::pow(other.conductance, -3.0), -1.0 / 3.0);
+  auto const lost = [&](Orifice const& own) {
+    return (1.0 - own.critical_ratio) * std::pow(both / own.conductance, 2.0);
+  };
+  return {both, std::fmax(0.0, 1.0 - lost(one) - lost(other))};
+}
+
 /// phi of (A12): flow over that of choked flow, 1 to 0.
 ///
 /// @param ratio     absolute downstream over absolute upstream pressure; beyond 1 nothing flows

@@ -112,7 +112,8 @@ struct MechatronicSetup {
   SimulatedAxles simulated{};         ///< the last ones of `axles`
   std::optional<VirtualRail> rail{};  ///< under them
   std::vector<double> brake_delay{};
-  std::vector<int> reservoir{};  ///< number of the reservoir that feeds each axle; empty: one feeds all
+  std::vector<int> reservoir{};    ///< number of the reservoir that feeds each axle; empty: one feeds all
+  std::vector<int> relay_valve{};  ///< number of each axle's relay valve; empty: one for each reservoir
 
   /// Axles in the model: the first ones of `axles`.
   std::size_t under_test() const { return axles.size() - simulated.count(); }
@@ -153,7 +154,7 @@ struct MechatronicSetup {
         Member{"sanding", &P::sanding}, Member{"simulated", &P::simulated}, Member{"rail", &P::rail},
         Member{"brake_delay", &P::brake_delay, "s", "delay of the demand at each axle, (N3); empty: none",
                not_negative},
-        Member{"reservoir", &P::reservoir});
+        Member{"reservoir", &P::reservoir}, Member{"relay_valve", &P::relay_valve});
   }
 };
 

@@ -120,7 +120,7 @@ class Brake(Table):
     ambient_pressure: Annotated[float, Quantity("Pa", 1.0, 1e8)] = optional(
         101325.0, "pressure of the air around: valves choke by ratios of absolute pressures"
     )
-    volume: Volume = optional(5e-3, "volume of one axle's cylinders and pipes")
+    volume: Volume = optional(5e-3, "volume of one axle's cylinders, and of its pipes where brake.air has none")
     piston_area: Annotated[float, Quantity("m^2", 1e-8, 10.0)] = optional(
         0.085, "times ratio and efficiency of the rigging, one axle"
     )

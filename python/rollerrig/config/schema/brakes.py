@@ -1,5 +1,6 @@
 """Tables of the train and its brakes: air, electrodynamic brakes, brakes on the rail, sand."""
 
+import math
 from itertools import pairwise
 from typing import Annotated, Literal
 
@@ -89,6 +90,24 @@ class UnlimitedAir(Table):
     vent_rate: Rate = optional(5.0, "choked venting of the cylinder, -p'/p, absolute")
 
 
+class CylinderPipe(Table):
+    """A relay valve for some axles, and the pipes from it to their dump valves. The numbers are ours, of usual size."""
+
+    length: Annotated[float, Quantity("m", 0.01, 1e3)] = Field(
+        description="length from the relay valve to the dump valve of an axle"
+    )
+    diameter: Annotated[float, Quantity("m", 5e-4, 0.1)] = optional(0.02, "inner diameter")
+    axles_per_relay_valve: Annotated[StrictInt, Field(ge=1, le=MOST_AXLES)] = optional(
+        2, "axles in a row behind one relay valve, counted from the front: 2 of a bogie; each has such a pipe"
+    )
+    relay_conductance: Conductance = optional(5e-7, "sonic conductance C of a relay valve that is wide open")
+
+    @property
+    def volume(self) -> float:
+        """Volume of the pipe of one axle [m^3]."""
+        return 0.25 * math.pi * self.diameter**2 * self.length
+
+
 class ReservoirAir(Table):
     """An auxiliary reservoir, fed by the main pipe, behind dump valves with dead times and orifices after ISO 6358.
 
@@ -98,7 +117,9 @@ class ReservoirAir(Table):
     kind: Literal["reservoir"] = Field(
         description="an auxiliary reservoir fed by the main pipe, behind dump valves with dead times, orifices after ISO 6358"
     )
-    fill_conductance: Conductance = optional(2.5e-7, "sonic conductance C from the reservoir to one axle's cylinders")
+    fill_conductance: Conductance = optional(
+        2.5e-7, "sonic conductance C from the reservoir, with `pipe` from the pipe, to one axle's cylinders"
+    )
     vent_conductance: Conductance = optional(2.5e-7, "sonic conductance C from one axle's cylinders to the ambient")
     critical_ratio: Annotated[float, Quantity("1", 0.0, 0.9)] = optional(
         0.3, "critical pressure ratio b of all orifices"
@@ -129,6 +150,9 @@ class ReservoirAir(Table):
     )
     temperature: Annotated[float, Quantity("K", 200.0, 400.0)] = optional(
         293.15, "temperature of all air, which it keeps"
+    )
+    pipe: CylinderPipe | None = optional(
+        None, "pipes from a relay valve to the dump valves of its axles; absent: a relay valve at each cylinder"
     )
 
 

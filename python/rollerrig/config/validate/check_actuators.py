@@ -26,6 +26,8 @@ def simulated_axles(case: CaseTables, study: str) -> list[ConfigProblem]:
 
 _PLACED = 1e-3
 """To which places of axles must agree [m]."""
+_PIPE_FILLED = 0.64
+"""Pressure of a pipe that choked flow may change within a sampling step, over that before the orifice: 64 parts of 1 %."""
 _DEAD_TIMES = ("opening_time", "closing_time", "least_pulse")
 DRIVE_OF_RIG_CONTROL = "allowed with [rig_control]: 'free', its drives act on the rollers"
 
@@ -93,6 +95,7 @@ def _tables(case: CaseTables, file: str) -> Iterator[ConfigProblem]:
     yield from _air(case, file)
     yield from _machines(case, file)
     wheelsets = case.vehicle.wheelsets
+    yield from _pipes(case, len(case.train.axles.positions if case.train.axles else wheelsets), file)
     if len(wheelsets) > MOST_AXLES:
         yield ConfigProblem(file, "vehicle.cut", show_value(case.vehicle.cut), f"allowed: at most {MOST_AXLES} axles")
     yield from _train(case, len(wheelsets), file)
@@ -152,12 +155,32 @@ def _air(case: CaseTables, file: str) -> Iterator[ConfigProblem]:
     start = air.reservoir_pressure if air.reservoir_pressure is not None else air.main_pipe_pressure
     axles = len(case.train.axles.positions if case.train.axles else case.vehicle.wheelsets)
     fed = min(axles, air.axles_per_reservoir or axles)
-    share = air.reservoir_volume / (air.reservoir_volume + fed * brake.volume)
+    volume = brake.volume + (air.pipe.volume if air.pipe is not None else 0.0)
+    share = air.reservoir_volume / (air.reservoir_volume + fed * volume)
     least = brake.spring_force / brake.piston_area / share
     if start <= least:
         empty = "a reservoir that is empty from the start brakes nothing"
         allowed = f"{empty}; allowed: above {least / 1e5:.3g} bar, at which the pads touch"
         yield ConfigProblem(file, key if given else "brake.air.main_pipe_pressure", f"{start / 1e5:.3g} bar", allowed)
+
+
+def _pipes(case: CaseTables, axles: int, file: str) -> Iterator[ConfigProblem]:
+    """Pipes that a sampling step resolves, behind relay valves that have one reservoir."""
+    air = case.brake.air if case.brake is not None else None
+    if not isinstance(air, ReservoirAir) or air.pipe is None:
+        return
+    own, together = air.pipe, air.axles_per_reservoir
+    if together is not None and together % own.axles_per_relay_valve:
+        allowed = f"allowed: a part of brake.air.axles_per_reservoir, {together}"
+        yield ConfigProblem(file, "brake.air.pipe.axles_per_relay_valve", str(own.axles_per_relay_valve), allowed)
+    conductance = max(air.fill_conductance, own.relay_conductance / min(axles, own.axles_per_relay_valve))
+    least = air.reference_pressure * conductance * case.time.sampling_step / _PIPE_FILLED
+    if own.volume < least:
+        filled = f"a volume of {1e6 * own.volume:.3g} cm^3 is filled within a sampling step"
+        allowed = (
+            f"{filled}; allowed: at least {own.length * least / own.volume:.3g} m, or a shorter time.sampling_step"
+        )
+        yield ConfigProblem(file, "brake.air.pipe.length", f"{own.length:g} m", allowed)
 
 
 def _train_axles(case: CaseTables, places: list[float], file: str) -> Iterator[ConfigProblem]:

@@ -188,11 +188,14 @@ class Examples:
                 _core.ReservoirAir,
                 ReservoirAir(kind="reservoir", reservoir_pressure=8e5),
                 without=("kind", "axles_per_reservoir"),
+                pipe=_core.CylinderPipe(length=4.0, diameter=0.02, relay_conductance=5e-7),
             ),
             _core.PulsePeriod(teeth=100.0, pitch_error=0.01, averaging_time=5e-3, timeout=0.3, clock=1e6),
             _core.PulseFrequency(teeth=100.0, pitch_error=0.01, gate_time=0.1),
             slide_protection(TableSlideProtection(kind="threshold_table"), 0.46),
-            _core.BrakeUnit(pneumatics=pneumatics(Brake(demand=((0.0, 0.0), (1.0, 1e5)))), reservoir=[0, 0]),
+            _core.BrakeUnit(
+                pneumatics=pneumatics(Brake(demand=((0.0, 0.0), (1.0, 1e5)))), reservoir=[0, 0], relay_valve=[0, 0]
+            ),
             _core.ForceSensor(bandwidth=100.0, noise=10.0, resolution=1.0, range=1e5),
             _core.AxleTorque(
                 wheelset=0, reaction=-1, torque=[(0.0, 0.0), (1.0, 100.0)], link=0.0, gear_ratio=1.0, rotor_inertia=0.0

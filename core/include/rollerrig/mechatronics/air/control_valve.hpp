@@ -51,7 +51,8 @@ struct ControlValve {
         Member{"follow_rate", &P::follow_rate, "1/s", "rate at which the control valve closes in on the demand",
                not_negative},
         Member{"ambient_pressure", &P::ambient_pressure, "Pa", "absolute pressure of the ambient air", positive},
-        Member{"volume", &P::volume, "m^3", "volume of an axle's cylinder and its pipe", positive});
+        Member{"volume", &P::volume, "m^3",
+               "volume of an axle's cylinder, and of its pipe where the air has none of its own", positive});
   }
 
   double rate(double control, double demand) const {

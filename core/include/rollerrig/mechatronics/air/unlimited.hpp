@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "rollerrig/mechatronics/air/control_valve.hpp"
+#include "rollerrig/mechatronics/air/cylinder_pipe.hpp"
 #include "rollerrig/mechatronics/orifice.hpp"
 
 namespace rollerrig {
@@ -28,8 +29,8 @@ struct UnlimitedAir {
 
   AirSupply start() const { return {}; }
 
-  void step(ControlValve const& valve, std::span<Cylinder> cylinders, AirSupply& /*supply*/,
-            std::span<DumpValve const> command, std::span<double const> demand, double h) const {
+  void step(ControlValve const& valve, std::span<Cylinder> cylinders, std::span<RelayValve> /*relays*/,
+            AirSupply& /*supply*/, std::span<DumpValve const> command, std::span<double const> demand, double h) const {
     double const part = h / air_parts;
     for (std::size_t i = 0; i < cylinders.size(); ++i) {
       Cylinder& own = cylinders[i];
