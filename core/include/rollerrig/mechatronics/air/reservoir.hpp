@@ -72,7 +72,7 @@ struct ReservoirAir {
       unit.step(command[i], switching);
       cylinders[i].move_valves(unit.inlet_open(), unit.outlet_open());
     }
-    int const parts = pipe ? pipe_parts(relays.front().cylinders, h) : air_parts;
+    int const parts = pipe && !relays.empty() ? pipe_parts(relays.front().cylinders, h) : air_parts;
     for (int k = 0; k < parts; ++k)
       pipe ? advance_pipes(valve, cylinders, relays, supply, demand, h / parts)
            : advance(valve, cylinders, supply, demand, h / parts);
