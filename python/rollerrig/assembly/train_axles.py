@@ -3,6 +3,8 @@
 Case, AssembledModel -> [train_axles] -> names, loads, places, brake demand and air; _core.SimulatedAxles
 """
 
+from typing import Any
+
 from rollerrig import _core
 from rollerrig.assembly.model import AssembledModel
 from rollerrig.config import Case
@@ -58,7 +60,7 @@ def brake_delay(model: AssembledModel) -> list[float]:
     return [] if speed is None else [place / speed for place in places(model)]
 
 
-def air_groups(model: AssembledModel) -> dict[str, list[int]]:
+def air_groups(model: AssembledModel) -> dict[str, Any]:
     """Number of each axle's `reservoir` and `relay_valve`, as `model.axle_names`; empty: all have one, or the air has none."""
     air = model.case.brake.air if model.case.brake is not None else None
     counts = {"reservoir": getattr(air, "axles_per_reservoir", None), "relay_valve": None}
