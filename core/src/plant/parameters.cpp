@@ -69,10 +69,7 @@ struct ModelParameters::Walk {
         number(value);
       } else if constexpr (std::is_same_v<V, std::optional<double>>) {
         if (value) number(*value);
-      } else if constexpr (requires {
-                             value.has_value();
-                             requires Described<typename V::value_type>;
-                           }) {
+      } else if constexpr (std::is_same_v<V, std::optional<CylinderPipe>>) {
         if (value) fields(*value, inner, fixed);
       } else if constexpr (Described<V>) {
         fields(value, inner, fixed);

@@ -3,6 +3,8 @@
 Case, AssembledModel -> [train_axles] -> names, loads, places, brake demand and air; _core.SimulatedAxles
 """
 
+from typing import Any
+
 from rollerrig import _core
 from rollerrig.assembly.model import AssembledModel
 from rollerrig.config import Case
@@ -58,26 +60,14 @@ def brake_delay(model: AssembledModel) -> list[float]:
     return [] if speed is None else [place / speed for place in places(model)]
 
 
-def reservoirs(model: AssembledModel) -> list[int]:
-    """Number of the auxiliary reservoir that feeds each axle, as `model.axle_names`; empty: one feeds all."""
-    brake = model.case.brake
-    if brake is None or not isinstance(brake.air, ReservoirAir) or brake.air.axles_per_reservoir is None:
-        return []
-    return _in_rows(model, brake.air.axles_per_reservoir)
-
-
-def relay_valves(model: AssembledModel) -> list[int]:
-    """Number of each axle's relay valve, as `model.axle_names`; empty: the air has no pipes."""
-    brake = model.case.brake
-    if brake is None or not isinstance(brake.air, ReservoirAir) or brake.air.pipe is None:
-        return []
-    return _in_rows(model, brake.air.pipe.axles_per_relay_valve)
-
-
-def _in_rows(model: AssembledModel, count: int) -> list[int]:
-    """Number of the row of so many axles that each axle belongs to, counted from the front of the train."""
+def air_groups(model: AssembledModel) -> dict[str, Any]:
+    """Number of each axle's `reservoir` and `relay_valve`, as `model.axle_names`; empty: all have one, or the air has none."""
+    air = model.case.brake.air if model.case.brake is not None else None
+    counts = {"reservoir": getattr(air, "axles_per_reservoir", None), "relay_valve": None}
+    if isinstance(air, ReservoirAir) and air.pipe is not None:
+        counts["relay_valve"] = air.pipe.axles_per_relay_valve
     along = places(model)
-    return [sorted(along).index(place) // count for place in along]
+    return {key: [sorted(along).index(at) // count for at in along] if count else [] for key, count in counts.items()}
 
 
 def places(model: AssembledModel) -> list[float]:

@@ -13,14 +13,7 @@ from rollerrig.assembly.actuators import electrodynamic_brake, friction_brake, p
 from rollerrig.assembly.laws import angular, core_struct
 from rollerrig.assembly.model import AssembledModel
 from rollerrig.assembly.model_parts import ABSENT, AxleActuators
-from rollerrig.assembly.train_axles import (
-    brake_delay,
-    relay_valves,
-    reservoirs,
-    simulated_axles,
-    simulated_count,
-    train_mass,
-)
+from rollerrig.assembly.train_axles import air_groups, brake_delay, simulated_axles, simulated_count, train_mass
 from rollerrig.config import Adhesion, Brake, Case, ForceSensor, Motor, Rig, RigControl, Sensors
 from rollerrig.config.schema.actuators import SlideProtection, TableSlideProtection, entry_numbers
 from rollerrig.config.schema.rig_control import (
@@ -71,8 +64,7 @@ def mechatronic_setup(
         simulated=simulated_axles(model, wheelset_inertia(model)),
         rail=virtual_rail(model) if simulated_count(case) else None,
         brake_delay=brake_delay(model),
-        reservoir=reservoirs(model),
-        relay_valve=relay_valves(model),
+        **air_groups(model),
     )
 
 
@@ -201,7 +193,7 @@ def controller_of(model: AssembledModel, name: str) -> Any:
     if isinstance(table, RigControl):
         return rig_controller(model)
     if name == "brake_unit" and case.brake is not None:
-        return law(pneumatics=pneumatics(case.brake), reservoir=reservoirs(model), relay_valve=relay_valves(model))
+        return law(pneumatics=pneumatics(case.brake), **air_groups(model))
     if name == "slide_protection":
         return law(law=slide_protection(table, radius))
     search = core_struct(_core.SlipSearch, table.search, axle_inertia=wheelset_inertia(model))

@@ -22,7 +22,7 @@ from rollerrig.study.frame import Content, Study
 from rollerrig.study.jobs import Done, Round, job
 from rollerrig.study.quantities import Numbers
 from rollerrig.study.report import Block, Picture, Section, Table, Text
-from rollerrig.study.runs.fit import MODELS, Channel, Found, Record, search, starts
+from rollerrig.study.runs.fit import MODELS, OVER_TIME, Channel, Found, Record, search, starts
 
 SAME = 1e-3
 """Searches whose sums of squares differ by this part ended at the same place."""
@@ -48,7 +48,7 @@ class Compared:
     @property
     def autocorrelation(self) -> float:
         """Correlation of a residual of a run with the one before; NaN for other logs."""
-        return correlation(self.residual[self.channel.fitted]) if self.record.kind == "run" else math.nan
+        return correlation(self.residual[self.channel.fitted]) if self.record.kind in OVER_TIME else math.nan
 
 
 @dataclass(frozen=True)
@@ -146,7 +146,7 @@ class FitStudy(Study[Fit]):
                     "rms_held_back": one.rms(np.logical_not(one.channel.fitted)),
                     "autocorrelation": one.autocorrelation,
                     "widening": widening(one.residual[one.channel.fitted], len(names))
-                    if one.record.kind == "run"
+                    if one.record.kind in OVER_TIME
                     else 1.0,
                 }
                 for one in results.compared
@@ -244,7 +244,10 @@ class FitStudy(Study[Fit]):
             picture = figures.comparison(x, channel.measured, fitted, channel.fitted, along, label)
             text = f"{one.name}: measured and fitted, and what is left; grey: held back."
             blocks: list[Block] = [Picture(f"output_{k + 1}", picture, text)]
-            if one.record.kind == "run" and (spectrum := figures.spectrum(x, one.residual, channel.unit)) is not None:
+            if (
+                one.record.kind in OVER_TIME
+                and (spectrum := figures.spectrum(x, one.residual, channel.unit)) is not None
+            ):
                 text = f"{one.name}: spectrum of what is left; flat: noise alone."
                 blocks.append(Picture(f"spectrum_{k + 1}", spectrum, text))
             sections.append(Section(one.name, blocks))

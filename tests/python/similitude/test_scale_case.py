@@ -20,7 +20,7 @@ from rollerrig.results import RunInfo
 from rollerrig.similitude import STRATEGIES, factors_of, map_back, scale_case, similitude
 from rollerrig.similitude.scale_case import SPECIAL, NoUnitError, units_of
 
-NO_DIMENSION = ("window", "seed")
+NO_DIMENSION = ("window", "seed", "axles_per_relay_valve")
 """Whole numbers that count."""
 
 

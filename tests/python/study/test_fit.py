@@ -204,6 +204,91 @@ def test_the_equivalent_dead_time_of_a_rig_is_found_from_its_step() -> None:
     assert dead == pytest.approx(0.5e-3 + 1.0 / (2.0 * np.pi * found.values["bandwidth"]), rel=1e-3)
 
 
+# -------------------------------------------------------------------------------------------------- dump valve from a curve
+
+SINCE = np.arange(0.0, 2.6, 5e-3)
+COMMANDS = np.select([SINCE < 0.6, SINCE < 0.8, SINCE < 1.6, SINCE < 1.7, SINCE < 2.1], [0.0, 1.0, 2.0, 1.0, 0.0], 2.0)
+
+
+def valve_log(commands: np.ndarray = COMMANDS, **changes: object) -> tuple[WholeFit, Record, list[np.ndarray]]:
+    """Noise of 0.02 bar; changes of the case, 'brake.air.' before them."""
+    raw = read_document("fit", "dump_valve").raw
+    output = {**raw["log"][0]["output"][0], "error": "0.02 bar"}
+    given = {**raw["changes"], **{f"brake.air.{key}": value for key, value in changes.items()}}
+    whole = plan_of("dump_valve", log=[{**raw["log"][0], "output": [output]}], changes=given)
+    return whole, *synthetic(whole, {"time": SINCE, "valve": commands, "cylinder_pressure": 0.0 * SINCE})
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("count", [2, pytest.param(100, marks=pytest.mark.long)])
+def test_a_dump_valve_is_within_its_own_intervals(count: int) -> None:
+    """95 % are expected: 95 of 100 with a standard deviation of 2.2."""
+    found = inside(*valve_log(), count)
+    assert set(found) == {"fill_conductance", "vent_conductance", "critical_ratio"}
+    assert min(found.values()) >= (1 if count == 2 else 88), found
+
+
+@pytest.mark.slow
+def test_a_valve_s_data_sheet_returns_from_its_curve() -> None:
+    """All three numbers others than those where the search begins; intervals of a few per cent."""
+    sheet = {"fill_conductance": 1.7e-7, "vent_conductance": 3.1e-7, "critical_ratio": 0.42}
+    whole, record, _ = valve_log()
+    changes = {f"brake.air.{key}": value for key, value in sheet.items()}
+    (exact,) = MODELS["brake_unit"].values(record, record.case.with_changes(changes))
+    noisy = exact + 2e3 * np.random.default_rng(4).normal(size=len(exact))
+    channels = (replace(record.channels[0], measured=noisy),)
+    found = search(whole, [replace(record, channels=channels)], [one.start for one in whole.free]).estimate
+    for name, value in sheet.items():
+        low, high = found.intervals[name]
+        assert low < value < high
+        assert high - low < (0.3 if name == "critical_ratio" else 0.04) * value
+
+
+@pytest.mark.slow
+def test_dead_times_of_a_valve_are_those_that_leave_least() -> None:
+    """Opening, closing, and opening again: the one hardly depends on the other."""
+    exact = valve_log(opening_time="18 ms", closing_time="24 ms")[2][0]
+    noisy = exact + 2e3 * np.random.default_rng(5).normal(size=len(exact))
+    log = {"time": SINCE, "valve": COMMANDS, "cylinder_pressure": noisy}
+    plan = {**read_document("fit", "dump_valve").raw}
+    plan["free"] = plan["free"][:2]
+    found = {"opening_time": 20, "closing_time": 20}
+    for name in ("opening_time", "closing_time", "opening_time"):
+        left = {}
+        for ms in range(14, 29, 2):
+            changes = {f"brake.air.{key}": f"{value} ms" for key, value in {**found, name: ms}.items()}
+            left[ms] = rr.fit(plan, [log], changes=changes).numbers["outputs"]["cylinder_pressure"]["rms"]
+        found[name] = min(left, key=lambda ms: left[ms])
+    assert found == {"opening_time": 18, "closing_time": 24}
+    assert left[18] == pytest.approx(2e3, rel=0.1)
+
+
+def test_a_log_whose_valve_never_vents_is_told_that_it_says_nothing_about_venting() -> None:
+    whole, record, _ = valve_log(np.minimum(COMMANDS, 1.0))
+    with pytest.raises(rr.ConfigError) as error:
+        search(whole, [record], [one.start for one in whole.free])
+    assert len(error.value.problems) == 1
+    assert "free[1].key: 'brake.air.vent_conductance'; allowed: keys that some output depends on" in str(error.value)
+
+
+@pytest.mark.parametrize(
+    ("change", "log", "expected"),
+    [
+        ({}, {"valve": COMMANDS + 1.0}, "log 1: valve: 3; allowed: 0 fill, 1 hold, 2 vent"),
+        ({}, {"valve": None}, "log 1: log[0].valve: no column 'valve'; allowed: time, cylinder_pressure"),
+        ({"case": "wheelset_rollers", "changes": {}, "free": [{"key": "contact.friction.mu_0", "least": 0.1, "most": 0.6}]},
+         {}, "plan: case: 'wheelset_rollers'; needed: a case with [brake]"),
+    ],
+    ids=["command", "column", "no_brake"],
+)  # fmt: skip
+def test_a_valve_log_with_a_mistake_is_refused_in_a_line(
+    change: dict[str, Any], log: dict[str, Any], expected: str
+) -> None:
+    columns = {"time": SINCE, "valve": COMMANDS, "cylinder_pressure": 0.0 * SINCE, **log}
+    plan = {**read_document("fit", "dump_valve").raw, **change}
+    assert expected in refused(plan, {name: values for name, values in columns.items() if values is not None})
+
+
 # -------------------------------------------------------------------------------------------------------------- refusals
 
 GOOD = {"time": np.arange(0.0, 1.0, 0.01), "y": np.zeros(100)}

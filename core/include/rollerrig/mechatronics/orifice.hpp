@@ -20,8 +20,9 @@ struct Orifice {
 
 /// Two orifices one behind the other as one, (A26).
 inline Orifice in_series(Orifice const& one, Orifice const& other) {
-  if (!(one.conductance > 0.0 && other.conductance > 0.0)) return {0.0, one.critical_ratio};
-  double const both = std::pow(std::pow(one.conductance, -3.0) + std::pow(other.conductance, -3.0), -1.0 / 3.0);
+  double const a = one.conductance, b = other.conductance, least = std::fmin(a, b);
+  if (!(least > 0.0)) return {0.0, one.critical_ratio};
+  double const both = least / std::cbrt(std::pow(least / a, 3.0) + std::pow(least / b, 3.0));
   auto const lost = [&](Orifice const& own) {
     return (1.0 - own.critical_ratio) * std::pow(both / own.conductance, 2.0);
   };

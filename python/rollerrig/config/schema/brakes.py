@@ -118,7 +118,7 @@ class ReservoirAir(Table):
         description="an auxiliary reservoir fed by the main pipe, behind dump valves with dead times, orifices after ISO 6358"
     )
     fill_conductance: Conductance = optional(
-        2.5e-7, "sonic conductance C from the reservoir, with `pipe` from the pipe, to one axle's cylinders"
+        2.5e-7, "sonic conductance C from reservoir or pipe to one axle's cylinders"
     )
     vent_conductance: Conductance = optional(2.5e-7, "sonic conductance C from one axle's cylinders to the ambient")
     critical_ratio: Annotated[float, Quantity("1", 0.0, 0.9)] = optional(

@@ -75,15 +75,31 @@ class Log(Table):
     output: tuple[Output, ...] = Field(min_length=1, max_length=50, description="what is compared")
 
 
-class RunLog(Log):
-    """Signals over time, compared with a run of the case."""
+class TimeLog(Log):
+    """What every log over time has."""
 
-    kind: Literal["run"] = Field(description="signals over time, compared with a run")
     begin: Annotated[float, Quantity("s", -1e9, 1e9)] | None = optional(
         None, "time of the log at which the run begins; absent: the first"
     )
     end: Annotated[float, Quantity("s", -1e9, 1e9)] | None = optional(None, "last time used; absent: the last")
     input: tuple[Input, ...] = Field(default=(), max_length=20, description="columns that drive the run")
+
+
+class RunLog(TimeLog):
+    """Signals over time, compared with a run of the case."""
+
+    kind: Literal["run"] = Field(description="signals over time, compared with a run")
+
+
+class BrakeUnitLog(TimeLog):
+    """Pressure of one cylinder over time, compared with that of the case's [brake] alone: no runs."""
+
+    kind: Literal["brake_unit"] = Field(
+        description="pressure of one cylinder over time, empty at the begin, compared with that of [brake] alone"
+    )
+    valve: str = optional(
+        "valve", "column of the dump valve's commands, each until the next row: 0 fill, 1 hold, 2 vent"
+    )
 
 
 class ModesLog(Log):
@@ -103,7 +119,7 @@ class CreepLog(Log):
     )
 
 
-AnyLog = Annotated[RunLog | ModesLog | CreepLog, Discriminator("kind"), by_kind("run")]
+AnyLog = Annotated[RunLog | BrakeUnitLog | ModesLog | CreepLog, Discriminator("kind"), by_kind("run")]
 
 
 def _one_or_more(value: Any) -> Any:

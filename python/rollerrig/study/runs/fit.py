@@ -2,7 +2,7 @@
 
     Record, case -> [MODELS] -> values of each channel at its abscissa -> [search] -> Found: estimate, values, errors
 
-A log is one of three kinds: signals of a run over time, hunting over speed, traction over creepage.
+A log is one of four kinds: signals of a run or pressure of a cylinder over time, hunting over speed, traction over creepage.
 """
 
 from __future__ import annotations
@@ -12,12 +12,15 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
+from rollerrig import _core
 from rollerrig.analysis.estimation import Estimate, estimate, widening
 from rollerrig.analysis.signals import low_pass
+from rollerrig.assembly.actuators import pneumatics
 from rollerrig.assembly.laws import core_law
 from rollerrig.common.arrays import Array
 from rollerrig.config import Case, ConfigError, ConfigProblem, case_from_toml
@@ -75,10 +78,11 @@ class Record:
     Attributes:
         file: the log.
         case: with its changes, starts and inputs.
-        kind: run, modes or creep.
+        kind: run, brake_unit, modes or creep.
         x: abscissa: time from the begin of the run [s], speed [m/s], or creepage [-].
         channels: what is compared.
         a_over_b: shape of the contact patch of a creep log; None: that of the case.
+        valve: commands of the dump valve at the rows of a log of a brake unit.
     """
 
     file: str
@@ -87,6 +91,7 @@ class Record:
     x: Array
     channels: tuple[Channel, ...]
     a_over_b: float | None = None
+    valve: Array | None = None
 
 
 # ------------------------------------------------------------------------------------------------- what the model gives
@@ -128,6 +133,30 @@ def _sampled(record: Record, run: xr.Dataset) -> list[Array]:
             values = low_pass(signal, channel.low_pass).to_numpy()
         found.append(np.asarray(CubicSpline(time, values)(record.x)))
     return found
+
+
+def _brake_unit_values(record: Record, case: Case) -> list[Array]:
+    """Pressure of one cylinder that is empty at the begin, at the sampling steps of the case."""
+    brake, step = case.brake, case.time.sampling_step
+    if brake is None or record.valve is None:
+        raise UnusableRunError(f"{record.file}: no brake")
+    unit = _core.BrakeUnit(pneumatics=pneumatics(brake), reservoir=[], relay_valve=[])
+    sampling = _core.Sampling(every=1, delay=0, external=False)
+    controller = _core.SampledController(sampling=sampling, controller=unit)
+    still: dict[str, Any] = {"axles": ["axle"], "train_speed": 0.0, "axle_speed": [0.0], "roller_speed": [0.0]}
+    plant = _core.ControllerPlant(_core.ControllerPart(name=case.name, step=step, controller=controller, **still))
+    plant.start()
+    place = {variable.name: k for k, variable in enumerate(plant.variables)}
+    time = step * np.arange(math.ceil(record.x[-1] / step) + 2)
+    row = np.searchsorted(record.x, time + 0.01 * step, side="right") - 1
+    demand = np.interp(time, *np.transpose(brake.demand))
+    pressure = np.zeros_like(time)
+    for k, command in enumerate(record.valve[np.maximum(row[:-1], 0)]):
+        plant.set_input(place["axle.dump_valve"], command)
+        plant.set_input(place["axle.brake_demand"], demand[k])
+        plant.advance(time[k + 1])
+        pressure[k + 1] = plant.get(place["axle.cylinder_pressure_command"])
+    return _sampled(record, xr.Dataset({"cylinder_pressure": ("time", pressure, {"units": "Pa"})}, {"time": time}))
 
 
 def _modes_values(record: Record, case: Case) -> list[Array]:
@@ -180,10 +209,13 @@ class Model:
 
 MODELS: Mapping[str, Model] = {
     "run": Model(("time", "s"), _run_outputs, _run_values),
+    "brake_unit": Model(("time", "s"), lambda _: {"cylinder_pressure": "Pa"}, _brake_unit_values),
     "modes": Model(("speed", "m/s"), lambda _: {"hunting_frequency": "Hz", "hunting_damping": "1"}, _modes_values),
     "creep": Model(("creepage", "1"), lambda _: {"traction_coefficient": "1"}, _creep_values),
 }
 """Kind of a log -> what it is compared with."""
+OVER_TIME = tuple(kind for kind, model in MODELS.items() if model.abscissa[0] == "time")
+"""Kinds whose residuals may follow each other."""
 
 
 # -------------------------------------------------------------------------------------------------------------- search
@@ -242,7 +274,7 @@ class _Comparison:
         series = np.split(residuals, np.cumsum([count for _, count in channels])[:-1])
         fitted = len(self._free)
         factors = [
-            widening(one, fitted) if kind == "run" else 1.0 for (kind, _), one in zip(channels, series, strict=True)
+            widening(one, fitted) if kind in OVER_TIME else 1.0 for (kind, _), one in zip(channels, series, strict=True)
         ]
         return np.repeat(factors, [count for _, count in channels])
 

@@ -18,7 +18,7 @@ from rollerrig.common.arrays import Array
 from rollerrig.config import Case, ConfigError, ConfigProblem
 from rollerrig.config.errors import nearest, one_of, show_value
 from rollerrig.config.load.fit import WholeFit
-from rollerrig.config.schema.fit import CreepLog, Log, Output, RunLog
+from rollerrig.config.schema.fit import BrakeUnitLog, CreepLog, Log, Output, TimeLog
 from rollerrig.config.schema.units import Quantity, unit_factor
 from rollerrig.results.logs import Log as Table
 from rollerrig.results.logs import read_log, time_problem
@@ -75,7 +75,7 @@ class _Reader:
         name, unit = log.over or MODELS[kind].abscissa[0], MODELS[kind].abscissa[1]
         x = self._column(name, "over", self._factor(name, log.unit, unit, "unit"))
         used: Any = np.ones(len(x), dtype=bool)
-        if isinstance(log, RunLog):
+        if isinstance(log, TimeLog):
             begin = float(x[0]) if log.begin is None else log.begin
             used = (x >= begin) & (x <= (math.inf if log.end is None else log.end))
             if used.sum() < 2:
@@ -93,13 +93,24 @@ class _Reader:
             for number, output in enumerate(log.output)
         )
         shape = log.a_over_b if isinstance(log, CreepLog) else None
-        return Record(self.table.file, case, kind, x[used], tuple(channels), shape)
+        valve = self._commands(case, log, used) if isinstance(log, BrakeUnitLog) else None
+        return Record(self.table.file, case, kind, x[used], tuple(channels), shape, valve)
+
+    def _commands(self, case: Case, log: BrakeUnitLog, used: Array) -> Array:
+        """Commands of the dump valve, in each row."""
+        if case.brake is None:
+            _refuse(self.plan, "case", show_value(case.name), "needed: a case with [brake]")
+        commands = self._column(log.valve, "valve", 1.0, used)
+        if not (known := np.isin(commands, (0.0, 1.0, 2.0))).all():
+            allowed = "allowed: 0 fill, 1 hold, 2 vent"
+            _refuse(self.table.file, log.valve, f"{commands[int(np.argmin(known))]:g}", allowed)
+        return commands
 
     def _fitted(self, count: int, held_back: float) -> Array:
         """Which rows are fitted to: the first of a run, of other logs all but some that are spread over it."""
         kept, held = np.ones(count, dtype=bool), round(held_back * count)
         spread = np.linspace(0, count - 1, held + 2).round().astype(int)[1:-1]
-        kept[np.arange(count - held, count) if isinstance(self.log, RunLog) else spread] = False
+        kept[np.arange(count - held, count) if isinstance(self.log, TimeLog) else spread] = False
         return kept
 
     def _channel(
@@ -127,7 +138,7 @@ class _Reader:
             _refuse(self.plan, f"{place}.error", "0", "allowed: a positive standard deviation")
         return Channel(output.of, unit, measured, error, fitted, output.low_pass, output.any_offset)
 
-    def _driven(self, case: Case, x: Array, used: Array, log: RunLog) -> Case:
+    def _driven(self, case: Case, x: Array, used: Array, log: TimeLog) -> Case:
         """The case with the columns that drive it as tables over time."""
         changes: dict[str, object] = {}
         for number, given in enumerate(log.input):

@@ -5,6 +5,7 @@
 // Pressures are over the ambient [Pa], but for ratios. Air is counted as a volume at the ambient pressure [m^3].
 #pragma once
 #include <algorithm>
+#include <cstddef>
 #include <tuple>
 
 #include "rollerrig/fields.hpp"
@@ -39,6 +40,14 @@ struct AirSupply {
   void state(auto& archive) { archive(reservoir, drawn); }
 };
 
+/// A relay valve of several axles, and the air in the pipes behind it, which has one pressure.
+struct RelayValve {
+  double control{};         ///< pressure asked for: the mean of what its axles are asked for [Pa]
+  double pressure{};        ///< in the pipes [Pa]
+  std::size_t cylinders{};  ///< behind it
+  void state(auto& archive) { archive(control, pressure); }
+};
+
 struct ControlValve {
   double application_rate{}, release_rate{}, follow_rate{}, ambient_pressure{}, volume{};
 
@@ -51,8 +60,7 @@ struct ControlValve {
         Member{"follow_rate", &P::follow_rate, "1/s", "rate at which the control valve closes in on the demand",
                not_negative},
         Member{"ambient_pressure", &P::ambient_pressure, "Pa", "absolute pressure of the ambient air", positive},
-        Member{"volume", &P::volume, "m^3",
-               "volume of an axle's cylinder, and of its pipe where the air has none of its own", positive});
+        Member{"volume", &P::volume, "m^3", "volume of an axle's cylinder and its pipe", positive});
   }
 
   double rate(double control, double demand) const {

@@ -5,7 +5,6 @@
 // Source  P. Beater, Pneumatic Drives, Springer (2007), after J. Eckersten, from memory; a test compares it with Fanno's flow.
 #pragma once
 #include <cmath>
-#include <cstddef>
 #include <tuple>
 
 #include "rollerrig/fields.hpp"
@@ -32,14 +31,6 @@ struct CylinderPipe {
     double const conductance = 0.029 * square / std::sqrt(length / std::pow(diameter, 1.25) + 510.0);
     return {conductance, 474.0 * conductance / square};
   }
-};
-
-/// A relay valve, and the air in the pipes behind it, which has one pressure.
-struct RelayValve {
-  double control{};         ///< pressure asked for: the mean of what its axles are asked for [Pa]
-  double pressure{};        ///< in the pipes [Pa]
-  std::size_t cylinders{};  ///< behind it
-  void state(auto& archive) { archive(control, pressure); }
 };
 
 }  // namespace rollerrig

@@ -72,7 +72,7 @@ struct ReservoirAir {
       unit.step(command[i], switching);
       cylinders[i].move_valves(unit.inlet_open(), unit.outlet_open());
     }
-    int const parts = pipe ? pipe_parts(relays.front().cylinders, h) : air_parts;
+    int const parts = pipe && !relays.empty() ? pipe_parts(relays.front().cylinders, h) : air_parts;
     for (int k = 0; k < parts; ++k)
       pipe ? advance_pipes(valve, cylinders, relays, supply, demand, h / parts)
            : advance(valve, cylinders, supply, demand, h / parts);
@@ -153,8 +153,7 @@ struct ReservoirAir {
     double const equal = (from.pressure - to.pressure) / (1.0 / from.size + 1.0 / to.size);
     most = std::fmax(0.0, std::fmin(most, equal));
     double const begun = 0.5 * std::fmin(time * rate(from.pressure, to.pressure), most);
-    double const middle = rate(from.pressure - begun / from.size, to.pressure + begun / to.size);
-    double const moved = std::fmin(time * middle, most);
+    double const moved = std::fmin(time * rate(from.pressure - begun / from.size, to.pressure + begun / to.size), most);
     from.pressure = std::fmax(0.0, from.pressure - moved / from.size);
     to.pressure += moved / to.size;
     return moved;

@@ -9,7 +9,6 @@
 #include <tuple>
 
 #include "rollerrig/mechatronics/air/control_valve.hpp"
-#include "rollerrig/mechatronics/air/cylinder_pipe.hpp"
 #include "rollerrig/mechatronics/orifice.hpp"
 
 namespace rollerrig {
