@@ -139,8 +139,8 @@ def test_a_parameter_that_is_missing_or_too_many_is_an_error() -> None:
 
 
 def test_too_many_axles_are_refused_by_number() -> None:
-    setup = _setup(axles=9)
-    with pytest.raises(ValueError, match="at most 8 axles have sensors and actuators, not 9"):
+    setup = _setup(axles=33)
+    with pytest.raises(ValueError, match="at most 32 axles have sensors and actuators, not 33"):
         _core.Simulation(_core.ModelBuilder(gravity=9.81).finish(), setup)
 
 

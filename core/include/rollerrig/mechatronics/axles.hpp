@@ -6,7 +6,7 @@
 namespace rollerrig {
 
 /// Of the vehicle under test; a model with more of them is refused.
-constexpr int most_axles = 8;
+constexpr int most_axles = 32;
 
 template <class V>
 using PerAxle = std::array<V, static_cast<std::size_t>(most_axles)>;

@@ -11,7 +11,7 @@ from rollerrig.config.schema.base import Table, by_kind, in_order, optional, ref
 from rollerrig.config.schema.contact import AnyFriction, FallingFriction
 from rollerrig.config.schema.units import Mass, Quantity, Time
 
-MOST_AXLES = 8
+MOST_AXLES = 32
 """That have sensors, actuators and controllers; the core's `most_axles`."""
 
 
