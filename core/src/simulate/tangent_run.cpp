@@ -18,13 +18,13 @@ using Place = Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double move = 3e-8;        ///< of displacements in a difference to one side [m, rad]: round-off is 2e-14 ...
+constexpr double move = 1e-8;        ///< of displacements in a difference to one side [m, rad]: round-off is 2e-14 ...
 constexpr double deviation = 1e-7;   ///< ... and to both: contacts are 1e-4 m deep
 constexpr double rate = 100.0;       ///< that turns a rate into a displacement as large [1/s]
 constexpr double same_time = 1e-12;  ///< [s]
-constexpr Place many = 12;  ///< columns; J costs as much as 16 evaluations, and is kept for a second correction
-constexpr double contraction = 0.05;  ///< of corrections, from which on a step needs two
-constexpr int looked_at_every = 5;    ///< steps
+constexpr Place many = 12;         ///< columns; J costs as much as 16 evaluations, and is kept for a second correction
+constexpr double left_out = 1e-4;  ///< of a tangent: a correction that is smaller is not made
+constexpr int looked_at_every = 20;  ///< steps
 
 std::size_t at(Place i) { return static_cast<std::size_t>(i); }
 
@@ -213,17 +213,22 @@ void TangentRun::step() {
   double const late = at_jump ? std::nextafter(end, time_) : end;
   MatrixXd nonlinear;
   MatrixXd const predicted = next;
-  bool const twice = stiff_ || known < 4 || ++since_look_ >= looked_at_every;
+  ++since_look_;
+  auto const size_of = [&](MatrixXd const& of) -> Eigen::RowVectorXd {
+    return (weight_.asDiagonal() * of.topRows(states)).colwise().norm();
+  };
   Eigen::RowVectorXd first;
-  for (int correction = 0; correction < (twice ? 2 : 1); ++correction) {
+  for (int correction = 0; correction < 2; ++correction) {
     nonlinear = rates(late, x_end, next) - linear_ * next.topRows(states);
     auto const with_new = [&](int k) -> MatrixXd const& { return k == 0 ? nonlinear : past(k - 1); };
     MatrixXd const corrected =
         predicted + h * (weights.difference[at(std::min(known, 3) - 1)] * backward_difference(known, with_new));
-    Eigen::RowVectorXd const change = (corrected - next).topRows(states).colwise().norm();
-    if (correction == 1) stiff_ = (change.array() > contraction * first.array()).any(), since_look_ = 0;
-    first = change;
+    Eigen::RowVectorXd const change = size_of(corrected - next);
     next = corrected;
+    if (correction == 1) contraction_ = (change.array() / first.array().max(1e-300)).maxCoeff(), since_look_ = 0;
+    bool const small = (contraction_ * change.array() <= left_out * size_of(next).array()).all();
+    if (small && known == 4 && since_look_ < looked_at_every) break;
+    first = change;
   }
   start_time_ = std::exchange(time_, end);
   start_.swap(y_), leave_.swap(slope_);
@@ -345,10 +350,12 @@ void TangentRun::differentiate(double t, double const* x, double const* z, Outpu
       minus.record(t, moved.data(), quadratures.data(), lower.data());
       return VectorXd((upper - lower) / (2.0 * by));
     };
-    double const share = run_.system() != nullptr ? 1.0 : share_along(i, tangent.head(states));
+    // A number beside the contacts is differenced in the state of the run.
+    double const share = run_.system() != nullptr ? 1.0 : moves_contacts ? share_along(i, tangent.head(states)) : 0.0;
+    double const largest = tangent.head(dynamics_.kinematic_states()).lpNorm<Eigen::Infinity>();
     if (!all_direct) found = difference(*above, *below, share * half_width, half_width);
-    if (!all_direct && share < 1.0)
-      found += (1.0 - share) * difference(run_, run_, share * half_width, share * half_width);
+    if (!all_direct && share < 1.0 && largest > 0.0)
+      found += (1.0 - share) * difference(run_, run_, deviation / largest, deviation / largest);
     for (std::size_t k = 0; k < kept_.size(); ++k)
       output.derivatives.push_back(direct_[k] >= 0        ? tangent[direct_[k]]
                                    : direct_[k] == locked ? 0.0
