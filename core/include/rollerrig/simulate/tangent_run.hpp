@@ -7,8 +7,8 @@
 //     S' = J S + df/dp,   Z' = dg/dx S + dg/dp,   S(0) = dx0/dp                                  J = df/dx, along the run
 //
 // A step of S and Z is that of the run: of exponential_adams, with the run's L and its weights, from the same earlier points, so
-// that S is the derivative of what the run computes. A step needs one value of J S + df/dp, at its end; two corrections with two
-// of them where the second one is expected to be more than 1e-4 of S: as much of the first one as every 20th step shows.
+// that S is the derivative of what the run computes. A column needs one value of J S + df/dp a step, at its end; a second one, for
+// a second correction, where that is expected to be more than 1e-4 of it: such a part of the first as every 20th step shows.
 //
 //   J S     in few columns the difference of the slopes in x + a S and in x, a = 1e-8 m over the largest displacement in S, in
 //           turns above and below: what bends changes its sign from step to step, and a step sums over four; what it shakes of
@@ -87,10 +87,11 @@ class TangentRun {
  private:
   using Matrix = Eigen::MatrixXd;
   using Vector = Eigen::VectorXd;
+  using Columns = std::vector<char>;  ///< which
 
   void step();
   void fit_spacing(double h);
-  Matrix rates(double t, Vector const& x, Matrix const& y);
+  Matrix rates(double t, Vector const& x, Matrix const& y, Columns const& wanted);
   Vector along(double t, Vector const& x, Eigen::Ref<Vector const> s, Vector const& here);
   Matrix whole_slope(Matrix const& y, Matrix const& bending) const;
   Vector bending_slope(Driver& of, Dynamics& by, double t, Vector const& x);
@@ -124,9 +125,9 @@ class TangentRun {
   double start_time_;
   Matrix linear_;  ///< L that past_ belongs to
   integrate::PastPoints<Matrix> past_;
-  double spacing_{0.0};      ///< of past_ [s]
-  double contraction_{1.0};  ///< of corrections, when last looked at
-  int since_look_{0};        ///< steps
+  double spacing_{0.0};             ///< of past_ [s]
+  Eigen::RowVectorXd contraction_;  ///< of the corrections of each column, when last looked at
+  int since_look_{0};               ///< steps
   std::vector<Output> outputs_;
 };
 
