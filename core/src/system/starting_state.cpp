@@ -1,7 +1,6 @@
 #include "rollerrig/system/starting_state.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <set>
 #include <stdexcept>
 
@@ -13,7 +12,6 @@ namespace {
 
 constexpr double set_down_reach = 0.03;        ///< [m]
 constexpr double set_down_resolution = 1e-12;  ///< [m]
-constexpr double same_place = 1e-5;            ///< the start near another one is of its kind [m, rad]
 
 std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
@@ -63,19 +61,9 @@ StartingState starting_state(std::shared_ptr<Model const> const& model, double t
     for (int c = 0; c < 6 && !bodies.contains(b); ++c)
       if (place(b, c) >= 0) all.push_back({b, c, rest.x[at(place(b, c))]});
 
-  if (!near.empty()) {
-    std::vector<double> from = near;
-    for (auto const& [body, coordinate, value] : disturbed) from[at(place(body, coordinate))] = value;
-    auto found = solve_equilibrium(dynamics, speed, t, disturbed, from, true);
-    bool stays = found.converged;
-    for (std::size_t i = 0; i < at(map.coordinates); ++i) stays = stays && std::abs(found.x[i] - near[i]) < same_place;
-    start.x = found.x;
-    if (stays) return start;
-    start.x = rest.x;
-  }
   // Far from equilibrium the others may have none: they stay where they were.
   for (auto const* fixed : {&disturbed, &all}) {
-    auto const found = solve_equilibrium(dynamics, speed, t, *fixed, rest.x);
+    auto const found = solve_equilibrium(dynamics, speed, t, *fixed, near.empty() ? rest.x : near);
     // A wheelset is stood on its rollers to begin with, even where a disturbance lifts it.
     bool const kept = std::ranges::all_of(
         disturbed, [&](auto const& one) { return found.x[at(place(one.body, one.coordinate))] == one.value; });
