@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from rollerrig import plot as plot
     from rollerrig.analysis.bifurcation import bifurcation as bifurcation
     from rollerrig.analysis.curving import curving as curving
+    from rollerrig.analysis.curving_sensitivity import curving_sensitivity as curving_sensitivity
     from rollerrig.analysis.linear_bench import linearize as linearize
     from rollerrig.analysis.mode_table import stability as stability
     from rollerrig.analysis.runs_together import compare_runs as compare_runs
@@ -74,6 +75,7 @@ __version__ = "0.1.0"
 
 _NAMES = {
     "analysis.curving": "curving",
+    "analysis.curving_sensitivity": "curving_sensitivity",
     "analysis.linear_bench": "linearize",
     "analysis.mode_table": "stability",
     "analysis.runs_together": "compare_runs",

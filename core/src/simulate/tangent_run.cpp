@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
 #include <memory>
 #include <stdexcept>
 #include <tuple>
@@ -18,13 +19,13 @@ using Place = Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double move = 3e-8;        ///< of displacements in a difference to one side [m, rad]: round-off is 2e-14 ...
+constexpr double move = 1e-8;        ///< of displacements in a difference to one side [m, rad]: round-off is 2e-14 ...
 constexpr double deviation = 1e-7;   ///< ... and to both: contacts are 1e-4 m deep
 constexpr double rate = 100.0;       ///< that turns a rate into a displacement as large [1/s]
 constexpr double same_time = 1e-12;  ///< [s]
-constexpr Place many = 12;  ///< columns; J costs as much as 16 evaluations, and is kept for a second correction
-constexpr double contraction = 0.05;  ///< of corrections, from which on a step needs two
-constexpr int looked_at_every = 5;    ///< steps
+constexpr Place many = 12;         ///< columns; J costs as much as 16 evaluations, and is kept for a second correction
+constexpr double left_out = 1e-4;  ///< of a tangent: a correction that is smaller is not made
+constexpr int looked_at_every = 20;  ///< steps
 
 std::size_t at(Place i) { return static_cast<std::size_t>(i); }
 
@@ -140,6 +141,7 @@ TangentRun::TangentRun(Driver& run, std::vector<ChangedRuns> changed, MatrixXd c
                                                              SlopesUnderContacts(below->plant().model())));
   }
   if (directions.cols() > 0) y_.topRightCorner(states, directions.cols()) = directions;
+  contraction_.setOnes(columns);
   weight_.setConstant(states, 1.0 / rate);
   weight_.head(dynamics_.kinematic_states()).setOnes();
   std::ranges::sort(breakpoints_);
@@ -188,7 +190,7 @@ void TangentRun::step() {
     last.nonlinear = nonlinear;
   };
   if (!std::exchange(joined_, true)) {
-    MatrixXd const bending = rates(time_, x_, y_);
+    MatrixXd const bending = rates(time_, x_, y_, Columns(at(y_.cols()), 1));
     slope_ = whole_slope(y_, bending);
     linear_ = method.linear();
     past_.clear();
@@ -211,20 +213,32 @@ void TangentRun::step() {
   for (int m = 1; m < known; ++m) sum += weights.difference[at(m - 1)] * backward_difference(m, past);
   MatrixXd next = y_ + h * sum;
   double const late = at_jump ? std::nextafter(end, time_) : end;
-  MatrixXd nonlinear;
   MatrixXd const predicted = next;
-  bool const twice = stiff_ || known < 4 || ++since_look_ >= looked_at_every;
-  Eigen::RowVectorXd first;
-  for (int correction = 0; correction < (twice ? 2 : 1); ++correction) {
-    nonlinear = rates(late, x_end, next) - linear_ * next.topRows(states);
+  MatrixXd nonlinear(linear_.rows(), next.cols());
+  auto const size_of = [&](MatrixXd const& of) -> Eigen::RowVectorXd {
+    return (weight_.asDiagonal() * of.topRows(states)).colwise().norm();
+  };
+  double const allowed = run_.system() == nullptr ? left_out : 0.1 * left_out;  // samples add up what is left out
+  bool const look = known < 4 || ++since_look_ >= looked_at_every;
+  Columns corrected(at(next.cols()), 1);  // those that are, in this round
+  Eigen::RowVectorXd last;
+  for (int round = 0; round < 2; ++round) {
+    MatrixXd const bent = rates(late, x_end, next, corrected) - linear_ * next.topRows(states);
+    for (Place i = 0; i < next.cols(); ++i)
+      if (corrected[at(i)]) nonlinear.col(i) = bent.col(i);
     auto const with_new = [&](int k) -> MatrixXd const& { return k == 0 ? nonlinear : past(k - 1); };
-    MatrixXd const corrected =
+    MatrixXd const better =
         predicted + h * (weights.difference[at(std::min(known, 3) - 1)] * backward_difference(known, with_new));
-    Eigen::RowVectorXd const change = (corrected - next).topRows(states).colwise().norm();
-    if (correction == 1) stiff_ = (change.array() > contraction * first.array()).any(), since_look_ = 0;
-    first = change;
-    next = corrected;
+    Eigen::RowVectorXd const change = size_of(better - next), size = size_of(better);
+    next = better;
+    for (Place i = 0; i < next.cols(); ++i) {
+      if (round == 1 && corrected[at(i)]) contraction_[i] = change[i] / std::max(last[i], 1e-300);
+      corrected[at(i)] = look || contraction_[i] * change[i] > allowed * size[i];
+    }
+    if (std::ranges::none_of(corrected, std::identity{})) break;
+    last = change;
   }
+  if (look) since_look_ = 0;
   start_time_ = std::exchange(time_, end);
   start_.swap(y_), leave_.swap(slope_);
   y_ = next;
@@ -276,10 +290,10 @@ VectorXd TangentRun::along(double t, VectorXd const& x, Eigen::Ref<VectorXd cons
   return (bending_slope(run_, dynamics_, t, x + part * s) - here) / part;
 }
 
-/// J S + df/dp and dg/dx S + dg/dp, of all but the kinematic states.
-MatrixXd TangentRun::rates(double t, VectorXd const& x, MatrixXd const& y) {
+/// J S + df/dp and dg/dx S + dg/dp, of all but the kinematic states; of some columns.
+MatrixXd TangentRun::rates(double t, VectorXd const& x, MatrixXd const& y, Columns const& wanted) {
   VectorXd const here = bending_slope(run_, run_.plant(), t, x);
-  MatrixXd out(here.size(), y.cols());
+  MatrixXd out = MatrixXd::Zero(here.size(), y.cols());
   bool const exact = y.cols() >= many;
   if (exact) {
     if (std::exchange(jacobian_time_, t) != t) dynamics_.jacobian(t, x.data(), jacobian_, run_.inputs());
@@ -288,6 +302,7 @@ MatrixXd TangentRun::rates(double t, VectorXd const& x, MatrixXd const& y) {
     out.bottomRows(jacobian_.g.rows()).noalias() = jacobian_.g * y.topRows(x.size());
   }
   for (Place i = 0; i < y.cols(); ++i) {
+    if (!wanted[at(i)]) continue;
     auto const s = y.col(i).head(x.size());
     bool const number = i < static_cast<Place>(changed_.size());
     bool const at_once = number && under_contacts_[at(i)] == nullptr;
@@ -345,10 +360,12 @@ void TangentRun::differentiate(double t, double const* x, double const* z, Outpu
       minus.record(t, moved.data(), quadratures.data(), lower.data());
       return VectorXd((upper - lower) / (2.0 * by));
     };
-    double const share = run_.system() != nullptr ? 1.0 : share_along(i, tangent.head(states));
+    // A number beside the contacts is differenced in the state of the run.
+    double const share = run_.system() != nullptr ? 1.0 : moves_contacts ? share_along(i, tangent.head(states)) : 0.0;
+    double const largest = tangent.head(dynamics_.kinematic_states()).lpNorm<Eigen::Infinity>();
     if (!all_direct) found = difference(*above, *below, share * half_width, half_width);
-    if (!all_direct && share < 1.0)
-      found += (1.0 - share) * difference(run_, run_, share * half_width, share * half_width);
+    if (!all_direct && share < 1.0 && largest > 0.0)
+      found += (1.0 - share) * difference(run_, run_, deviation / largest, deviation / largest);
     for (std::size_t k = 0; k < kept_.size(); ++k)
       output.derivatives.push_back(direct_[k] >= 0        ? tangent[direct_[k]]
                                    : direct_[k] == locked ? 0.0

@@ -132,6 +132,36 @@ def why_not_beyond(last: SteadyState, unbalanced: float) -> str:
     return f"no steady state was found beyond {place}: at least {unbalanced:.2g} N or N m remain unbalanced"
 
 
+def in_curves(case: Case, cant: float | None) -> tuple[Case, float]:
+    """What is solved of a case, and the cant of its curves [m]: as given, that of its first curve, or the usual one."""
+    curves = curves_of(case)
+    first = [curve.model_dump(exclude_none=True) for curve in curves[:1]]
+    height = (curves[0].cant if curves else USUAL_CANT) if cant is None else cant
+    return curving_case(case).with_changes({"support.segment": first}), height
+
+
+def steady_state(
+    bare: Case, end: Array, direction: str, nearby: Sequence[SteadyState | None] = ()
+) -> tuple[SteadyState | None, str]:
+    """The steady state at a curvature, cant and speed, or why there is none.
+
+    Followed from those nearby, then from the straight, at last from the core's own first guess.
+    """
+    if not SPEEDS[0] <= end[2] <= SPEEDS[1]:
+        return None, f"no speed between {SPEEDS[0]:g} and {SPEEDS[1]:g} m/s has this cant deficiency"
+    failure = ""
+    for begin in (*nearby, end * [0.0, 0.0, 1.0], end):
+        try:
+            first = solve(bare, begin, direction) if isinstance(begin, np.ndarray) else begin
+            last, why = follow(bare, first, end, direction) if isinstance(first, SteadyState) else (None, "")
+        except ConfigError as refused:  # a radius or a speed that no vehicle runs in or at
+            last, why = None, str(refused)
+        if last is not None and not why:
+            return last, ""
+        failure = failure or why
+    return None, failure or "no steady state on straight track"
+
+
 def curving(
     case: Case | str,
     radii: Sequence[float] = RADII,
@@ -171,9 +201,7 @@ def curving(
         True
     """
     case = as_case(case)
-    curves = curves_of(case)
-    bare, height = curving_case(case), (curves[0].cant if curves else USUAL_CANT) if cant is None else cant
-    bare = bare.with_changes({"support.segment": [curve.model_dump(exclude_none=True) for curve in curves[:1]]})
+    bare, height = in_curves(case, cant)
     radii, deficiencies = sorted(set(radii), reverse=True), sorted(set(deficiencies))
     speeds = np.array([[curving_speed(bare, r, height, d) for d in deficiencies] for r in radii])
     failure = np.full(speeds.shape, "", dtype=object)
@@ -181,23 +209,11 @@ def curving(
     for j, i in np.ndindex(*speeds.T.shape):
         if progress is not None:
             progress((j * len(radii) + i) / speeds.size, f"R = {radii[i]:g} m")
-        if not SPEEDS[0] <= speeds[i, j] <= SPEEDS[1]:
-            failure[i, j] = f"no speed between {SPEEDS[0]:g} and {SPEEDS[1]:g} m/s has this cant deficiency"
-            continue
         end = np.array([1.0 / radii[i], height, speeds[i, j]])
-        # From the next larger radius, the next smaller deficiency, the straight; at last from the core's own first guess.
-        for begin in (found.get((i - 1, j)), found.get((i, j - 1)), end * [0.0, 0.0, 1.0], end):
-            try:
-                first = solve(bare, begin, direction) if isinstance(begin, np.ndarray) else begin
-                last, why = follow(bare, first, end, direction) if isinstance(first, SteadyState) else (None, "")
-            except ConfigError as refused:  # a radius or a speed that no vehicle runs in or at
-                last, why = None, str(refused)
-            if last is not None and not why:
-                found[i, j], failure[i, j] = last, ""
-                break
-            failure[i, j] = failure[i, j] or why
-        else:
-            failure[i, j] = failure[i, j] or "no steady state on straight track"
+        # From the next larger radius, the next smaller deficiency.
+        state, failure[i, j] = steady_state(bare, end, direction, (found.get((i - 1, j)), found.get((i, j - 1))))
+        if state is not None:
+            found[i, j] = state
     if not found:
         raise StartError(f"{case.name}: no steady state in any curve; R = {radii[0]:g} m: {failure[0, 0]}")
     states = {(radii[i], deficiencies[j]): state for (i, j), state in found.items()}
@@ -210,29 +226,35 @@ def curving(
     return table.assign_attrs(title=title, case=case.name, cant_m=height, direction=direction)
 
 
-def _table(found: Mapping[tuple[float, float], SteadyState], direction: str) -> xr.Dataset:
-    """Steady states by radius and cant deficiency; what none was found for is NaN."""
-    run, model = recorded(list(found.values())), next(iter(found.values())).model
+def read_off(run: xr.Dataset, wheelsets: Sequence[str], direction: str) -> xr.Dataset:
+    """Wheel forces, angles of attack and displacements in what is `recorded` of steady states, their number in place of time."""
     forces = wheel_forces(run)
-    wheelsets = run.sel(body=list(model.wheelsets)).rename(body="wheelset")
-    masses = xr.DataArray([model.masses[name] for name in model.bodies], dims="body")
-    accelerations = run[[f"{way}_acceleration" for way in ("longitudinal", "lateral", "vertical")]].to_dataarray("way")
-    unbalanced = abs(masses * accelerations).max(("way", "body"))
-    linear = [_core.Simulation(one.model.core).jacobian(0.0, one.state)[0] for one in found.values()]
-    growth = xr.DataArray([eigenvalues(matrix).real.max() for matrix in linear], dims="time")
+    own = run.sel(body=list(wheelsets)).rename(body="wheelset")
     outer = -1.0 if direction == "left" else 1.0  # from positive to the left to positive towards the outer rail
     angle = run["patch_contact_angle"].isel(patch=run["patch_normal"].fillna(0.0).argmax("patch"))
     given = {
         "contact_angle": (angle, "rad", "contact angle of the patch that carries most"),
         "guiding_force_sum": (outer * forces["guiding_force_sum"], "N", "sum of guiding forces ΣY, positive outwards"),
-        "angle_of_attack": (outer * wheelsets["yaw"], "rad", "angle of attack, positive towards the outer rail"),
-        "lateral": (outer * wheelsets["lateral"], "m", "lateral displacement, positive towards the outer rail"),
-        "unbalanced_force": (unbalanced, "N", "largest unbalanced force of a body"),
-        "growth_rate": (growth, "1/s", "growth rate of the fastest growing small motion"),
+        "angle_of_attack": (outer * own["yaw"], "rad", "angle of attack, positive towards the outer rail"),
+        "lateral": (outer * own["lateral"], "m", "lateral displacement, positive towards the outer rail"),
     }
     kept = ["guiding_force", "wheel_load", "derailment_quotient", "wear_number", *forces.drop_dims("time").data_vars]
     named = {name: one.assign_attrs(units=unit, long_name=meaning) for name, (one, unit, meaning) in given.items()}
-    flat = forces[kept].assign(named)
+    return forces[kept].assign(named).drop_vars(["time", "section", "patch"])
+
+
+def _table(found: Mapping[tuple[float, float], SteadyState], direction: str) -> xr.Dataset:
+    """Steady states by radius and cant deficiency; what none was found for is NaN."""
+    run, model = recorded(list(found.values())), next(iter(found.values())).model
+    masses = xr.DataArray([model.masses[name] for name in model.bodies], dims="body")
+    accelerations = run[[f"{way}_acceleration" for way in ("longitudinal", "lateral", "vertical")]].to_dataarray("way")
+    unbalanced = abs(masses * accelerations).max(("way", "body")).to_numpy()
+    linear = [_core.Simulation(one.model.core).jacobian(0.0, one.state)[0] for one in found.values()]
+    growth = [eigenvalues(matrix).real.max() for matrix in linear]
+    flat = read_off(run, model.wheelsets, direction).assign(
+        unbalanced_force=variable("time", unbalanced, "N", "largest unbalanced force of a body"),
+        growth_rate=variable("time", growth, "1/s", "growth rate of the fastest growing small motion"),
+    )
     places = {name: ("time", np.array(values)) for name, values in zip(GRID, zip(*found, strict=True), strict=True)}
     flat.attrs = {key: run.attrs[key] for key in ("run_info", "sources", "config_toml", "rollerrig_version")}
-    return flat.drop_vars(["time", "section", "patch"]).assign_coords(places).set_index(time=GRID).unstack("time")
+    return flat.assign_coords(places).set_index(time=GRID).unstack("time")

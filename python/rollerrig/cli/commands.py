@@ -328,6 +328,7 @@ def curving(
     deficiencies: Annotated[Sequence[float], Option("deficiencies_mm", "mm", meaning=_DEFICIENCIES)] = DEFICIENCIES,
     cant: Annotated[float | None, Option("cant_mm", "mm", 0.0, 300.0)] = None,
     *,
+    sensitivity: Switch = False,
     progress: Progress | None = None,
 ) -> Outcome[Any]:
     """Steady curving: Y, Q, Y/Q, sum of Y, angle of attack and wear number over radius and cant deficiency, with their limits.
@@ -337,11 +338,13 @@ def curving(
         radii: radii of the curves [m].
         deficiencies: cant deficiencies, which decide the speed; negative: excess [m].
         cant: cant [m]; absent: that of the case's first curve, or 100 mm.
+        sensitivity: also draw how stiffnesses of the suspension and friction move Y/Q, sum of Y and wear in the tightest curve.
         progress: called with the fraction done and a short text.
     """
     from rollerrig.study.curving import CurvingStudy
 
-    return _outcome(CurvingStudy(_case(case), tuple(radii), tuple(deficiencies), cant), 1, progress)
+    study = CurvingStudy(_case(case), tuple(radii), tuple(deficiencies), cant, sensitivity)
+    return _outcome(study, 1, progress)
 
 
 def adhesion(

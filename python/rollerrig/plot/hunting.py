@@ -192,19 +192,28 @@ MOST_BARS, LEAST_BAR = 15, 0.005
 
 
 @into_axes
-def tornado_diagram(sensitivity: xr.Dataset) -> Figure:
-    """Change of the linear critical speed by numbers of the case that are 1 % larger, a bar each, the longest on top.
+def tornado_diagram(sensitivity: xr.Dataset, output: str = "") -> Figure:
+    """Change of the linear critical speed, or of a force or angle in a curve, by numbers of the case that are 1 % larger.
 
-    At most MOST_BARS bars, those of at least LEAST_BAR of the longest; the scale on top says per cent of the critical speed.
+    A bar each, the longest on top: at most MOST_BARS, those of at least LEAST_BAR of the longest; the scale on top says per cent.
 
     Args:
-        sensitivity: Dataset of `stability_sensitivity`.
+        sensitivity: Dataset of `stability_sensitivity`, or of `curving_sensitivity`.
+        output: of the latter, its variable: drawn is where its magnitude is largest.
     """
-    speed = float(sensitivity.attrs["linear_critical_speed_kmh"])
-    change = sensitivity["critical_speed_change"].to_numpy()
+    if output:
+        one = sensitivity[output]
+        largest = abs(one).idxmax()
+        whole, unit = float(abs(one).max()), one.attrs["units"].replace("1", "-")
+        slope = sensitivity[f"{output}_derivative"].sel({one.dims[0]: largest})
+        change = (0.01 * sensitivity["value"] * slope).to_numpy()
+        of = f"{output.replace('_', ' ')}, {str(largest.item()).replace('_', ' ')}"
+    else:
+        whole, unit, of = float(sensitivity.attrs["linear_critical_speed_kmh"]), "km/h", "linear critical speed"
+        change = sensitivity["critical_speed_change"].to_numpy()
     longest = float(np.abs(change).max(initial=0.0))
     order = [k for k in np.argsort(-np.abs(change)) if abs(change[k]) >= LEAST_BAR * longest][:MOST_BARS]
-    label = "change of the linear critical speed by 1 % more [km/h]"
+    label = f"change of the {of} by 1 % more [{unit}]"
     with panels([""], label, 1.2 + 0.27 * len(order), legend=False) as (figure, (axes,)):
         for place, k in enumerate(order):
             ink, hatch = (COLOURS[0], "") if change[k] >= 0.0 else (COLOURS[1], "///")
@@ -216,9 +225,9 @@ def tornado_diagram(sensitivity: xr.Dataset) -> Figure:
         axes.grid(visible=False, axis="y")
         low, high = axes.get_xlim()
         axes.set_xlim(low - 0.2 * longest * (low < 0.0), high + 0.2 * longest * (high > 0.0))  # room for the numbers
-        factors = 100.0 / speed, speed / 100.0
+        factors = 100.0 / whole, whole / 100.0
         scale = axes.secondary_xaxis("top", functions=tuple(partial(np.multiply, one) for one in factors))  # type: ignore[arg-type]
-        scale.set_xlabel(f"over the linear critical speed, {speed:.1f} km/h [%]")
+        scale.set_xlabel(f"over the {of}, {whole:.4g} {unit}".removesuffix(" -") + " [%]")
         return figure
 
 

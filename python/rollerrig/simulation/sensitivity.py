@@ -96,13 +96,12 @@ def sensitivity(
     require_smooth(case)
     if case.integration.method != METHOD:
         case = case.with_changes({"time.method": METHOD, "time.step": STEP})
-    values, changed = zip(*(changed_cases(case, key) for key in parameters), strict=True) if parameters else ((), ())
+    values = [number_of(case, key) for key in parameters]
     model = assemble_as_run(case)
     simulation = prepare(model)
     layout = _layout(model, simulation.width, outputs)
     kept = np.unique(np.concatenate([layout[name].values.ravel() for name in outputs])).astype(np.intp)
-    widths = [RELATIVE_WIDTH * abs(value) for value in values]
-    pairs = [_pair(model, key, cases, width) for key, cases, width in zip(parameters, changed, widths, strict=True)]
+    pairs = [_changed_runs(model, simulation, key, value) for key, value in zip(parameters, values, strict=True)]
     run = _core.TangentRun(simulation, pairs, np.zeros((0, 0)), kept.tolist(), list(model.breakpoints))
     times, rows, derivatives = [], [], []
     duration, code, done = case.time.duration, _core.status_codes["ok"], 0
@@ -126,6 +125,17 @@ def changed_cases(case: Case, key: str, relative_width: float = RELATIVE_WIDTH) 
     """The number at a key in SI, and the cases in which it is larger and smaller by a part of itself.
 
     Raises:
+        ConfigError: as `number_of`, or the case is not allowed with them.
+    """
+    value = number_of(case, key)
+    width = relative_width * abs(value)
+    return value, (changed_case(case, key, value + width), changed_case(case, key, value - width))
+
+
+def number_of(case: Case, key: str) -> float:
+    """The number at a key, in SI.
+
+    Raises:
         ConfigError: there is no such number, several that differ, or it is 0.
     """
     tables = tables_of(case, as_written=False)
@@ -142,8 +152,7 @@ def changed_cases(case: Case, key: str, relative_width: float = RELATIVE_WIDTH) 
     if value == 0.0:
         allowed = "allowed: a number that is not 0, whose size says how far to change it; give it a small one"
         raise ConfigError.of(case.name, key, "is 0", allowed)
-    width = relative_width * abs(value)
-    return value, (changed_case(case, key, value + width), changed_case(case, key, value - width))
+    return value
 
 
 def changed_case(case: Case, key: str, value: float) -> Case:
@@ -189,15 +198,20 @@ def _number_at(tables: Mapping[str, Any], path: Sequence[str], key: str, file: s
     return float(found)
 
 
-def _pair(
-    model: AssembledModel, key: str, cases: tuple[Case, Case], half_width: float
+def _changed_runs(
+    model: AssembledModel, simulation: _core.Simulation, key: str, value: float
 ) -> tuple[_core.Simulation, _core.Simulation, float, bool]:
-    above, below = (assemble_as_run(case) for case in cases)
-    if not model.breakpoints == above.breakpoints == below.breakpoints:
-        allowed = "allowed: numbers that move no corner in time of a torque or speed"
-        raise ConfigError.of(model.case.name, key, "moves one", allowed)
-    moves_contacts = _BESIDE_CONTACTS.fullmatch(key) is None
-    return prepare(above, may_drift=True), prepare(below, may_drift=True), half_width, moves_contacts
+    """Runs with the number above and below its own, half their difference, and whether contact forces depend on the number."""
+
+    def changed(number: float) -> _core.Simulation:
+        one = assemble_as_run(changed_case(model.case, key, number))
+        if model.breakpoints != one.breakpoints:
+            allowed = "allowed: numbers that move no corner in time of a torque or speed"
+            raise ConfigError.of(model.case.name, key, "moves one", allowed)
+        return prepare(one, may_drift=True, near=simulation.state)
+
+    width = RELATIVE_WIDTH * abs(value)
+    return changed(value + width), changed(value - width), width, _BESIDE_CONTACTS.fullmatch(key) is None
 
 
 def _layout(model: AssembledModel, width: int, outputs: Sequence[str]) -> xr.Dataset:

@@ -11,8 +11,10 @@ import numpy as np
 import xarray as xr
 
 from rollerrig.analysis.curving import DEFICIENCIES, RADII, curving, curving_case
+from rollerrig.analysis.curving_sensitivity import curving_sensitivity
 from rollerrig.analysis.wheel_rail_forces import QUOTIENT_LIMIT
 from rollerrig.config import Case
+from rollerrig.plot.hunting import tornado_diagram
 from rollerrig.plot.run import curving_over_radius
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Round, job
@@ -33,22 +35,37 @@ METHOD = (
     "Each curve is without end: all forces are in balance, creep forces included; the heaviest body is hauled at constant speed. "
     "ΣY and Y/Q are quasi-static: a run over irregularities exceeds them."
 )
+MOVED = {
+    "derailment_quotient_change": "derailment_quotient",
+    "guiding_force_sum_change_n": "guiding_force_sum",
+    "wear_number_change_n": "wear_number",
+}
+"""Key -> variable of whose largest magnitude it is the change by a number that is 1 % larger."""
 LIMITED = {"derailment_quotient": "Y/Q", "guiding_force_sum_n": "ΣY"}
 """Key of what has a limit -> how texts call it."""
 
 
 @dataclass(frozen=True)
-class CurvingStudy(Study[xr.Dataset]):
+class Results:
+    """Steady states over radius and cant deficiency, and what moves the one in the tightest curve; None: not asked for."""
+
+    curves: xr.Dataset
+    sensitivity: xr.Dataset | None
+
+
+@dataclass(frozen=True)
+class CurvingStudy(Study[Results]):
     """One vehicle in many curves; attributes as the arguments of `curving`, lengths in [m]."""
 
     case: Case
     radii: tuple[float, ...] = RADII
     deficiencies: tuple[float, ...] = DEFICIENCIES
     cant: float | None = None
+    sensitivity: bool = False
 
     command = "curving"
     heading = "Steady curving of {case.name}"
-    writes = ("curving.nc",)
+    writes = ("curving.nc", "sensitivity.csv")
     resumable = False
 
     def cases(self) -> Mapping[str, Case]:
@@ -56,11 +73,20 @@ class CurvingStudy(Study[xr.Dataset]):
 
     def rounds(self, done: Done) -> Iterator[Round]:
         yield {"curving": job(curving, self.case, self.radii, self.deficiencies, self.cant)}
+        if self.sensitivity:
+            yield {"sensitivity": job(moves, self.case, *tightest(done["curving"]), self.cant)}
 
-    def statuses(self, results: xr.Dataset) -> Sequence[str]:
-        return ["no steady state" if why else "ok" for why in results["failure"].to_numpy().ravel()]
+    def collect(self, done: Done) -> Results | None:
+        return Results(done["curving"], done.get("sensitivity")) if "curving" in done else None
 
-    def numbers(self, results: xr.Dataset) -> dict[str, Any]:
+    def statuses(self, results: Results) -> Sequence[str]:
+        return ["no steady state" if why else "ok" for why in results.curves["failure"].to_numpy().ravel()]
+
+    def numbers(self, results: Results) -> dict[str, Any]:
+        found = self._curves(results.curves)
+        return found if results.sensitivity is None else {**found, "sensitivity": sensitivity_rows(results.sensitivity)}
+
+    def _curves(self, results: xr.Dataset) -> dict[str, Any]:
         limits, curves = limits_of(results), {}
         for i, j in np.ndindex(results["failure"].shape):
             one = results.isel(radius=i, cant_deficiency=j)
@@ -83,7 +109,7 @@ class CurvingStudy(Study[xr.Dataset]):
             "curves": curves,
         }
 
-    def summary(self, results: xr.Dataset, numbers: Numbers) -> list[str]:
+    def summary(self, results: Results, numbers: Numbers) -> list[str]:
         curves, found = numbers["curves"], []
         for words in LIMITED.values():
             where = [label for label, curve in curves.items() if words in curve["exceeded"]]
@@ -92,16 +118,53 @@ class CurvingStudy(Study[xr.Dataset]):
         found += [f"The steady state is unstable, a run leaves it, in {'; '.join(unstable)}."] * bool(unstable)
         return found + [f"{label}: {curve['failure']}." for label, curve in curves.items() if curve["failure"]]
 
-    def files(self, results: xr.Dataset, numbers: Numbers) -> Mapping[str, Any]:
-        return {"curving.nc": results}
+    def files(self, results: Results, numbers: Numbers) -> Mapping[str, Any]:
+        rows = numbers.get("sensitivity")
+        moved = {} if rows is None else {"sensitivity.csv": self.quantities.csv(rows, "sensitivity.*")}
+        return {"curving.nc": results.curves, **moved}
 
-    def sections(self, results: xr.Dataset, numbers: Numbers) -> list[Section]:
+    def sections(self, results: Results, numbers: Numbers) -> list[Section]:
         caption = "Largest magnitudes of all wheels or wheelsets; dashed: limits."
-        picture = Picture("curving", curving_over_radius(results, limits_of(results)), caption)
+        picture = Picture("curving", curving_over_radius(results.curves, limits_of(results.curves)), caption)
         columns = ("speed_kmh", *MEASURED, "least_wheel_load_n", "growth_rate_per_s")
-        return [
-            Section("Curves", [picture, self.quantities.table(numbers["curves"], columns, head="curve"), Text(METHOD)])
-        ]
+        table = self.quantities.table(numbers["curves"], columns, head="curve")
+        sections = [Section("Curves", [picture, table, Text(METHOD)])]
+        if (found := results.sensitivity) is not None:
+            radius, deficiency = found.attrs["radius_m"], 1e3 * found.attrs["cant_deficiency_m"]
+            said = f"Change by stiffnesses of the suspension and friction, 1 % larger, with {deficiency:g} mm of cant deficiency."
+            drawn = [Picture(f"sensitivity_{name}", tornado_diagram(found, name), said) for name in MOVED.values()]
+            every = self.quantities.table(numbers["sensitivity"], "sensitivity.*", "All of them; values in SI.")
+            sections.append(Section(f"What moves it in the curve of {radius:g} m", [*drawn, every]))
+        return sections
+
+
+def tightest(curves: xr.Dataset) -> tuple[float, float]:
+    """Radius and cant deficiency of the tightest curve with a steady state, there the largest deficiency [m]."""
+    steady = curves["failure"].transpose("radius", "cant_deficiency").to_numpy() == ""
+    radii, deficiencies = (curves[name].to_numpy() for name in ("radius", "cant_deficiency"))
+    radius, below = min((radii[i], -deficiencies[j]) for i, j in np.argwhere(steady))
+    return float(radius), -float(below)
+
+
+def moves(case: Case, radius: float, deficiency: float, cant: float | None) -> xr.Dataset:
+    """What moves the steady state in one curve."""
+    return curving_sensitivity(case, radius=radius, deficiency=deficiency, cant=cant)
+
+
+def sensitivity_rows(found: xr.Dataset) -> list[dict[str, Any]]:
+    """What each number does to the largest magnitudes, that which changes Y/Q most first."""
+    largest = {name: {found[name].dims[0]: int(abs(found[name]).to_numpy().argmax())} for name in MOVED.values()}
+    slopes = {key: found[f"{name}_derivative"].isel(largest[name]) for key, name in MOVED.items()}
+    rows = [
+        {
+            "parameter": str(found["parameter"][k].item()),
+            "value": float(found["value"][k]),
+            "unit": str(found["parameter_unit"][k].item()),
+            **{key: 0.01 * float(found["value"][k] * slope[k]) for key, slope in slopes.items()},
+        }
+        for k in range(found.sizes["parameter"])
+    ]
+    return sorted(rows, key=lambda row: -abs(row["derailment_quotient_change"]))
 
 
 def limits_of(results: xr.Dataset) -> dict[str, float]:

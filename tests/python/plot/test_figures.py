@@ -135,6 +135,16 @@ def sensitivity(changes: list[float]) -> xr.Dataset:
     )
 
 
+def curving_sensitivity() -> xr.Dataset:
+    """Of two wheels, of which the second pushes more, to the inside."""
+    variables = {
+        "value": ("parameter", [2.0, 0.5]),
+        "guiding_force": ("wheel", [10.0, -40.0], {"units": "N"}),
+        "guiding_force_derivative": (("parameter", "wheel"), [[9.0, 10.0], [9.0, -80.0]]),
+    }
+    return xr.Dataset(variables, {"parameter": ["one", "other"], "wheel": ["wheelset_1_left", "wheelset_1_right"]})
+
+
 def distance() -> xr.DataArray:
     return xr.DataArray(40 * TIME, {"time": TIME}, "time", attrs={"units": "m", "long_name": "distance"})
 
@@ -157,6 +167,7 @@ FIGURES = {
     "time": lambda: hunting_over_time([(60.0, motion()), (80.0, motion())], "front_frame"),
     "amplitude": lambda: amplitude_over_speed({"steel": table()}, {"linear": 100.0}),
     "tornado": lambda: tornado_diagram(sensitivity([0.1, -0.5, 0.3])),
+    "tornado_curving": lambda: tornado_diagram(curving_sensitivity(), "guiding_force"),
     "sliding": lambda: traction_sliding(traction(), {w: w for w in WHEELS}),
     "forces": lambda: traction_forces(traction(), {w: w for w in WHEELS}),
 }
@@ -305,9 +316,17 @@ def test_the_longest_bar_of_a_tornado_is_on_top_and_signs_can_be_read() -> None:
     assert [text.get_text() for text in axes.texts] == ["-0.5", "+0.3", "+0.1"]
     assert [bar.get_hatch() for bar in axes.patches] == ["///", "", ""]  # without colour, too
     (relative,) = axes.child_axes
-    assert relative.get_xlabel() == "over the linear critical speed, 200.0 km/h [%]"
+    assert relative.get_xlabel() == "over the linear critical speed, 200 km/h [%]"
     axes.figure.canvas.draw()
     assert relative.get_xlim() == pytest.approx([0.5 * end for end in axes.get_xlim()])
+
+
+def test_a_tornado_of_curving_is_that_of_the_wheel_with_the_largest_magnitude() -> None:
+    (axes,) = FIGURES["tornado_curving"]().axes
+    assert [bar.get_width() for bar in axes.patches] == pytest.approx([-0.4, 0.2])
+    assert axes.get_xlabel() == "change of the guiding force, wheelset 1 right by 1 % more [N]"
+    (relative,) = axes.child_axes
+    assert relative.get_xlabel() == "over the guiding force, wheelset 1 right, 40 N [%]"
 
 
 def test_a_tornado_of_many_numbers_shows_those_that_can_be_seen() -> None:

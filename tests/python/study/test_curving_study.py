@@ -32,7 +32,8 @@ def outcome() -> Outcome:
 
 def test_every_number_is_explained(outcome: Outcome) -> None:
     assert CurvingStudy.quantities.unexplained(outcome.numbers) == []
-    assert CurvingStudy.quantities.unreported(outcome.numbers) == []
+    missing = CurvingStudy.quantities.unreported(outcome.numbers)
+    assert [key for key in missing if not key.startswith("sensitivity")] == []
 
 
 def test_limits_exceeded_and_points_without_a_steady_state_are_named(outcome: Outcome) -> None:
@@ -97,6 +98,22 @@ def test_the_command_writes_its_files(tmp_path: Path) -> None:
     summary = json.loads((tmp_path / "summary.json").read_text())
     assert summary["cant_mm"] == pytest.approx(120.0)
     assert summary["curves"].keys() == {"500 m, -60 mm", "500 m, 60 mm"}
+
+
+def test_what_moves_the_tightest_curve_is_drawn_and_tabled(tmp_path: Path) -> None:
+    words = ["curving", str(WAGON), "--radii-m", "500,1000", "--deficiencies-mm", "0,60", "--sensitivity"]
+    done = CliRunner().invoke(build_app(), [*words, "--out", str(tmp_path)])
+    assert done.exit_code == 0, done.output
+    summary = json.loads((tmp_path / "summary.json").read_text())
+    assert CurvingStudy.quantities.unexplained(summary) == []
+    case, rows = rr.load_case(WAGON), {row["parameter"]: row for row in summary["sensitivity"]}
+    friction = rows["contact.friction.mu_0"]
+    more = case.with_changes({"contact.friction.mu_0": 1.001 * friction["value"]})
+    above, own = (rr.curving(one, [500.0], [0.06])["wear_number"].squeeze() for one in (more, case))
+    assert friction["wear_number_change_n"] == pytest.approx(10 * float((above - own)[abs(own).argmax()]), rel=1e-2)
+    assert (tmp_path / "figures" / "sensitivity_wear_number.png").exists()
+    assert (tmp_path / "sensitivity.csv").read_text().startswith("parameter,value,unit,derailment_quotient_change")
+    assert "What moves it in the curve of 500 m" in (tmp_path / "report.html").read_text()
 
 
 def test_what_the_function_finds_is_drawn_with_defaults() -> None:

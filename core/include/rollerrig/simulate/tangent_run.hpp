@@ -7,12 +7,13 @@
 //     S' = J S + df/dp,   Z' = dg/dx S + dg/dp,   S(0) = dx0/dp                                  J = df/dx, along the run
 //
 // A step of S and Z is that of the run: of exponential_adams, with the run's L and its weights, from the same earlier points, so
-// that S is the derivative of what the run computes. A step needs one value of J S + df/dp, at its end; two corrections with two
-// of them where the second is more than 0.05 of the first, which every fifth step shows.
+// that S is the derivative of what the run computes. A column needs one value of J S + df/dp a step, at its end; a second one, for
+// a second correction, where that is expected to be more than 1e-4 of it: such a part of the first as every 20th step shows.
 //
-//   J S     in few columns the difference of the slopes in x + a S and in x, a = 3e-8 m over the largest displacement in S, in
-//           turns above and below: what bends changes its sign from step to step, and a step sums over four. In many columns J S,
-//           J by the sweeps in dual numbers.
+//   J S     in few columns the difference of the slopes in x + a S and in x, a = 1e-8 m over the largest displacement in S, in
+//           turns above and below: what bends changes its sign from step to step, and a step sums over four; what it shakes of
+//           contacts grows with a, to 4e-5 of their normal forces with 3e-8 m. In many columns J S, J by the sweeps in dual
+//           numbers.
 //   df/dp   the number enters by two drivers whose models are assembled with p + h and p - h; they are never integrated. Where
 //           their contacts are those of the run, by the slopes of the two in turns, in its state and under its contact forces.
 //           Otherwise J S + df/dp by their central difference, in the states x + h S and x - h S: a roller of another radius that
@@ -22,7 +23,7 @@
 // actuators do enters df/dp with it. A column without drivers is a direction of the starting state.
 //
 // Displacements and rates of bodies are read off S. Other outputs follow the states by a central difference along S within
-// 1e-7 m, and the number by that of the two drivers; with sampled blocks both at once.
+// 1e-7 m, and the number by that of the two drivers; with sampled blocks, and where the number moves contacts, both at once.
 // Source  Bock, Numerical treatment of inverse problems in chemical reaction kinetics, in Modelling of Chemical Reaction Systems
 //         (1981): internal differentiation; integrate/exponential_adams.hpp.
 #pragma once
@@ -86,10 +87,11 @@ class TangentRun {
  private:
   using Matrix = Eigen::MatrixXd;
   using Vector = Eigen::VectorXd;
+  using Columns = std::vector<char>;  ///< which
 
   void step();
   void fit_spacing(double h);
-  Matrix rates(double t, Vector const& x, Matrix const& y);
+  Matrix rates(double t, Vector const& x, Matrix const& y, Columns const& wanted);
   Vector along(double t, Vector const& x, Eigen::Ref<Vector const> s, Vector const& here);
   Matrix whole_slope(Matrix const& y, Matrix const& bending) const;
   Vector bending_slope(Driver& of, Dynamics& by, double t, Vector const& x);
@@ -123,9 +125,9 @@ class TangentRun {
   double start_time_;
   Matrix linear_;  ///< L that past_ belongs to
   integrate::PastPoints<Matrix> past_;
-  double spacing_{0.0};  ///< of past_ [s]
-  bool stiff_{true};     ///< a step needs two corrections
-  int since_look_{0};    ///< steps
+  double spacing_{0.0};             ///< of past_ [s]
+  Eigen::RowVectorXd contraction_;  ///< of the corrections of each column, when last looked at
+  int since_look_{0};               ///< steps
   std::vector<Output> outputs_;
 };
 
