@@ -218,17 +218,11 @@ On = frozenset[str]
 
 @dataclass(frozen=True)
 class CriticalSpeedOverRadius:
-    """Linear critical speeds of parts of a vehicle on track and on rollers.
+    """Linear critical speeds of parts of a vehicle on track and on rollers."""
 
-    Attributes:
-        parts: cuts of the vehicle.
-        radii: of the rollers [m], rising; last TRACK.
-        found: (part, radius) -> what was found; absent where Ctrl-C came first.
-    """
-
-    parts: tuple[str, ...]
-    radii: tuple[float, ...]
-    found: Mapping[Place, LinearCriticalSpeed]
+    parts: tuple[str, ...]  # cuts of the vehicle
+    radii: tuple[float, ...]  # of the rollers [m], rising; last TRACK
+    found: Mapping[Place, LinearCriticalSpeed]  # (part, radius) -> what was found; absent where Ctrl-C came first
 
     def kmh(self, part: str, radius: float) -> float:
         """Critical speed [km/h]; NaN if there is none or it was not computed."""

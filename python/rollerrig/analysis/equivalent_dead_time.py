@@ -30,15 +30,10 @@ from rollerrig.simulation.mechatronics import assumed_parameters, drive_command,
 
 @dataclass(frozen=True)
 class Lags:
-    """Lags of slow changes [s]; negative: ahead.
+    """Lags of slow changes [s]; negative: ahead."""
 
-    Attributes:
-        torque: of the axle's torque that the virtual train takes.
-        drive: of the roller's torque behind the wanted one; half a sample ahead with the default lead, (D22).
-    """
-
-    torque: float
-    drive: float
+    torque: float  # of the axle's torque that the virtual train takes
+    drive: float  # of the roller's torque behind the wanted one; half a sample ahead with the default lead, (D22)
 
     @property
     def total(self) -> float:
@@ -64,13 +59,10 @@ def lags(model: AssembledModel) -> Lags:
 
 @dataclass(frozen=True)
 class DeadTime(Lags):
-    """Equivalent dead time of a rig by its parts [s].
+    """Equivalent dead time of a rig by its parts [s]."""
 
-    Attributes:
-        late_share: part k / (1 + k) of a brake's torque that reaches the sliding wheel only through the controller,
-            k = J_r (r/R)^2 / J_w; the rest acts at once on wheel and roller as one inertia.
-    """
-
+    # part k / (1 + k) of a brake's torque that reaches the sliding wheel only through the controller, k = J_r (r/R)^2 /
+    # J_w; the rest acts at once on wheel and roller as one inertia
     late_share: float
 
     @property

@@ -233,19 +233,12 @@ CONSTANT = 0.01
 
 @dataclass(frozen=True)
 class LateralRest:
-    """Sideways motion in the last third of a run.
+    """Sideways motion in the last third of a run."""
 
-    Attributes:
-        body: that moves most there.
-        largest: distance from its place in the whole run, either side [m].
-        final: what is left of its motion [m].
-        decision: whether it persists or decays; 'open' where the run is too short to tell.
-    """
-
-    body: str
-    largest: float
-    final: FinalMotion
-    decision: Decision
+    body: str  # that moves most there
+    largest: float  # distance from its place in the whole run, either side [m]
+    final: FinalMotion  # what is left of its motion [m]
+    decision: Decision  # whether it persists or decays; 'open' where the run is too short to tell
 
 
 def lateral_rest(run: xr.Dataset) -> LateralRest | None:

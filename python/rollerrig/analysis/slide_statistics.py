@@ -109,17 +109,11 @@ PERCENTILE = 95.0
 
 
 class Ripple(NamedTuple):
-    """Ripple of the worst axle's torque.
+    """Ripple of the worst axle's torque."""
 
-    Attributes:
-        rms: not passed for PERCENTILE of the time [N m].
-        spell: the longest in which it stays above a limit, of any axle [s].
-        frequency: of most power [Hz].
-    """
-
-    rms: float
-    spell: float
-    frequency: float
+    rms: float  # not passed for PERCENTILE of the time [N m]
+    spell: float  # the longest in which it stays above a limit, of any axle [s]
+    frequency: float  # of most power [Hz]
 
 
 def torque_ripple(time: Array, torque: Array, limit: float = math.inf) -> Ripple:
@@ -218,20 +212,16 @@ SERIES_STEP = 0.1
 
 @dataclass(frozen=True)
 class TestRecord:
-    """What is kept of a test.
+    """What is kept of a test."""
 
-    Attributes:
-        status, message: how it ended.
-        measures: name -> value; NaN where there is none.
-        slip_shares: of the time of all axles under test in the classes of SLIP_EDGES, while the train is faster than
-            LEAST_SPEED and brake or traction act; shape (class,), zeros where they never do.
-        time, distance: of the train, every SERIES_STEP and at the end [s, m].
-    """
-
+    # status, message: how it ended
     status: str
     message: str
-    measures: dict[str, float]
+    measures: dict[str, float]  # name -> value; NaN where there is none
+    # of the time of all axles under test in the classes of SLIP_EDGES, while the train is faster than LEAST_SPEED and
+    # brake or traction act; shape (class,), zeros where they never do
     slip_shares: Array
+    # time, distance: of the train, every SERIES_STEP and at the end [s, m]
     time: Array
     distance: Array
 

@@ -54,17 +54,11 @@ TEST_ZONES = ((600.0, 2), (400.0, 3), (250.0, 4))
 
 @dataclass(frozen=True)
 class TrackSection:
-    """A part of a run.
+    """A part of a run."""
 
-    Attributes:
-        name: number in the order of the run and what it is; unique.
-        constant: whether curvature, cant and speed are constant there, so that it has quasi-static values.
-        within: which output times belong to it, shape (time,).
-    """
-
-    name: str
-    constant: bool
-    within: Mask
+    name: str  # number in the order of the run and what it is; unique
+    constant: bool  # whether curvature, cant and speed are constant there, so that it has quasi-static values
+    within: Mask  # which output times belong to it, shape (time,)
 
 
 def track_sections(run: xr.Dataset) -> list[TrackSection]:

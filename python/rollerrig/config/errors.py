@@ -15,21 +15,13 @@ _LONGEST_VALUE = 80
 
 @dataclass(frozen=True)
 class ConfigProblem:
-    """One mistake.
+    """One mistake."""
 
-    Attributes:
-        file: file (or catalogue entry) as the user named it.
-        key: dotted key; a list item is addressed by its name (``body.car_body.mass``) or ``[index]``.
-        value: what was written there, as text; "missing" if nothing was.
-        allowed: what may stand there.
-        hint: the nearest allowed value, or "" if none is near.
-    """
-
-    file: str
-    key: str
-    value: str
-    allowed: str
-    hint: str = ""
+    file: str  # file (or catalogue entry) as the user named it
+    key: str  # dotted key; a list item is addressed by its name (``body.car_body.mass``) or ``[index]``
+    value: str  # what was written there, as text; "missing" if nothing was
+    allowed: str  # what may stand there
+    hint: str = ""  # the nearest allowed value, or "" if none is near
 
     def __str__(self) -> str:
         """The line shown to the user."""

@@ -87,14 +87,10 @@ class _Touch:
 
 @dataclass(frozen=True)
 class _Pose:
-    """Pose of the wheelset while it is shifted.
+    """Pose of the wheelset while it is shifted."""
 
-    Attributes:
-        yaw: turned to the left [rad].
-        arm: about how far the contacts are apart [m]: the wheelset rolls until both wheels touch. None: roll is 0.
-    """
-
-    yaw: float
+    yaw: float  # turned to the left [rad]
+    # about how far the contacts are apart [m]: the wheelset rolls until both wheels touch. None: roll is 0
     arm: float | None
 
 

@@ -157,19 +157,12 @@ def contact_csv(table: xr.Dataset) -> str:
 
 
 class LeadingWheelset(NamedTuple):
-    """The foremost wheelset of a model.
+    """The foremost wheelset of a model."""
 
-    Attributes:
-        name: of the wheelset.
-        contacts: indices of its left and right contact.
-        contact: static contact of the core.
-        unloaded: height at which the centred wheelset touches on both sides [m].
-    """
-
-    name: str
-    contacts: tuple[int, int]
-    contact: _core.StaticWheelsetContact
-    unloaded: float
+    name: str  # of the wheelset
+    contacts: tuple[int, int]  # indices of its left and right contact
+    contact: _core.StaticWheelsetContact  # static contact of the core
+    unloaded: float  # height at which the centred wheelset touches on both sides [m]
 
 
 def leading_wheelset(model: AssembledModel) -> LeadingWheelset:

@@ -62,23 +62,14 @@ COMPLETED = ("ok", "stopped")
 
 @dataclass(frozen=True)
 class Outcome:
-    """How a run ended.
+    """How a run ended."""
 
-    Attributes:
-        status: name of the core's status: 'ok', 'stopped', 'derailed', 'interrupted', ...
-        message: a sentence with time, wheel and remedy.
-        stopped_at: time that the integration reached [s].
-        wheel: the wheel that the status speaks of, or "".
-        statistics: counts of the integrator.
-        counters: counts of the contacts.
-    """
-
-    status: str
-    message: str
-    stopped_at: float
-    wheel: str
-    statistics: Mapping[str, float]
-    counters: Mapping[str, int]
+    status: str  # name of the core's status: 'ok', 'stopped', 'derailed', 'interrupted', ...
+    message: str  # a sentence with time, wheel and remedy
+    stopped_at: float  # time that the integration reached [s]
+    wheel: str  # the wheel that the status speaks of, or ""
+    statistics: Mapping[str, float]  # counts of the integrator
+    counters: Mapping[str, int]  # counts of the contacts
 
 
 Variable = tuple[Any, Any, dict[str, str]]
@@ -96,19 +87,13 @@ _SHORT = 65536
 
 @dataclass(frozen=True)
 class Draft:
-    """Results in the making.
+    """Results in the making."""
 
-    Attributes:
-        variables: by name.
-        times: coordinates of the dimensions that are times.
-        attributes: of the whole.
-        names: coordinates of the other dimensions: of bodies, wheels, elements and axles; no axles: there is no such dimension;
-            None: there is none of them.
-    """
-
-    variables: dict[str, Variable]
-    times: dict[str, Variable]
-    attributes: dict[str, Any]
+    variables: dict[str, Variable]  # by name
+    times: dict[str, Variable]  # coordinates of the dimensions that are times
+    attributes: dict[str, Any]  # of the whole
+    # coordinates of the other dimensions: of bodies, wheels, elements and axles; no axles: there is no such dimension;
+    # None: there is none of them
     names: Names | None = None
 
     def values(self, name: str) -> Array:

@@ -37,21 +37,14 @@ Files = Mapping[str, str | None]
 
 @dataclass(frozen=True)
 class Manifest:
-    """What a folder holds.
+    """What a folder holds."""
 
-    Attributes:
-        command: that wrote it.
-        cases: label -> checksum of its whole configuration.
-        files: what belongs to it.
-        replaced: files of before that may still stand there: writing has begun and not ended.
-        interrupted: whether Ctrl-C ended the command early.
-    """
-
-    command: str
-    cases: Mapping[str, str] = field(default_factory=dict)
-    files: Files = field(default_factory=dict)
+    command: str  # that wrote it
+    cases: Mapping[str, str] = field(default_factory=dict)  # label -> checksum of its whole configuration
+    files: Files = field(default_factory=dict)  # what belongs to it
+    # files of before that may still stand there: writing has begun and not ended
     replaced: Files = field(default_factory=dict)
-    interrupted: bool = False
+    interrupted: bool = False  # whether Ctrl-C ended the command early
 
     def names(self) -> set[str]:
         """All files that it knows."""

@@ -45,23 +45,14 @@ Spells = tuple[int, float, float, float]
 
 @dataclass(frozen=True)
 class ContactLoss:
-    """What one wheel ran without contact.
+    """What one wheel ran without contact."""
 
-    Attributes:
-        wheel: its name.
-        spells: number of times.
-        total_s: sum of their durations [s].
-        longest_s: duration of the longest [s].
-        longest_from_s: time at which that one began [s].
-        longest_from_m: distance there [m].
-    """
-
-    wheel: str
-    spells: int
-    total_s: float
-    longest_s: float
-    longest_from_s: float
-    longest_from_m: float
+    wheel: str  # its name
+    spells: int  # number of times
+    total_s: float  # sum of their durations [s]
+    longest_s: float  # duration of the longest [s]
+    longest_from_s: float  # time at which that one began [s]
+    longest_from_m: float  # distance there [m]
 
     def in_words(self, on_rollers: bool) -> str:
         """Text for a warning: the wheel, how long, when and where."""

@@ -79,12 +79,9 @@ def exponents(unit: str) -> Exponents:
 
 @dataclass(frozen=True)
 class Similitude:
-    """Three factors full/model from which all others follow.
+    """Three factors full/model from which all others follow."""
 
-    Attributes:
-        length, time, density: of a quantity at full scale over that of the model [-].
-    """
-
+    # length, time, density: of a quantity at full scale over that of the model [-]
     length: float
     time: float
     density: float
@@ -146,23 +143,14 @@ FACTORS: tuple[tuple[str, str], ...] = (
 
 @dataclass(frozen=True)
 class Strategy:
-    """How the factors of time and density follow from that of length.
+    """How the factors of time and density follow from that of length."""
 
-    Attributes:
-        name: as users write it.
-        title: in words.
-        length: the usual factor of length.
-        time: factor of time for a factor of length.
-        density: factor of density.
-        keeps: what it is chosen for.
-    """
-
-    name: str
-    title: str
-    length: float
-    time: Callable[[float], float]
-    density: float
-    keeps: str
+    name: str  # as users write it
+    title: str  # in words
+    length: float  # the usual factor of length
+    time: Callable[[float], float]  # factor of time for a factor of length
+    density: float  # factor of density
+    keeps: str  # what it is chosen for
 
 
 STRATEGIES: Mapping[str, Strategy] = {

@@ -29,16 +29,11 @@ WHOLE = 32766
 
 @dataclass(frozen=True)
 class Frames:
-    """Which samples a page has.
+    """Which samples a page has."""
 
-    Attributes:
-        index: of the samples, the last one too.
-        times: of them [s].
-        errors: quantity -> largest difference between the curve that the page draws and the samples left out.
-    """
-
-    index: NDArray[np.intp]
-    times: Array
+    index: NDArray[np.intp]  # of the samples, the last one too
+    times: Array  # of them [s]
+    # quantity -> largest difference between the curve that the page draws and the samples left out
     errors: Mapping[str, float]
 
 
@@ -104,12 +99,9 @@ def extremes(values: Array, most: int = MOST_POINTS) -> NDArray[np.intp]:
 
 @dataclass
 class Columns:
-    """Columns of one number per frame, packed one behind the other.
+    """Columns of one number per frame, packed one behind the other."""
 
-    Attributes:
-        places: name -> where it begins in the bytes, how many numbers, their type, factor and offset.
-    """
-
+    # name -> where it begins in the bytes, how many numbers, their type, factor and offset
     places: dict[str, list[Any]] = field(default_factory=dict)
     _parts: list[bytes] = field(default_factory=list)
     _size: int = 0

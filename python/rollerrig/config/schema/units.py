@@ -158,18 +158,13 @@ class Quantity:
 
     Every number of a configuration has both: what lies outside is a slip of the pen, and would end in an overflow, a hang or
     a result that means nothing.
-
-    Attributes:
-        unit: SI unit of the validated number; "1" for a pure number.
-        least: smallest value that is allowed.
-        most: largest value that is allowed.
-        bare: largest magnitude that may be written without a unit: beyond it another unit may have been meant, `speed = 60`
-            is 216 km/h; None: all may.
     """
 
-    unit: str
-    least: float
-    most: float
+    unit: str  # SI unit of the validated number; "1" for a pure number
+    least: float  # smallest value that is allowed
+    most: float  # largest value that is allowed
+    # largest magnitude that may be written without a unit: beyond it another unit may have been meant, `speed = 60` is
+    # 216 km/h; None: all may
     bare: float | None = None
 
     @property

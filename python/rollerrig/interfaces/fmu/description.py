@@ -59,26 +59,16 @@ LOG = {
 
 @dataclass(frozen=True)
 class Unit:
-    """What a description says of an FMU as a whole.
+    """What a description says of an FMU as a whole."""
 
-    Attributes:
-        name: of the case.
-        token: of the model among the resources; the library refuses another.
-        final_time: where the case ends [s].
-        step: a step at which to exchange values [s].
-        sampled: whether there are sensors and controllers with a sample time.
-        variables: of the plant, in its order.
-        kind: 'cs', 'me' or 'both'.
-        states: that a tool integrates, their rates, and event indicators; empty without model exchange.
-    """
-
-    name: str
-    token: str
-    final_time: float
-    step: float
-    sampled: bool
-    variables: Sequence[_core.Variable]
-    kind: str = "cs"
+    name: str  # of the case
+    token: str  # of the model among the resources; the library refuses another
+    final_time: float  # where the case ends [s]
+    step: float  # a step at which to exchange values [s]
+    sampled: bool  # whether there are sensors and controllers with a sample time
+    variables: Sequence[_core.Variable]  # of the plant, in its order
+    kind: str = "cs"  # 'cs', 'me' or 'both'
+    # that a tool integrates, their rates, and event indicators; empty without model exchange
     states: Sequence[_core.Variable] = ()
     rates: Sequence[_core.Variable] = ()
     indicators: Sequence[_core.Variable] = ()
