@@ -60,6 +60,15 @@ class ConfigError(Exception):
         return type(self), (self.problems,)
 
 
+Mistake = tuple[str, str, str] | tuple[str, str, str, str]
+"""Key, value, what is allowed, and a hint if there is one, of a ConfigProblem in a file that the check need not know."""
+
+
+def problems_of(file: str, mistakes: Iterable[Mistake]) -> list[ConfigProblem]:
+    """Mistakes of a file, each once."""
+    return [ConfigProblem(file, *one) for one in dict.fromkeys(mistakes)]
+
+
 def join_key(parent: str, key: str) -> str:
     """Dotted key; ``[2]`` follows its list without a dot."""
     if not parent or not key or key.startswith("["):
