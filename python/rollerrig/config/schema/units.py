@@ -139,6 +139,20 @@ def _factor_by_pint(unit: str, si_unit: str) -> Fraction | None:
     return near if float(near) == factor else Fraction(factor)
 
 
+def base_powers(unit: str) -> tuple[float, dict[str, int]]:
+    """Size of a unit in SI, and how it is made of the base units: "kN m" -> (1000, {"kg": 1, "m": 2, "s": -2}).
+
+    Raises:
+        ValueError: not a unit.
+    """
+    registry = _registry()
+    try:
+        base: Any = registry.Quantity(1.0, "1" if unit == "%" else unit).to_base_units()
+    except Exception:  # as in _factor_by_pint
+        raise ValueError(f"{unit!r} is not a unit") from None
+    return base.magnitude, {registry.get_symbol(name): int(power) for name, power in base.unit_items()}
+
+
 def is_quantity(value: object) -> bool:
     """Whether it is a quantity of pint, of whichever registry; pint itself is not imported."""
     return hasattr(value, "magnitude") and hasattr(value, "units") and hasattr(value, "dimensionality")
