@@ -5,6 +5,7 @@
     by continuation    lowest speed of a stable limit cycle: speed stepped down, each run begun with the state of the one before
 
     Case, speeds -> [modes over speed | runs from a disturbance] -> LinearCriticalSpeed | CriticalSpeedByDisturbance
+    case on a rig -> [cases with other radii, with effects switched off] -> linear critical speeds -> tables
 
 A limit cycle exists only above the fold of its branch, and above the linear critical speed every perturbation grows: for a
 subcritical bifurcation
@@ -15,8 +16,6 @@ each within the width to which it was found.
 
 Equations: docs/theory/equilibrium_and_linearisation.md, (L7) and section Limit cycles.
 Source: O. Polach, On non-linear methods of bogie stability assessment, Proc. IMechE F 220 (2006).
-
-    case on a rig -> [cases with other radii, with effects switched off] -> linear critical speeds -> tables
 """
 
 import math
@@ -96,7 +95,7 @@ def linear_critical_speed(
         progress: called with the fraction done and a short text.
 
     Returns:
-        The crossing, to `crossings.SPEED_TOLERANCE`; None if nothing changes from damped to growing in the range.
+        The crossing, to `mode_table.SPEED_TOLERANCE`; None if nothing changes from damped to growing in the range.
 
     Raises:
         ValueError: speeds not rising or not positive.

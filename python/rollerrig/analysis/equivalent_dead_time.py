@@ -1,14 +1,12 @@
 """Equivalent dead time of a rig: how much later its slide protection acts on the rail than on track.
 
     AssembledModel of a case with [rig_control] -> [lags] -> Lags
-
-A rig whose controller is late acts on the wheels like a track whose slide protection has that much more dead time: the axle's
-torque reaches the virtual wheel late, and the wanted torque the roller. Equations: docs/theory/rig_control.md, (D17).
-
     Case of a rig with [rig_control] -> [predicted_dead_time] -> DeadTime, in closed form
     numbers of rig and track -> [at_track_of] -> the dead time at which the track does as the rig does
 
-Equations: docs/theory/rig_control.md, (D17), (Q7) and (Q8).
+A rig whose controller is late acts on the wheels like a track whose slide protection has that much more dead time: the axle's
+torque reaches the virtual wheel late, and the wanted torque the roller. Equations: docs/theory/rig_control.md, (D17),
+(Q7) and (Q8).
 """
 
 import math

@@ -1,12 +1,10 @@
 """Modes over speed, the speeds at which an oscillation begins or ceases to grow, and linear critical speeds as one Dataset.
 
-    Case, speeds -> [Lineariser, modes, mode names] -> ModesOverSpeed -> critical speeds, Dataset
+    Case, speeds -> [Lineariser, modes, mode names] -> ModesOverSpeed -> critical speeds, Dataset over speed, mode, body
     modes over speed -> [crossings] -> all of them in the range, by speed, with the name of the mode -> critical speed
 
 The growth rate of one mode, followed, is a smooth function of speed: its root is bracketed between neighbouring speeds and found
 by Brent's method. Equation: docs/theory/equilibrium_and_linearisation.md, (L7).
-
-    Case, speeds -> [speed map, critical] -> Dataset over speed, mode, body and direction
 """
 
 import json

@@ -1,19 +1,14 @@
 """Linearisation at the rolling equilibrium; eigenvalues and mode shapes, followed over a parameter; which modes are hunting.
 
     Case, running speed -> [Lineariser] -> A of x' = A x around steady rolling, names of the states
-
-The rollers (or the rails) are speed-controlled: the rates of driven rollers are inputs, not states, and are taken out of A.
-Equations: docs/theory/equilibrium_and_linearisation.md, (L3)-(L4).
-
     A(speed) -> [modes] -> eigenvalues and eigenvectors in an order in which a column stays the same mode
-
-Equations: docs/theory/equilibrium_and_linearisation.md, (L5)-(L9).
-
-Which modes are hunting, speed by speed: the wheelsets move most, and roll where they point.
-
     eigenvalues and shapes over speed -> [hunts] -> where each mode hunts -> names, frequency of hunting over speed
 
-A wheelset that rolls without sliding sideways is carried along by its yaw,
+The rollers (or the rails) are speed-controlled: the rates of driven rollers are inputs, not states, and are taken out of A.
+Equations: docs/theory/equilibrium_and_linearisation.md, (L3)-(L9).
+
+In a hunting mode the wheelsets move most, and roll where they point: one that rolls without sliding sideways is
+carried along by its yaw,
 
     dy/dt = V psi,
 

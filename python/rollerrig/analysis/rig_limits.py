@@ -1,13 +1,11 @@
 """Limits of a rig that reproduces a degraded rail: closed forms, and which one a run reached first.
 
-Closed forms for the limits of a rig that reproduces a degraded rail, (V1) to (V6) of docs/theory/envelope.md.
-
     Case of a rig with [rig_control] -> [rig_limits] -> RigLimits -> limits over adhesion, magnitudes per axle [N m]
     Case, adhesion of its rail       -> [creep_peak] -> peak of the virtual rail's creep curve, from the core's laws
-
-Rolling without sliding, steady forces, no lag of drives and estimator. An adhesion may be an array.
-
     Dataset of a run -> [assess_limits] -> numbers, limits reached with their times, region of the operating envelope
+
+The closed forms are (V1) to (V6) of docs/theory/envelope.md: rolling without sliding, steady forces, no lag of drives and
+estimator. An adhesion may be an array.
 """
 
 import math

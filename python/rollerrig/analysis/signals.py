@@ -1,9 +1,8 @@
 """Signals of a run: filters that shift no phase, and what an oscillation does: grows or decays, how large, how fast.
 
-Filters of a running test: low pass, band pass, sliding mean over distance; no phase is shifted.
-
     signal over time -> [Butterworth, forward and backward] -> signal within a band
                      -> [mean over the 2 m around it]       -> what the rail feels
+                     -> [extrema] -> half-wave amplitudes   -> rate, amplitude, frequency
 
 A second-order Butterworth filter run forward and backward is in all of fourth order: 24 dB per octave, as EN 14363 asks.
 Its corner is moved so that the two runs together have -3 dB where the cut-off is said to be:
@@ -14,8 +13,6 @@ Its corner is moved so that the two runs together have -3 dB where the cut-off i
 A high pass has x upside down.
 
 Source: EN 14363:2016, table of assessed quantities and their filters; K. Steiglitz et al. on filtering twice.
-
-    time series -> [extrema] -> half-wave amplitudes over time -> rate, amplitude, frequency
 
 Amplitudes are half the distance between successive extrema: no offset enters, and for y = e^(σt) sin(ωt) they are exactly
 exponential.

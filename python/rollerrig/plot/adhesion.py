@@ -1,8 +1,7 @@
 """Figures of a test on degraded track and on the rig that reproduces it, of ensembles, and of the lateral motion in it.
 
 Signals of the axles of one or more runs over time: a colour per axle, a line style per run.
-
-Figures of ensembles on track and rig: bars of causes with their errors, distributions of slip, distance over dead time.
+Of ensembles: bars of causes with their errors, distributions of slip, distance over dead time.
 """
 
 from collections.abc import Callable, Mapping, Sequence

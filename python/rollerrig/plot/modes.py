@@ -1,7 +1,4 @@
-"""Figures of the modes over speed, and of mode shapes.
-
-Mode shapes: outlines of the bodies, displaced as the mode displaces them; dimensions of the outlines are schematic.
-"""
+"""Figures of the modes over speed, and of mode shapes: outlines of the bodies, of schematic dimensions, as the mode displaces them."""
 
 import math
 from collections.abc import Sequence

@@ -1,10 +1,9 @@
 """One look for all figures: readable in print and without colour, the same bytes every time; also in axes of the caller's own.
 
     a function that draws results into a new figure -> [into_axes] -> the same with `axes=`
+    axes -> [logarithmic] -> scale, places of the numbers, how they are written
 
 A figure of several panels takes as many axes as are given, from the top; the other panels are not drawn.
-
-    axes -> [logarithmic] -> scale, places of the numbers, how they are written
 """
 
 import functools

@@ -1,16 +1,11 @@
 """Profiles from formulas: S1002, the UIC60 rail head, and the cone, cylinder and arc of textbooks and closed-form tests.
 
-Wheel profile S1002 from its published polynomials and arcs.
+S1002       published polynomials and arcs of ORE S1002, EN 13715.
+UIC60, 60E1 tangent-continuous arcs R300 - R80 - R13, sides 1:20, of EN 13674-1; the UIC60 of the Manchester contact benchmark
+            has slightly other junctions. At any inclination, positive leans the head inward:
+            drawing (upright, half a head) -> mirrored -> turned about the running direction -> highest point to (0, 0)
 
-Source  ORE S1002, EN 13715. Numbers in millimetres, as published.
-
-UIC60 / 60E1 rail head: tangent-continuous arcs R300 - R80 - R13, sides 1:20, at any inclination.
-
-    drawing (upright, half a head) -> mirrored -> turned about the running direction -> highest point to (0, 0)
-
-Signs   abscissa outward (away from the track centre), height upward; inclination positive leans the head inward.
-Source  EN 13674-1 profile 60E1; the UIC60 of the Manchester contact benchmark has slightly other junctions.
-Units   the drawing is in millimetres, what leaves this file is in metres.
+Abscissa outward (away from the track centre), height upward; numbers of drawings in millimetres, what leaves this file in metres.
 """
 
 from collections.abc import Callable

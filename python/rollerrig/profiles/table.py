@@ -1,7 +1,5 @@
 """The profile as the contact search sees it: a cubic spline on uniform knots.
 
-The one exception of this package: a profile that cannot be used, and why.
-
     definition or measured points -> [ProfileTable] -> contact geometry
 
 A profile is given for the LEFT wheel or rail, as a height over an abscissa that grows outward,

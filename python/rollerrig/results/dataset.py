@@ -1,24 +1,18 @@
 """Rows of plain numbers become a Dataset: names, dimensions, units, provenance, energy audit, limits of the drives.
 
     recorder's rows, names of the model's parts, how the run ended -> [dataset] -> Draft, energy audit, ... -> xarray.Dataset
+    results with the core's accounts -> [energy] -> the same with `energy_residual` and two attributes, docs/theory/energy.md (E1)
+    times that the core counted -> [drive_limits] -> a warning
+    readings of the core between output times -> Recording -> [add_readings] -> variables over `reading_time`
 
 The order of a row is the recorder's (core/include/rollerrig/simulate/recorder.hpp): bodies, wheels, patches, elements, run.
 Nothing is copied: the variables are views of the rows. A Dataset takes a millisecond to build and as long for every variable
 that is added to it; a draft holds plain dictionaries, and becomes a Dataset once everything is in it. Of short runs one after the
 other the empty Dataset is kept: filling a copy of it takes less than half of the time.
 
-    results with the core's accounts -> [energy] -> the same with `energy_residual` and two attributes
-
-Source: docs/theory/energy.md, (E1).
-
-    times that the core counted -> [drive_limits] -> a warning
-    [core] -> Recording: rows at the output times, readings of a few quantities between
-
 Wheel-rail forces hold vibrations of the wheels on their contacts at some hundred hertz. Taken every 5 or 10 ms they fold down
 below 20 Hz, where no filter finds them any more; every millisecond they do not. Whole rows so often would fill the disk, so
 that between output times only what is to be filtered at 20 Hz is kept.
-
-    readings of the core -> Recording -> [add_readings] -> variables over `reading_time`
 """
 
 import json

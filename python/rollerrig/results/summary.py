@@ -1,11 +1,10 @@
 """Numbers of a run as a summary and tables: loss of contact, resolution of the output.
 
-What of a signal is round-off: symmetric vehicles do not move sideways, but for 1e-17 m.
-
     signal, unit -> [resolution] -> the signal with zeros where it means nothing
     spells without contact of the core -> [contact_loss] -> attribute `contact_losses`, warnings
 
-The numbers of a run, as they go into summary.json; meanings and units are registered in study/run.py.
+Symmetric vehicles do not move sideways, but for 1e-17 m: what is round-off is zero. Meanings and units of the numbers that go
+into summary.json are registered in study/run.py.
 """
 
 import json

@@ -1,17 +1,13 @@
 """One run, or mode shapes, as a page shows them: parts, motion and forces in thinned frames, and what can be plotted.
 
     head of a scene -> [plots] -> groups: title, sign and filter, unit, curves of column, label, factor
-    run -> [run_scene] -> Scene -> page
+    run -> [run_scene], modes -> [mode_scene] -> Scene -> page
 
 Forces have the signs of a report (`analysis.wheel_rail_forces`), and its filter where the scene has them filtered: then they
 have times of their own, at which extremes lie. A simulation that goes on is not filtered.
 
-Everything that is drawn was recorded in the run, or is asked of the core (`contact_places`).
-
-    modes -> [mode_scene] -> Scene -> page
-
-The page draws u(t) = amplitude cos(2 pi f t + phase) of each coordinate; the size of a mode is arbitrary, growth and decay are
-left out.
+Everything that is drawn was recorded in the run, or is asked of the core (`contact_places`). Of a mode the page draws
+u(t) = amplitude cos(2 pi f t + phase) of each coordinate; its size is arbitrary, growth and decay are left out.
 """
 
 from dataclasses import dataclass

@@ -1,9 +1,9 @@
 """Checks across the tables of a case or programme, and of its size.
 
-Checks that a run ends: numbers kept, steps integrated, rail remembered. Each key may be in its range and their product not.
-
     Case -> [check_case] -> problems that say which key to change, before anything is computed
     Programme -> [check_programme] -> ConfigProblem, one per mistake
+
+A run must end: each key may be in its range, and the numbers kept, steps integrated and rail remembered be too many.
 """
 
 from collections.abc import Iterator, Mapping
