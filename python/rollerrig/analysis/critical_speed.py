@@ -19,7 +19,7 @@ Source: O. Polach, On non-linear methods of bogie stability assessment, Proc. IM
 """
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -84,15 +84,12 @@ class LinearCriticalSpeed:
         return math.nan if self.onset is None else 3.6 * self.onset.speed
 
 
-def linear_critical_speed(
-    case: Case | Lineariser, speeds: Sequence[float], progress: Callable[[float, str], None] | None = None
-) -> Crossing | None:
+def linear_critical_speed(case: Case | Lineariser, speeds: Sequence[float]) -> Crossing | None:
     """The lowest speed at which an oscillatory mode turns from damped to growing.
 
     Args:
         case: the case, or its lineariser.
         speeds: range of speeds [m/s], rising; where they are far apart, further ones are put between them.
-        progress: called with the fraction done and a short text.
 
     Returns:
         The crossing, to `mode_table.SPEED_TOLERANCE`; None if nothing changes from damped to growing in the range.
@@ -101,7 +98,7 @@ def linear_critical_speed(
         ValueError: speeds not rising or not positive.
         StartError: no rolling equilibrium at one of the speeds.
     """
-    return first_onset(zero_crossings(modes_over_speed(case, speeds, progress)))
+    return first_onset(zero_crossings(modes_over_speed(case, speeds)))
 
 
 def scan_linear(job: tuple[Case, Sequence[float]], progress: Progress | None = None) -> LinearCriticalSpeed:

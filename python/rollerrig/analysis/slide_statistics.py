@@ -391,22 +391,18 @@ def _rig(run: xr.Dataset, largest_torque: float, roller_radius: float) -> dict[s
     fast = run["train_speed"].to_numpy() > LEAST_SPEED
     force, virtual = (run[name].transpose("time", "axle").to_numpy()[fast] for name in ("creep_force", "virtual_force"))
     size, gravity = rms(virtual), run["contact_force"] - run["creep_force"]
+    ripple = unwanted_ripple(run, roller_radius)
     return {
         **following(run),
         "force_error_rms": rms(force - virtual) / size if size > 0.0 else math.nan,
-        **drive_oscillation(run, roller_radius),
+        "drive_oscillation_nm": ripple.rms,
+        "drive_oscillation_spell_s": ripple.spell,
         "drive_limited_share": float(limited.mean()),
         "drive_power_wanted_kw": 1e-3 * largest(run["wanted_roller_power"]),
         "drive_power_limited_s": float(run["drive_power_limited"].isel(time=-1).max()),
         "crown_gravity_largest": largest(gravity) / axle_load(run),
         "roller_torque_largest_nm": largest(run["roller_torque"]),
     }
-
-
-def drive_oscillation(run: xr.Dataset, roller_radius: float) -> dict[str, float]:
-    """Fast torque on the rollers that the virtual rail does not demand: 95th percentile of the worst axle, longest spell."""
-    found = unwanted_ripple(run, roller_radius)
-    return {"drive_oscillation_nm": found.rms, "drive_oscillation_spell_s": found.spell}
 
 
 def unwanted_ripple(run: xr.Dataset, roller_radius: float) -> Ripple:

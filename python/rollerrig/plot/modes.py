@@ -1,4 +1,4 @@
-"""Figures of the modes over speed, and of mode shapes: outlines of the bodies, of schematic dimensions, as the mode displaces them."""
+"""Figures of the modes over speed, and of mode shapes: schematic outlines of the bodies, as the mode displaces them."""
 
 import math
 from collections.abc import Sequence

@@ -279,18 +279,13 @@ def figure_bytes(figure: Figure, kind: Literal["svg", "png", "pdf"] = "svg", dpi
     return buffer.getvalue()
 
 
-def fewer_colours(png: bytes, colours: int = 64) -> bytes:
-    """A PNG picture with a palette, a third to a fifth of the bytes: enough for lines and letters on paper.
-
-    Args:
-        png: the file.
-        colours: of the palette, 256 at most.
-    """
+def fewer_colours(png: bytes) -> bytes:
+    """A PNG picture with a palette of 64 colours, a third to a fifth of the bytes: enough for lines and letters on paper."""
     from matplotlib.image import imread
     from PIL import Image  # matplotlib brings it; slow to load
 
     pixels = np.round(255.0 * imread(io.BytesIO(png))[..., :3]).astype(np.uint8)
-    few = Image.fromarray(pixels).quantize(colours, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
+    few = Image.fromarray(pixels).quantize(64, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
     buffer = io.BytesIO()
     few.save(buffer, "png", optimize=True)
     return buffer.getvalue()

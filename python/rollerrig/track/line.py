@@ -147,13 +147,9 @@ def ramps(segments: Sequence[Segment], ends: Sequence[tuple[float, float]], smoo
     ]
     corners = [(s, jump) for s, jump in jumps if jump != 0.0]
     half = smoothing / 2
-    knots = {*rows.rows[:, 0], *(s + side for s, _ in corners for side in (-half, half))}
-    return PiecewiseCubic(np.array([_row_at(rows, corners, half, s, after) for s, after in _intervals(sorted(knots))]))
-
-
-def _intervals(knots: list[float]) -> list[tuple[float, float]]:
-    """Start of each piece and a point inside it; beyond the last knot any will do."""
-    return [(a, (a + b) / 2) for a, b in zip(knots, [*knots[1:], knots[-1] + 2.0], strict=True)]
+    knots = sorted({*rows.rows[:, 0], *(s + side for s, _ in corners for side in (-half, half))})
+    pieces_between = zip(knots, [*knots[1:], knots[-1] + 2.0], strict=True)  # any point beyond the last knot will do
+    return PiecewiseCubic(np.array([_row_at(rows, corners, half, a, (a + b) / 2) for a, b in pieces_between]))
 
 
 def _ramp(segment: Segment, start: float, end: float) -> list[float]:

@@ -139,7 +139,9 @@ def run_scene(run: xr.Dataset, *, label: str = "", most: int = MOST_FRAMES) -> S
     columns = Columns()
     columns.add("time", frames.times, exact=True)
     _add_motion(columns, run, model, frames.index)
-    _add_wheels(columns, run, frames.index)
+    for number in range(run.sizes["wheel"]):
+        for name in WHEEL:
+            columns.add(f"w{number}.{name}", run[name].to_numpy()[frames.index, number])
     patches = _add_patches(columns, run, model, frames.index)
     bars = _add_elements(columns, run, model, frames.index)
     _add_named(columns, run, frames.index)
@@ -228,12 +230,6 @@ def _add_motion(columns: Columns, run: xr.Dataset, model: AssembledModel, index:
             values = run[name].sel(body=body).to_numpy()[index]
             if np.nanmax(np.abs(values), initial=0.0) > _MOVES:
                 columns.add(f"b{number}.{name}", values, exact=name == "pitch" and body in spinning)
-
-
-def _add_wheels(columns: Columns, run: xr.Dataset, index: NDArray[np.intp]) -> None:
-    for number in range(run.sizes["wheel"]):
-        for name in WHEEL:
-            columns.add(f"w{number}.{name}", run[name].to_numpy()[index, number])
 
 
 def _add_forces(columns: Columns, run: xr.Dataset, most: int) -> str:
