@@ -202,11 +202,15 @@ def model_of(run: xr.Dataset) -> AssembledModel:
         raise ResultsError(f"these results hold no motion of bodies ({lacking}); view takes the run.nc of a run")
     if run.sizes["time"] < 2:
         raise ResultsError("this run has fewer than two samples; nothing moves")
+    return _model_in(run, "results")
+
+
+def _model_in(results: xr.Dataset, what: str) -> AssembledModel:
     try:
-        RunInfo.of(run)
-        return assemble(case_from_toml(str(run.attrs["config_toml"]), "the case of the run", allow_code=True))
-    except (ConfigError, ValueError, OSError) as error:
-        raise ResultsError(f"the case of these results cannot be read: {str(error).splitlines()[0]}") from None
+        RunInfo.of(results)
+        return assemble(case_from_toml(str(results.attrs["config_toml"]), f"the case of the {what}", allow_code=True))
+    except (ConfigError, KeyError, ValueError, OSError) as error:
+        raise ResultsError(f"the case of these {what} cannot be read: {str(error).splitlines()[0]}") from None
 
 
 def _frames(run: xr.Dataset, most: int) -> Frames:
@@ -304,10 +308,7 @@ def mode_scene(modes: xr.Dataset, *, label: str = "") -> Scene:
     Raises:
         ResultsError: their case cannot be read by this version.
     """
-    try:
-        model = assemble(case_from_toml(str(modes.attrs["config_toml"]), "the case of the modes", allow_code=True))
-    except (ConfigError, KeyError, ValueError, OSError) as error:
-        raise ResultsError(f"the case of these modes cannot be read: {str(error).splitlines()[0]}") from None
+    model = _model_in(modes, "modes")
     elements = [
         {**one, "direction": "z" if "z" in one["directions"] else one["directions"][0], "rest": 0.0, "largest": 0.0}
         for one in parts.elements(model)
