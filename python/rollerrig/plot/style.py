@@ -64,18 +64,6 @@ def given() -> tuple[Axes, ...]:
     return _GIVEN.get()
 
 
-def given_grid(rows: int, columns: int, own: Callable[[], Figure]) -> tuple[Figure, Any] | None:
-    """The given axes as a grid, filled up with axes that nobody will see; None where none were given."""
-    axes = given()
-    if not axes:
-        return None
-    missing = rows * columns - len(axes)
-    spare = own().subplots(1, missing, squeeze=False)[0] if missing > 0 else []
-    grid = np.empty(rows * columns, dtype=object)
-    grid[:] = [*axes, *spare][: rows * columns]
-    return cast(Figure, axes[0].get_figure(root=True)), grid.reshape(rows, columns)
-
-
 COLOURS = ("#0b5394", "#c0392b", "#2e7d32", "#8e5ea2", "#b9770e", "#455a64", "#00838f", "#6d4c41")
 """Dark enough for print; lines that share a figure also differ in style or marker."""
 
@@ -121,17 +109,19 @@ def new_figure(rows: int = 1, width: float = 7.2, height: float = 3.4, **options
 
 
 def new_grid(rows: int, columns: int, width: float = 7.2, height: float = 3.4, **options: Any) -> tuple[Figure, Any]:
-    """A figure with a grid of axes, shape (row, column) [inches]; needs no display."""
+    """A figure with a grid of axes, shape (row, column) [inches]; needs no display.
 
-    def own() -> Figure:
-        figure = Figure(figsize=(width, height), layout="constrained")
-        FigureCanvasAgg(figure)
-        return figure
-
-    if (grid := given_grid(rows, columns, own)) is not None:
-        return grid
-    figure = own()
-    return figure, figure.subplots(rows, columns, squeeze=False, **options)
+    Given axes are the grid, filled up with axes of a figure that nobody will see.
+    """
+    figure, axes = Figure(figsize=(width, height), layout="constrained"), given()
+    FigureCanvasAgg(figure)
+    if not axes:
+        return figure, figure.subplots(rows, columns, squeeze=False, **options)
+    missing = rows * columns - len(axes)
+    spare = figure.subplots(1, missing, squeeze=False)[0] if missing > 0 else []
+    grid = np.empty(rows * columns, dtype=object)
+    grid[:] = [*axes, *spare][: rows * columns]
+    return cast(Figure, axes[0].get_figure(root=True)), grid.reshape(rows, columns)
 
 
 @contextmanager
