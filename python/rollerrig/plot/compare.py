@@ -114,10 +114,10 @@ def effect_bars(off: Mapping[str, float], alone: Mapping[str, float], loss: floa
         (alone, -0.19, COLOURS[1], "///", "on alone: loss from the track"),
     ):
         bars = [*(values[effect] for effect in off), loss - sum(values.values()), loss]
-        drawn = {"color": ink, "alpha": 0.85, "hatch": hatch, "edgecolor": "white"}
-        axes.bar_label(
-            axes.barh(places + shift, bars, 0.36, label=label, **drawn), fmt="{:+.1f}", padding=3, fontsize=7.5
+        drawn = axes.barh(
+            places + shift, bars, 0.36, color=ink, alpha=0.85, label=label, hatch=hatch, edgecolor="white"
         )
+        axes.bar_label(drawn, fmt="{:+.1f}", padding=3, fontsize=7.5)
     axes.axvline(0.0, color=GREY, linewidth=1.0)
     axes.set_yticks(places, rows)
     axes.margins(x=0.12)

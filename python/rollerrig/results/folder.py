@@ -28,7 +28,6 @@ from rollerrig.results.marks import PROGRAM, exists
 NAME = "rollerrig.json"
 _STAGE = ".rollerrig-"
 _LARGEST = 16 * MEGABYTE
-_CHUNK = 1 << 20
 _CURE = "choose another --out, or replace them with --force (force=True)"
 
 Files = Mapping[str, str | None]
@@ -102,11 +101,8 @@ def checksum(path: Path) -> str:
     Raises:
         OSError: it is no regular file, or cannot be read.
     """
-    found = hashlib.sha256()
     with open_input(path) as file:
-        while part := file.read(_CHUNK):
-            found.update(part)
-    return found.hexdigest()
+        return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 def check_folder(path: str | Path, command: str, patterns: Iterable[str], *, force: bool = False) -> Path:
