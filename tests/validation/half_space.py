@@ -16,7 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import fft
 
-from rollerrig.profiles import ProfileTable, profile_from_spec
+from catalogued import profile_table
+from rollerrig.profiles import ProfileTable
 from validation.reference import POISSON_RATIO, SHEAR_MODULUS, rail_origin
 
 Array = NDArray[np.float64]
@@ -151,8 +152,8 @@ def turned(angle: float) -> Array:
 class Surfaces:
     """A wheel above a rail or roller; S1002 above UIC60 1:40 of the contact benchmark if nothing else is said."""
 
-    wheel: ProfileTable = field(default_factory=lambda: profile_from_spec("s1002", "wheel"))
-    rail: ProfileTable = field(default_factory=lambda: profile_from_spec("uic60_benchmark_1_40", "rail"))
+    wheel: ProfileTable = field(default_factory=lambda: profile_table("s1002", "wheel"))
+    rail: ProfileTable = field(default_factory=lambda: profile_table("uic60_benchmark_1_40", "rail"))
     place: float | None = None  # of the rail's origin across [m]; by default for the gauge
 
     @cached_property

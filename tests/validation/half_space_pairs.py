@@ -13,8 +13,9 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
+from catalogued import profile_table
 from rollerrig import _core
-from rollerrig.profiles import ProfileTable, profile_from_spec, tabulate
+from rollerrig.profiles import ProfileTable, tabulate
 from validation.free_patches import curved, patches
 from validation.half_space import Pose, Surfaces
 from validation.reference import mm, rail_origin, rows, static_contact_of
@@ -31,7 +32,7 @@ CONFORMAL = 0.1
 
 def hollow_wheel() -> ProfileTable:
     """S1002 whose tread is worn hollow: 3 mm from its lowest point to the false flange 41 mm outside the tape circle."""
-    new = profile_from_spec("s1002", "wheel")
+    new = profile_table("s1002", "wheel")
     return tabulate(
         lambda s: new.evaluate(s) - 4.4 * mm * np.exp(-(((s - 2 * mm) / (30 * mm)) ** 4)),
         *new.domain,
@@ -43,7 +44,7 @@ def hollow_wheel() -> ProfileTable:
 
 def worn_rail() -> ProfileTable:
     """60E1 1:40 worn by 1 mm on the crown and by 1.5 mm, measured vertically, in the gauge corner."""
-    new = profile_from_spec("en_60e1_1_40", "rail")
+    new = profile_table("en_60e1_1_40", "rail")
 
     def height(y: Array) -> Array:
         crown = 1.0 * mm * np.exp(-((y / (22 * mm)) ** 4))
@@ -68,14 +69,14 @@ PAIRS = (
 @cache
 def surfaces_of(pair: str) -> Surfaces:
     wheel, rail = pair.split(" on ")
-    table = profile_from_spec("s1002", "wheel") if wheel == "S1002" else hollow_wheel()
+    table = profile_table("s1002", "wheel") if wheel == "S1002" else hollow_wheel()
     names = {
         "UIC60 1:40": "uic60_benchmark_1_40",
         "60E1 1:20": "en_60e1_1_20",
         "60E1 1:40": "en_60e1_1_40",
         "worn 60E1 1:40": "en_60e1_1_40",
     }
-    new = profile_from_spec(names[rail], "rail")
+    new = profile_table(names[rail], "rail")
     return Surfaces(table, worn_rail() if "worn" in rail else new, rail_origin(new))
 
 

@@ -7,11 +7,12 @@ from pathlib import Path
 
 import numpy as np
 
+from catalogued import profile_table
 from rollerrig import _core
 from rollerrig.assembly.laws import creep_law
 from rollerrig.assembly.model import AssembledModel, assemble
 from rollerrig.config import load_case
-from rollerrig.profiles import ProfileTable, gauge_point, profile_from_spec
+from rollerrig.profiles import ProfileTable, gauge_point
 
 mm = 1e-3
 kmh = 1 / 3.6
@@ -93,7 +94,7 @@ def add_wheels(
 
 def benchmark_contact(roller_radius: float | None, normal: str = "hertz") -> _core.StaticWheelsetContact:
     """The wheelset of the Manchester contact benchmark on its rails, or on rollers of the rails' head."""
-    wheel, rail = profile_from_spec("s1002", "wheel"), profile_from_spec("uic60_benchmark_1_40", "rail")
+    wheel, rail = profile_table("s1002", "wheel"), profile_table("uic60_benchmark_1_40", "rail")
     return static_contact_of(wheel, rail, roller_radius, rail_origin(rail), normal)
 
 

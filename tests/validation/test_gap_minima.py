@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from rollerrig.profiles import ProfileTable, profile_from_spec
+from catalogued import profile_table
+from rollerrig.profiles import ProfileTable
 from validation.half_space_pairs import PAIRS, hollow_wheel, surfaces_of
 from validation.reference import mm, rail_origin, static_contact_of
 
@@ -107,9 +108,9 @@ def shipped() -> dict[str, tuple[ProfileTable, ProfileTable, float]]:
     pairs = {pair: (surfaces_of(pair).wheel, surfaces_of(pair).rail, surfaces_of(pair).origin * mm) for pair in PAIRS}
     for wheel in ("s1002", "cone_1_20", "cone_1_40"):
         for rail in ("en_60e1_1_20", "en_60e1_1_40", "uic60_benchmark_1_20", "uic60_benchmark_1_40"):
-            table = profile_from_spec(rail, "rail")
-            pairs[f"{wheel} on {rail}"] = (profile_from_spec(wheel, "wheel"), table, rail_origin(table))
-    table = profile_from_spec("uic60_benchmark_1_20", "rail")
+            table = profile_table(rail, "rail")
+            pairs[f"{wheel} on {rail}"] = (profile_table(wheel, "wheel"), table, rail_origin(table))
+    table = profile_table("uic60_benchmark_1_20", "rail")
     pairs["hollow wheel on uic60_benchmark_1_20"] = (hollow_wheel(), table, rail_origin(table))
     return pairs
 

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from catalogued import profile_table
 from rollerrig.profiles import gauge_point, profile_from_spec
 from rollerrig.profiles.analytic import SEGMENTS
 from validation.independent_model.conicity import rail_position
@@ -24,7 +25,7 @@ HEADS = {
 
 def test_s1002_is_its_polynomials_and_arcs() -> None:
     s = np.linspace(-60, 60, 24001)
-    error = profile_from_spec("s1002", "wheel").evaluate(s * mm) / mm - s1002(s)
+    error = profile_table("s1002", "wheel").evaluate(s * mm) / mm - s1002(s)
     # The printed polynomial between -35 and -26 mm leaves gaps of 1.2e-4 mm, which the table closes.
     assert np.max(np.abs(error)) < 1.3e-4
     elsewhere = (s < -39.5) | (s > -25.9)
@@ -36,7 +37,7 @@ def test_a_rail_head_is_its_three_arcs(name: str) -> None:
     y = np.linspace(-42, 24, 24001)
     exact = uic60(y, *HEADS[name])
     inside = exact > -8.0  # steeper below, where a table of 0.1 mm follows an arc of 13 mm less closely
-    error = profile_from_spec(name, "rail").evaluate(y * mm) / mm - exact
+    error = profile_table(name, "rail").evaluate(y * mm) / mm - exact
     assert np.max(np.abs(error[inside])) < 5e-5
     assert np.median(np.abs(error[inside])) < 1e-7
 
@@ -45,7 +46,7 @@ def test_a_rail_head_is_its_three_arcs(name: str) -> None:
 @pytest.mark.parametrize("depth", [4.0, 10.0])
 def test_the_gauge_point_lies_where_the_arcs_have_its_depth(name: str, depth: float) -> None:
     position = rail_position(lambda u: uic60(u, *HEADS[name]), depth)
-    found = gauge_point(profile_from_spec(name, "rail"), depth * mm) / mm
+    found = gauge_point(profile_table(name, "rail"), depth * mm) / mm
     assert 1435 / 2 - found == pytest.approx(position, abs=1e-4)
 
 
@@ -82,8 +83,8 @@ def test_points_read_as_measured_become_the_profile_of_the_definition(
         simpack(path, even_points(s1002, -69.9, 60.0), 1)
     else:
         simpack(path, even_points(uic60, -43.1, 28.8) * [1.0, -1.0], 0)
-    measured = profile_from_spec({"kind": "file", "path": path.name}, kind, tmp_path)
-    exact = profile_from_spec(name, kind)
+    measured = profile_from_spec({"kind": "file", "path": str(path)}, kind)
+    exact = profile_table(name, kind)
     low, high = np.maximum(measured.domain[0], exact.domain[0]), np.minimum(measured.domain[1], exact.domain[1])
     assert high - low > 60 * mm
     y = np.linspace(low + mm, high - mm, 6001)

@@ -58,23 +58,14 @@ BESIDE = ("brake.electrodynamic", "track_brake", "sanding", "traction")
 
 @dataclass(frozen=True)
 class StopLog:
-    """A measured stop, evenly enough sampled to be differentiated over a piece of the way.
+    """A measured stop, evenly enough sampled to be differentiated over a piece of the way."""
 
-    Attributes:
-        file: as messages name it.
-        time: rising [s], shape (time,).
-        train_speed: [m/s], shape (time,).
-        axles: names of the wheelsets of the case.
-        axle_speed: [rad/s], shape (time, axle).
-        pressure: of the brake cylinders over the ambient [Pa], shape (time, axle).
-    """
-
-    file: str
-    time: Array
-    train_speed: Array
-    axles: tuple[str, ...]
-    axle_speed: Array
-    pressure: Array
+    file: str  # as messages name it
+    time: Array  # rising [s], shape (time,)
+    train_speed: Array  # [m/s], shape (time,)
+    axles: tuple[str, ...]  # names of the wheelsets of the case
+    axle_speed: Array  # [rad/s], shape (time, axle)
+    pressure: Array  # of the brake cylinders over the ambient [Pa], shape (time, axle)
 
     @property
     def distance(self) -> Array:

@@ -1,6 +1,7 @@
 """A run's wheel-rail forces and accelerations as a table: every quantity with its statistics, its filter and its limit.
 
     run -> [accelerations] -> at the centre of each body and over what carries it -> [ride] -> filtered, weighted
+    run -> wheel-rail forces, accelerations -> [assessment] -> rows -> running_safety.csv, summary.json, report
 
 A point ρ of a rigid body with the centre's acceleration a_C, angular velocity ω and acceleration α is accelerated by
 
@@ -11,8 +12,6 @@ and an accelerometer fixed to the body feels R^T (a + g e_z), of which the g at 
 turning of the track under the body, of its plan and of its cant (W11).
 
 Source: EN 14363:2016 for the points and bands; EN 12299:2009, annex C, and ISO 2631 for the weights.
-
-    run -> wheel-rail forces, accelerations -> [assessment] -> rows -> running_safety.csv, summary.json, report
 """
 
 import math

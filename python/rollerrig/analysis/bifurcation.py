@@ -61,25 +61,16 @@ _LATERAL, _PITCH, _OK = 1, 4, _core.status_codes["ok"]
 
 @dataclass(frozen=True)
 class Cycle:
-    """A limit cycle.
+    """A limit cycle."""
 
-    Attributes:
-        amplitude: of the leading wheelset's lateral motion, from its equilibrium to the turning point on the left [m].
-        speed: [m/s].
-        period: [s].
-        state: at that turning point, without the rates of driven rollers, shape (n,).
-        multipliers: Floquet multipliers, largest first, shape (n - 1,).
-        tangent: how state, period and speed change with the amplitude, shape (n + 2,).
-        missed: by how much it missed itself after a period, in displacements [m].
-    """
-
+    # of the leading wheelset's lateral motion, from its equilibrium to the turning point on the left [m]
     amplitude: float
-    speed: float
-    period: float
-    state: Array
-    multipliers: Complex
-    tangent: Array
-    missed: float
+    speed: float  # [m/s]
+    period: float  # [s]
+    state: Array  # at that turning point, without the rates of driven rollers, shape (n,)
+    multipliers: Complex  # Floquet multipliers, largest first, shape (n - 1,)
+    tangent: Array  # how state, period and speed change with the amplitude, shape (n + 2,)
+    missed: float  # by how much it missed itself after a period, in displacements [m]
 
     @property
     def stable(self) -> bool:

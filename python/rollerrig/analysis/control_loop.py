@@ -54,21 +54,13 @@ REFERENCE_SPEED = 100 / 3.6
 
 @dataclass(frozen=True)
 class ContactState:
-    """Numbers of one wheel of the leading wheelset, and of the kinematic motion.
+    """Numbers of one wheel of the leading wheelset, and of the kinematic motion."""
 
-    Attributes:
-        patches: number of patches.
-        approach: of the deepest patch [m].
-        creep_stiffness: sum of f11 over its patches, linear theory [N].
-        wavelength: of slow hunting [m]; NaN if the motion does not oscillate.
-        conicity: that a rigid bogie on track would need for this wavelength [1].
-    """
-
-    patches: int
-    approach: float
-    creep_stiffness: float
-    wavelength: float
-    conicity: float
+    patches: int  # number of patches
+    approach: float  # of the deepest patch [m]
+    creep_stiffness: float  # sum of f11 over its patches, linear theory [N]
+    wavelength: float  # of slow hunting [m]; NaN if the motion does not oscillate
+    conicity: float  # that a rigid bogie on track would need for this wavelength [1]
 
 
 @dataclass(frozen=True)
@@ -157,45 +149,34 @@ class Wheel:
 
 @dataclass(frozen=True)
 class Loop:
-    """What closes around one axle.
+    """What closes around one axle."""
 
-    Attributes:
-        real, assumed: wheelset and roller, and what the controller assumes of them.
-        creep: slope of the real contact's force over sliding, both wheels [N s/m].
-        virtual_creep: the same of the virtual rail; 0 while its wheel slides.
-        drive_bandwidth: of the roller drive's torque loop [rad/s].
-        drive_damping: of a second-order one; 0: first order.
-        step, sample, delay: sampling step, sample time, delay of the command [s].
-        proportional, integral: gains on virtual minus measured axle speed [N m s/rad, N m/rad].
-        estimator: its kind.
-        bandwidth, damping: of the estimator [rad/s, 1].
-        kalman_gain: of a Kalman filter, rows W, w, T, C over the innovations of W and w.
-        correction: bandwidth with which the estimate corrects a known axle torque, (D18) [rad/s]; None: it is the torque.
-        ahead, slope_bandwidth: of an extrapolated estimate, (D19) [s, rad/s].
-        lead: of the feed-forward, (D20) [s].
-        torque_gain: of the loop around the drive, (D21) [-].
-    """
-
+    # real, assumed: wheelset and roller, and what the controller assumes of them
     real: Wheel
     assumed: Wheel
-    creep: float
-    virtual_creep: float
-    drive_bandwidth: float
-    drive_damping: float
+    creep: float  # slope of the real contact's force over sliding, both wheels [N s/m]
+    virtual_creep: float  # the same of the virtual rail; 0 while its wheel slides
+    drive_bandwidth: float  # of the roller drive's torque loop [rad/s]
+    drive_damping: float  # of a second-order one; 0: first order
+    # step, sample, delay: sampling step, sample time, delay of the command [s]
     step: float
     sample: float
     delay: float
+    # proportional, integral: gains on virtual minus measured axle speed [N m s/rad, N m/rad]
     proportional: float
     integral: float
-    estimator: str
+    estimator: str  # its kind
+    # bandwidth, damping: of the estimator [rad/s, 1]
     bandwidth: float
     damping: float
-    kalman_gain: Array | None = None
+    kalman_gain: Array | None = None  # of a Kalman filter, rows W, w, T, C over the innovations of W and w
+    # bandwidth with which the estimate corrects a known axle torque, (D18) [rad/s]; None: it is the torque
     correction: float | None = None
+    # ahead, slope_bandwidth: of an extrapolated estimate, (D19) [s, rad/s]
     ahead: float = 0.0
     slope_bandwidth: float = 0.0
-    lead: float = 0.0
-    torque_gain: float = 0.0
+    lead: float = 0.0  # of the feed-forward, (D20) [s]
+    torque_gain: float = 0.0  # of the loop around the drive, (D21) [-]
 
     def scaled(self, factor: float) -> "Loop":
         """This loop with both gains times a factor."""

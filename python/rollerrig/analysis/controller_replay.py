@@ -71,17 +71,11 @@ REASONS = {
 
 @dataclass(frozen=True)
 class _Estimator:
-    """The linear estimator of a case.
+    """The linear estimator of a case."""
 
-    Attributes:
-        loop: that has it.
-        delay: of force and torque, with exact sensors [samples].
-        sensor_delay: of the measured speeds [samples].
-    """
-
-    loop: Loop
-    delay: Array
-    sensor_delay: float
+    loop: Loop  # that has it
+    delay: Array  # of force and torque, with exact sensors [samples]
+    sensor_delay: float  # of the measured speeds [samples]
 
     @property
     @one_blas_thread()

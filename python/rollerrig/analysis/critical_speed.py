@@ -5,6 +5,7 @@
     by continuation    lowest speed of a stable limit cycle: speed stepped down, each run begun with the state of the one before
 
     Case, speeds -> [modes over speed | runs from a disturbance] -> LinearCriticalSpeed | CriticalSpeedByDisturbance
+    case on a rig -> [cases with other radii, with effects switched off] -> linear critical speeds -> tables
 
 A limit cycle exists only above the fold of its branch, and above the linear critical speed every perturbation grows: for a
 subcritical bifurcation
@@ -15,12 +16,10 @@ each within the width to which it was found.
 
 Equations: docs/theory/equilibrium_and_linearisation.md, (L7) and section Limit cycles.
 Source: O. Polach, On non-linear methods of bogie stability assessment, Proc. IMechE F 220 (2006).
-
-    case on a rig -> [cases with other radii, with effects switched off] -> linear critical speeds -> tables
 """
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -85,24 +84,21 @@ class LinearCriticalSpeed:
         return math.nan if self.onset is None else 3.6 * self.onset.speed
 
 
-def linear_critical_speed(
-    case: Case | Lineariser, speeds: Sequence[float], progress: Callable[[float, str], None] | None = None
-) -> Crossing | None:
+def linear_critical_speed(case: Case | Lineariser, speeds: Sequence[float]) -> Crossing | None:
     """The lowest speed at which an oscillatory mode turns from damped to growing.
 
     Args:
         case: the case, or its lineariser.
         speeds: range of speeds [m/s], rising; where they are far apart, further ones are put between them.
-        progress: called with the fraction done and a short text.
 
     Returns:
-        The crossing, to `crossings.SPEED_TOLERANCE`; None if nothing changes from damped to growing in the range.
+        The crossing, to `mode_table.SPEED_TOLERANCE`; None if nothing changes from damped to growing in the range.
 
     Raises:
         ValueError: speeds not rising or not positive.
         StartError: no rolling equilibrium at one of the speeds.
     """
-    return first_onset(zero_crossings(modes_over_speed(case, speeds, progress)))
+    return first_onset(zero_crossings(modes_over_speed(case, speeds)))
 
 
 def scan_linear(job: tuple[Case, Sequence[float]], progress: Progress | None = None) -> LinearCriticalSpeed:
@@ -218,17 +214,11 @@ On = frozenset[str]
 
 @dataclass(frozen=True)
 class CriticalSpeedOverRadius:
-    """Linear critical speeds of parts of a vehicle on track and on rollers.
+    """Linear critical speeds of parts of a vehicle on track and on rollers."""
 
-    Attributes:
-        parts: cuts of the vehicle.
-        radii: of the rollers [m], rising; last TRACK.
-        found: (part, radius) -> what was found; absent where Ctrl-C came first.
-    """
-
-    parts: tuple[str, ...]
-    radii: tuple[float, ...]
-    found: Mapping[Place, LinearCriticalSpeed]
+    parts: tuple[str, ...]  # cuts of the vehicle
+    radii: tuple[float, ...]  # of the rollers [m], rising; last TRACK
+    found: Mapping[Place, LinearCriticalSpeed]  # (part, radius) -> what was found; absent where Ctrl-C came first
 
     def kmh(self, part: str, radius: float) -> float:
         """Critical speed [km/h]; NaN if there is none or it was not computed."""

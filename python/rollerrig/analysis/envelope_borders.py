@@ -16,30 +16,19 @@ from rollerrig.analysis.rig_limits import REPRODUCED
 
 @dataclass(frozen=True)
 class Border:
-    """Where limits begin on one rail, as magnitudes of the axle torque [N m].
+    """Where limits begin on one rail, as magnitudes of the axle torque [N m]."""
 
-    Attributes:
-        side: 'brake' or 'traction'.
-        load: axle load over the case's own [-].
-        adhesion: of the rail [-].
-        reached: largest torque up to which every run reproduces the rail; 0: none.
-        beyond: the next torque that was run; NaN: the map ends before a limit is reached.
-        limit: region there, or "".
-        predicted: where the closed forms put the border, NaN where they do not say.
-        compared: the torques of the runs on either side that the prediction is compared with: `reached` and `beyond`; of a
-            recovery the torque that was left on the axles there over what (V6) asks for, of which 0 is the prediction.
-        cell: distance of torques on the map.
-    """
-
-    side: str
-    load: float
-    adhesion: float
-    reached: float
-    beyond: float
-    limit: str
-    predicted: float
+    side: str  # 'brake' or 'traction'
+    load: float  # axle load over the case's own [-]
+    adhesion: float  # of the rail [-]
+    reached: float  # largest torque up to which every run reproduces the rail; 0: none
+    beyond: float  # the next torque that was run; NaN: the map ends before a limit is reached
+    limit: str  # region there, or ""
+    predicted: float  # where the closed forms put the border, NaN where they do not say
+    # the torques of the runs on either side that the prediction is compared with: `reached` and `beyond`; of a recovery
+    # the torque that was left on the axles there over what (V6) asks for, of which 0 is the prediction
     compared: tuple[float, float]
-    cell: float
+    cell: float  # distance of torques on the map
 
     @property
     def agrees(self) -> bool | None:

@@ -1,14 +1,12 @@
 """Equivalent dead time of a rig: how much later its slide protection acts on the rail than on track.
 
     AssembledModel of a case with [rig_control] -> [lags] -> Lags
-
-A rig whose controller is late acts on the wheels like a track whose slide protection has that much more dead time: the axle's
-torque reaches the virtual wheel late, and the wanted torque the roller. Equations: docs/theory/rig_control.md, (D17).
-
     Case of a rig with [rig_control] -> [predicted_dead_time] -> DeadTime, in closed form
     numbers of rig and track -> [at_track_of] -> the dead time at which the track does as the rig does
 
-Equations: docs/theory/rig_control.md, (D17), (Q7) and (Q8).
+A rig whose controller is late acts on the wheels like a track whose slide protection has that much more dead time: the axle's
+torque reaches the virtual wheel late, and the wanted torque the roller. Equations: docs/theory/rig_control.md, (D17),
+(Q7) and (Q8).
 """
 
 import math
@@ -30,15 +28,10 @@ from rollerrig.simulation.mechatronics import assumed_parameters, drive_command,
 
 @dataclass(frozen=True)
 class Lags:
-    """Lags of slow changes [s]; negative: ahead.
+    """Lags of slow changes [s]; negative: ahead."""
 
-    Attributes:
-        torque: of the axle's torque that the virtual train takes.
-        drive: of the roller's torque behind the wanted one; half a sample ahead with the default lead, (D22).
-    """
-
-    torque: float
-    drive: float
+    torque: float  # of the axle's torque that the virtual train takes
+    drive: float  # of the roller's torque behind the wanted one; half a sample ahead with the default lead, (D22)
 
     @property
     def total(self) -> float:
@@ -64,13 +57,10 @@ def lags(model: AssembledModel) -> Lags:
 
 @dataclass(frozen=True)
 class DeadTime(Lags):
-    """Equivalent dead time of a rig by its parts [s].
+    """Equivalent dead time of a rig by its parts [s]."""
 
-    Attributes:
-        late_share: part k / (1 + k) of a brake's torque that reaches the sliding wheel only through the controller,
-            k = J_r (r/R)^2 / J_w; the rest acts at once on wheel and roller as one inertia.
-    """
-
+    # part k / (1 + k) of a brake's torque that reaches the sliding wheel only through the controller, k = J_r (r/R)^2 /
+    # J_w; the rest acts at once on wheel and roller as one inertia
     late_share: float
 
     @property

@@ -51,32 +51,19 @@ EDGE = 1e-3
 
 @dataclass(frozen=True)
 class Estimate:
-    """What least squares found.
+    """What least squares found."""
 
-    Attributes:
-        free: the numbers that were sought.
-        places: where in its range each is found, shape (free,).
-        covariance: of the places, shape (free, free).
-        singular_values: of the data over the places, falling, in units of one standard deviation.
-        combinations: right singular vectors, shape (free, free), a row each.
-        deviation: s, r.m.s. of what is left in standard deviations, after degrees of freedom.
-        degrees_of_freedom: residuals less free numbers.
-        cost: half the sum of squares, of a robust loss its sum.
-        known: whether standard deviations of the data were given.
-        scale: s.
-        freedom: degrees of freedom of the intervals, fewer where residuals follow each other; infinite where s is 1.
-    """
-
-    free: tuple[FreeNumber, ...]
-    places: Array
-    covariance: Array
-    singular_values: Array
-    combinations: Array
-    deviation: float
-    degrees_of_freedom: int
-    cost: float
-    known: bool
-    scale: float
+    free: tuple[FreeNumber, ...]  # the numbers that were sought
+    places: Array  # where in its range each is found, shape (free,)
+    covariance: Array  # of the places, shape (free, free)
+    singular_values: Array  # of the data over the places, falling, in units of one standard deviation
+    combinations: Array  # right singular vectors, shape (free, free), a row each
+    deviation: float  # s, r.m.s. of what is left in standard deviations, after degrees of freedom
+    degrees_of_freedom: int  # residuals less free numbers
+    cost: float  # half the sum of squares, of a robust loss its sum
+    known: bool  # whether standard deviations of the data were given
+    scale: float  # s
+    # degrees of freedom of the intervals, fewer where residuals follow each other; infinite where s is 1
     freedom: float
 
     @cached_property

@@ -1,15 +1,13 @@
 """Runs from a lateral disturbance at constant speed: does it decay, or end in a limit cycle?
 
     Case, speeds -> [run until decided] -> amplitude, frequency and growth rate over speed -> critical speed by disturbance
+    run -> [lateral_rest] -> the body that moves most at the end, amplitude, frequency, growth rate -> report
 
 The critical speed by disturbance is the lowest at which a disturbance of a given size ends in a persistent oscillation. It
 depends on that size, and it can lie below the linear one.
 
-What is left of the sideways motion of a run at constant speed: has it decayed, or does the vehicle hunt?
-
-    run -> [lateral_rest] -> the body that moves most at the end, amplitude, frequency, growth rate -> report
-
-It is asked only where nothing but the start disturbs the vehicle: straight and smooth, without actuators, at constant speed.
+What is left of the sideways motion is asked only where nothing but the start disturbs the vehicle: straight and smooth, without
+actuators, at constant speed.
 """
 
 import math
@@ -233,19 +231,12 @@ CONSTANT = 0.01
 
 @dataclass(frozen=True)
 class LateralRest:
-    """Sideways motion in the last third of a run.
+    """Sideways motion in the last third of a run."""
 
-    Attributes:
-        body: that moves most there.
-        largest: distance from its place in the whole run, either side [m].
-        final: what is left of its motion [m].
-        decision: whether it persists or decays; 'open' where the run is too short to tell.
-    """
-
-    body: str
-    largest: float
-    final: FinalMotion
-    decision: Decision
+    body: str  # that moves most there
+    largest: float  # distance from its place in the whole run, either side [m]
+    final: FinalMotion  # what is left of its motion [m]
+    decision: Decision  # whether it persists or decays; 'open' where the run is too short to tell
 
 
 def lateral_rest(run: xr.Dataset) -> LateralRest | None:

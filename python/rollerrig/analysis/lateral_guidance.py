@@ -84,20 +84,13 @@ def lateral_creep_coefficient(case: Case, run: xr.Dataset) -> float:
 
 @dataclass(frozen=True)
 class Guidance:
-    """Lateral creep of fully sliding axles and the closed form; the parts of spin on left and right cancel in an axle.
+    """Lateral creep of fully sliding axles and the closed form; the parts of spin on left and right cancel in an axle."""
 
-    Attributes:
-        force: lateral creep force of an axle [N].
-        expected: sum of -F v_y / v_s over its wheels [N], F the length of a wheel's creep force.
-        slope: of force over expected; 1: Coulomb's law.
-        correlation: of the two.
-        rolling, sliding: damping of one wheel -dF_y/dv_y [N s/m]: f22 / V of Kalker's theory, and the median of F / v_s.
-    """
-
-    force: Array
-    expected: Array
-    slope: float
-    correlation: float
+    force: Array  # lateral creep force of an axle [N]
+    expected: Array  # sum of -F v_y / v_s over its wheels [N], F the length of a wheel's creep force
+    slope: float  # of force over expected; 1: Coulomb's law
+    correlation: float  # of the two
+    # rolling, sliding: damping of one wheel -dF_y/dv_y [N s/m]: f22 / V of Kalker's theory, and the median of F / v_s
     rolling: float
     sliding: float
 

@@ -52,19 +52,12 @@ class Signal:
 
 @dataclass(frozen=True)
 class Lag:
-    """A drive between a command and a torque of the model, or a control valve before a cylinder.
+    """A drive between a command and a torque of the model, or a control valve before a cylinder."""
 
-    Attributes:
-        column: of the torque or pressure.
-        bandwidth: of the torque loop or the control valve [rad/s].
-        damping: of a second-order loop; 0: first order.
-        steps: by which the command acts late, in sampling steps.
-    """
-
-    column: int
-    bandwidth: float
-    damping: float
-    steps: int
+    column: int  # of the torque or pressure
+    bandwidth: float  # of the torque loop or the control valve [rad/s]
+    damping: float  # of a second-order loop; 0: first order
+    steps: int  # by which the command acts late, in sampling steps
 
 
 def steady_case(case: Case, speed: float | None = None) -> Case:

@@ -26,44 +26,31 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Margins:
-    """Margins of an open loop L that is closed with negative feedback, L read from one response; NaN where there is none.
+    """Margins of an open loop L that is closed with negative feedback, L read from one response; NaN where there is none."""
 
-    Attributes:
-        gain: factor on L at which the loop is at its limit [-].
-        gain_frequency: at which that is [Hz].
-        phase: by which L may lag more [rad].
-        phase_frequency: at which |L| is 1 [Hz].
-    """
-
-    gain: float
-    gain_frequency: float
-    phase: float
-    phase_frequency: float
+    gain: float  # factor on L at which the loop is at its limit [-]
+    gain_frequency: float  # at which that is [Hz]
+    phase: float  # by which L may lag more [rad]
+    phase_frequency: float  # at which |L| is 1 [Hz]
 
 
 @dataclass(frozen=True)
 class LinearSystem:
-    """x' = A x + B u, y = C x + D u, or from one sample to the next.
+    """x' = A x + B u, y = C x + D u, or from one sample to the next."""
 
-    Attributes:
-        name: of the case.
-        speed: running speed [m/s].
-        step: sample time [s]; 0: continuous.
-        a, b, c, d: the matrices.
-        states, inputs, outputs: names.
-        input_units, output_units: units.
-    """
-
-    name: str
-    speed: float
-    step: float
+    name: str  # of the case
+    speed: float  # running speed [m/s]
+    step: float  # sample time [s]; 0: continuous
+    # a, b, c, d: the matrices
     a: Array
     b: Array
     c: Array
     d: Array
+    # states, inputs, outputs: names
     states: tuple[str, ...]
     inputs: tuple[str, ...]
     outputs: tuple[str, ...]
+    # input_units, output_units: units
     input_units: tuple[str, ...]
     output_units: tuple[str, ...]
 

@@ -44,20 +44,14 @@ LINEAR_RANGE = (1e-10, 2e-2)
 
 @dataclass(frozen=True)
 class Plant:
-    """x' = A x + B u of wheels and rollers under the torques u of the roller drives.
+    """x' = A x + B u of wheels and rollers under the torques u of the roller drives."""
 
-    Attributes:
-        matrix: A, shape (state, state).
-        torque: B, shape (state, axle).
-        wheel, roller: speeds of axles and rollers, positive forward, from x: shape (axle, state).
-        brake: torque of the brakes from x, which a controller knows from pressure and speed: shape (axle, state).
-    """
-
-    matrix: Array
-    torque: Array
+    matrix: Array  # A, shape (state, state)
+    torque: Array  # B, shape (state, axle)
+    # wheel, roller: speeds of axles and rollers, positive forward, from x: shape (axle, state)
     wheel: Array
     roller: Array
-    brake: Array
+    brake: Array  # torque of the brakes from x, which a controller knows from pressure and speed: shape (axle, state)
 
 
 def rolling_plant(wheel: Wheel, creep: float, brake: float = 0.0) -> Plant:

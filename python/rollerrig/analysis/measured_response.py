@@ -34,17 +34,12 @@ FILLED, MOST_FILLING = 0.9999, 30_000
 
 @dataclass(frozen=True)
 class MeasuredResponse:
-    """What a sine on one input gives.
+    """What a sine on one input gives."""
 
-    Attributes:
-        frequencies: those asked for, rounded to whole samples in a period [Hz].
-        values: amplitude and phase over those of the input, shape (frequency, output); NaN where the run ended early.
-        ended: how a run ended early, a sentence; "" where none did.
-    """
-
-    frequencies: Array
+    frequencies: Array  # those asked for, rounded to whole samples in a period [Hz]
+    # amplitude and phase over those of the input, shape (frequency, output); NaN where the run ended early
     values: Complex
-    ended: str
+    ended: str  # how a run ended early, a sentence; "" where none did
 
 
 def measured_response(

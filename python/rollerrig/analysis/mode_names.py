@@ -31,17 +31,11 @@ WORDS = {"vertical": "bounce", "longitudinal": "longitudinal"}
 
 @dataclass(frozen=True)
 class Roles:
-    """Which body is what, by who carries whom; front to rear.
+    """Which body is what, by who carries whom; front to rear."""
 
-    Attributes:
-        car_bodies: bodies that no wheelset's suspension touches, and frames with nothing above them.
-        frames: bodies that wheelsets carry and that carry something themselves.
-        wheelsets: all wheelsets.
-    """
-
-    car_bodies: tuple[str, ...]
-    frames: tuple[str, ...]
-    wheelsets: tuple[str, ...]
+    car_bodies: tuple[str, ...]  # bodies that no wheelset's suspension touches, and frames with nothing above them
+    frames: tuple[str, ...]  # bodies that wheelsets carry and that carry something themselves
+    wheelsets: tuple[str, ...]  # all wheelsets
     wheelsets_of: dict[str, tuple[str, ...]]
 
     def kind(self, body: str) -> str:
@@ -79,21 +73,13 @@ def roles(case: Case) -> Roles:
 
 @dataclass(frozen=True)
 class Shapes:
-    """Modes over speed, as names need them.
+    """Modes over speed, as names need them."""
 
-    Attributes:
-        keys: (body, direction) of each coordinate.
-        rates: growth rates [1/s], shape (speeds, modes).
-        shares: of the kinetic energy, shape (speeds, coordinates, modes).
-        parts: displacements, shape (speeds, coordinates, modes).
-        hunting: where a mode hunts, shape (speeds, modes); a mode that does so nowhere is not called hunting.
-    """
-
-    keys: Sequence[tuple[str, str]]
-    rates: Array
-    shares: Array
-    parts: Complex
-    hunting: Mask
+    keys: Sequence[tuple[str, str]]  # (body, direction) of each coordinate
+    rates: Array  # growth rates [1/s], shape (speeds, modes)
+    shares: Array  # of the kinetic energy, shape (speeds, coordinates, modes)
+    parts: Complex  # displacements, shape (speeds, coordinates, modes)
+    hunting: Mask  # where a mode hunts, shape (speeds, modes); a mode that does so nowhere is not called hunting
 
 
 def mode_names(shapes: Shapes, who: Roles) -> list[str]:

@@ -1,12 +1,10 @@
 """Modes over speed, the speeds at which an oscillation begins or ceases to grow, and linear critical speeds as one Dataset.
 
-    Case, speeds -> [Lineariser, modes, mode names] -> ModesOverSpeed -> critical speeds, Dataset
+    Case, speeds -> [Lineariser, modes, mode names] -> ModesOverSpeed -> critical speeds, Dataset over speed, mode, body
     modes over speed -> [crossings] -> all of them in the range, by speed, with the name of the mode -> critical speed
 
 The growth rate of one mode, followed, is a smooth function of speed: its root is bracketed between neighbouring speeds and found
 by Brent's method. Equation: docs/theory/equilibrium_and_linearisation.md, (L7).
-
-    Case, speeds -> [speed map, critical] -> Dataset over speed, mode, body and direction
 """
 
 import json
@@ -47,31 +45,18 @@ FINEST_STEP = 10.0 / 3.6
 
 @dataclass(frozen=True)
 class ModesOverSpeed:
-    """Modes at the speeds asked for and at those between them.
+    """Modes at the speeds asked for and at those between them."""
 
-    Attributes:
-        lineariser: of the case.
-        followed: eigensystems over speed [m/s], all columns.
-        asked: where the speeds asked for stand among `followed.parameters`.
-        columns: of the eigensystems, one per oscillatory mode, by frequency at the highest speed.
-        names: of these modes.
-        values: their eigenvalues [1/s], shape (speeds, modes).
-        keys: (body, direction) of each coordinate.
-        shapes: displacements, shape (speeds, coordinates, modes).
-        shares: of the kinetic energy, same shape.
-        hunting: where a mode hunts, shape (speeds, modes).
-    """
-
-    lineariser: Lineariser
-    followed: Followed
-    asked: list[int]
-    columns: list[int]
-    names: list[str]
-    values: Complex
-    keys: list[tuple[str, str]]
-    shapes: Complex
-    shares: Array
-    hunting: Mask
+    lineariser: Lineariser  # of the case
+    followed: Followed  # eigensystems over speed [m/s], all columns
+    asked: list[int]  # where the speeds asked for stand among `followed.parameters`
+    columns: list[int]  # of the eigensystems, one per oscillatory mode, by frequency at the highest speed
+    names: list[str]  # of these modes
+    values: Complex  # their eigenvalues [1/s], shape (speeds, modes)
+    keys: list[tuple[str, str]]  # (body, direction) of each coordinate
+    shapes: Complex  # displacements, shape (speeds, coordinates, modes)
+    shares: Array  # of the kinetic energy, same shape
+    hunting: Mask  # where a mode hunts, shape (speeds, modes)
 
     @property
     def speeds(self) -> Array:

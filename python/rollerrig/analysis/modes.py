@@ -1,19 +1,14 @@
 """Linearisation at the rolling equilibrium; eigenvalues and mode shapes, followed over a parameter; which modes are hunting.
 
     Case, running speed -> [Lineariser] -> A of x' = A x around steady rolling, names of the states
-
-The rollers (or the rails) are speed-controlled: the rates of driven rollers are inputs, not states, and are taken out of A.
-Equations: docs/theory/equilibrium_and_linearisation.md, (L3)-(L4).
-
     A(speed) -> [modes] -> eigenvalues and eigenvectors in an order in which a column stays the same mode
-
-Equations: docs/theory/equilibrium_and_linearisation.md, (L5)-(L9).
-
-Which modes are hunting, speed by speed: the wheelsets move most, and roll where they point.
-
     eigenvalues and shapes over speed -> [hunts] -> where each mode hunts -> names, frequency of hunting over speed
 
-A wheelset that rolls without sliding sideways is carried along by its yaw,
+The rollers (or the rails) are speed-controlled: the rates of driven rollers are inputs, not states, and are taken out of A.
+Equations: docs/theory/equilibrium_and_linearisation.md, (L3)-(L9).
+
+In a hunting mode the wheelsets move most, and roll where they point: one that rolls without sliding sideways is
+carried along by its yaw,
 
     dy/dt = V psi,
 
@@ -127,17 +122,11 @@ MOST_HALVINGS = 7
 
 @dataclass(frozen=True)
 class Eigensystem:
-    """All eigenvalues of one matrix.
+    """All eigenvalues of one matrix."""
 
-    Attributes:
-        values: eigenvalues [1/s], shape (n,).
-        vectors: right eigenvectors as columns, each of norm 1, shape (n, n).
-        left: left eigenvectors as columns, each of norm 1, shape (n, n): left[:, i]^H A = value[i] left[:, i]^H.
-    """
-
-    values: Complex
-    vectors: Complex
-    left: Complex
+    values: Complex  # eigenvalues [1/s], shape (n,)
+    vectors: Complex  # right eigenvectors as columns, each of norm 1, shape (n, n)
+    left: Complex  # left eigenvectors as columns, each of norm 1, shape (n, n): left[:, i]^H A = value[i] left[:, i]^H
 
     def reordered(self, columns: NDArray[np.intp]) -> "Eigensystem":
         """The same with its columns in another order."""
@@ -226,21 +215,13 @@ def follow(previous: Eigensystem, following: Eigensystem, change: Array | None =
 
 @dataclass(frozen=True)
 class Followed:
-    """Modes along a parameter, each in one column.
+    """Modes along a parameter, each in one column."""
 
-    Attributes:
-        parameters: the values asked for and those added between them, rising, shape (m,).
-        asked: where the values asked for stand among them.
-        systems: one eigensystem each, columns in one order.
-        unclear: parameters after which a pairing stayed unclear however small the step.
-        interrupted: whether Ctrl-C came before the last value; what was done until then is here.
-    """
-
-    parameters: Array
-    asked: list[int]
-    systems: list[Eigensystem]
-    unclear: list[float]
-    interrupted: bool = False
+    parameters: Array  # the values asked for and those added between them, rising, shape (m,)
+    asked: list[int]  # where the values asked for stand among them
+    systems: list[Eigensystem]  # one eigensystem each, columns in one order
+    unclear: list[float]  # parameters after which a pairing stayed unclear however small the step
+    interrupted: bool = False  # whether Ctrl-C came before the last value; what was done until then is here
 
     def values(self) -> Complex:
         """Eigenvalues, shape (m, n)."""

@@ -1,13 +1,11 @@
 """Limits of a rig that reproduces a degraded rail: closed forms, and which one a run reached first.
 
-Closed forms for the limits of a rig that reproduces a degraded rail, (V1) to (V6) of docs/theory/envelope.md.
-
     Case of a rig with [rig_control] -> [rig_limits] -> RigLimits -> limits over adhesion, magnitudes per axle [N m]
     Case, adhesion of its rail       -> [creep_peak] -> peak of the virtual rail's creep curve, from the core's laws
-
-Rolling without sliding, steady forces, no lag of drives and estimator. An adhesion may be an array.
-
     Dataset of a run -> [assess_limits] -> numbers, limits reached with their times, region of the operating envelope
+
+The closed forms are (V1) to (V6) of docs/theory/envelope.md: rolling without sliding, steady forces, no lag of drives and
+estimator. An adhesion may be an array.
 """
 
 import math
@@ -44,31 +42,21 @@ PITCHING = 1.04
 
 @dataclass(frozen=True)
 class RigLimits:
-    """Closed forms of one rig, vehicle and load.
+    """Closed forms of one rig, vehicle and load."""
 
-    Attributes:
-        wheel_radius, roller_radius: r, R [m].
-        wheelset_inertia, roller_inertia: J_w, J_r of an axle with its rotor [kg m^2].
-        axle_load: N [N].
-        train_mass: M that these axles brake or pull [kg].
-        axles: n.
-        friction: mu_r between wheel and roller [-].
-        drive_torque: U_m of a roller drive [N m]; infinite: not limited.
-        load_transfer: kappa: load that one axle loses and another gains, over the contact force of an axle [-].
-        virtual_transfer: kappa_v: the same of the virtual train [-].
-    """
-
+    # wheel_radius, roller_radius: r, R [m]
     wheel_radius: float
     roller_radius: float
+    # wheelset_inertia, roller_inertia: J_w, J_r of an axle with its rotor [kg m^2]
     wheelset_inertia: float
     roller_inertia: float
-    axle_load: float
-    train_mass: float
-    axles: int
-    friction: float
-    drive_torque: float
-    load_transfer: float
-    virtual_transfer: float
+    axle_load: float  # N [N]
+    train_mass: float  # M that these axles brake or pull [kg]
+    axles: int  # n
+    friction: float  # mu_r between wheel and roller [-]
+    drive_torque: float  # U_m of a roller drive [N m]; infinite: not limited
+    load_transfer: float  # kappa: load that one axle loses and another gains, over the contact force of an axle [-]
+    virtual_transfer: float  # kappa_v: the same of the virtual train [-]
 
     @property
     def _lever(self) -> float:

@@ -1,9 +1,8 @@
 """Signals of a run: filters that shift no phase, and what an oscillation does: grows or decays, how large, how fast.
 
-Filters of a running test: low pass, band pass, sliding mean over distance; no phase is shifted.
-
     signal over time -> [Butterworth, forward and backward] -> signal within a band
                      -> [mean over the 2 m around it]       -> what the rail feels
+                     -> [extrema] -> half-wave amplitudes   -> rate, amplitude, frequency
 
 A second-order Butterworth filter run forward and backward is in all of fourth order: 24 dB per octave, as EN 14363 asks.
 Its corner is moved so that the two runs together have -3 dB where the cut-off is said to be:
@@ -14,8 +13,6 @@ Its corner is moved so that the two runs together have -3 dB where the cut-off i
 A high pass has x upside down.
 
 Source: EN 14363:2016, table of assessed quantities and their filters; K. Steiglitz et al. on filtering twice.
-
-    time series -> [extrema] -> half-wave amplitudes over time -> rate, amplitude, frequency
 
 Amplitudes are half the distance between successive extrema: no offset enters, and for y = e^(σt) sin(ωt) they are exactly
 exponential.
@@ -171,15 +168,10 @@ def _over_window(f: Array, s: Array, length: float) -> Array:
 
 @dataclass(frozen=True)
 class Fit:
-    """A linear least-squares fit.
+    """A linear least-squares fit."""
 
-    Attributes:
-        coefficients: one per column.
-        largest: largest of what is left, over the largest value [1].
-    """
-
-    coefficients: tuple[float, ...]
-    largest: float
+    coefficients: tuple[float, ...]  # one per column
+    largest: float  # largest of what is left, over the largest value [1]
 
 
 @one_blas_thread()
@@ -198,17 +190,11 @@ LEAST_AMPLITUDE = 1e-6
 
 @dataclass(frozen=True)
 class HalfWaves:
-    """Successive half-waves of a signal.
+    """Successive half-waves of a signal."""
 
-    Attributes:
-        time: middle of each half-wave [s].
-        amplitude: half the distance of its two extrema [unit of the signal].
-        duration: time between its two extrema [s].
-    """
-
-    time: Array
-    amplitude: Array
-    duration: Array
+    time: Array  # middle of each half-wave [s]
+    amplitude: Array  # half the distance of its two extrema [unit of the signal]
+    duration: Array  # time between its two extrema [s]
 
 
 def half_waves(time: Array, signal: Array, least_amplitude: float = LEAST_AMPLITUDE) -> HalfWaves:
@@ -259,17 +245,11 @@ def growth_rate(signal: xr.DataArray, least_amplitude: float = LEAST_AMPLITUDE) 
 
 @dataclass(frozen=True)
 class FinalMotion:
-    """What is left at the end of a run.
+    """What is left at the end of a run."""
 
-    Attributes:
-        amplitude: half the range of the signal in the last part of the run [unit of the signal]; 0 if it decayed.
-        frequency: of that oscillation [Hz]; NaN if it decayed.
-        rate: its growth rate [1/s]; NaN if it decayed.
-    """
-
-    amplitude: float
-    frequency: float
-    rate: float
+    amplitude: float  # half the range of the signal in the last part of the run [unit of the signal]; 0 if it decayed
+    frequency: float  # of that oscillation [Hz]; NaN if it decayed
+    rate: float  # its growth rate [1/s]; NaN if it decayed
 
 
 RIPPLE = 0.25

@@ -109,17 +109,11 @@ PERCENTILE = 95.0
 
 
 class Ripple(NamedTuple):
-    """Ripple of the worst axle's torque.
+    """Ripple of the worst axle's torque."""
 
-    Attributes:
-        rms: not passed for PERCENTILE of the time [N m].
-        spell: the longest in which it stays above a limit, of any axle [s].
-        frequency: of most power [Hz].
-    """
-
-    rms: float
-    spell: float
-    frequency: float
+    rms: float  # not passed for PERCENTILE of the time [N m]
+    spell: float  # the longest in which it stays above a limit, of any axle [s]
+    frequency: float  # of most power [Hz]
 
 
 def torque_ripple(time: Array, torque: Array, limit: float = math.inf) -> Ripple:
@@ -218,20 +212,16 @@ SERIES_STEP = 0.1
 
 @dataclass(frozen=True)
 class TestRecord:
-    """What is kept of a test.
+    """What is kept of a test."""
 
-    Attributes:
-        status, message: how it ended.
-        measures: name -> value; NaN where there is none.
-        slip_shares: of the time of all axles under test in the classes of SLIP_EDGES, while the train is faster than
-            LEAST_SPEED and brake or traction act; shape (class,), zeros where they never do.
-        time, distance: of the train, every SERIES_STEP and at the end [s, m].
-    """
-
+    # status, message: how it ended
     status: str
     message: str
-    measures: dict[str, float]
+    measures: dict[str, float]  # name -> value; NaN where there is none
+    # of the time of all axles under test in the classes of SLIP_EDGES, while the train is faster than LEAST_SPEED and
+    # brake or traction act; shape (class,), zeros where they never do
     slip_shares: Array
+    # time, distance: of the train, every SERIES_STEP and at the end [s, m]
     time: Array
     distance: Array
 
@@ -401,22 +391,18 @@ def _rig(run: xr.Dataset, largest_torque: float, roller_radius: float) -> dict[s
     fast = run["train_speed"].to_numpy() > LEAST_SPEED
     force, virtual = (run[name].transpose("time", "axle").to_numpy()[fast] for name in ("creep_force", "virtual_force"))
     size, gravity = rms(virtual), run["contact_force"] - run["creep_force"]
+    ripple = unwanted_ripple(run, roller_radius)
     return {
         **following(run),
         "force_error_rms": rms(force - virtual) / size if size > 0.0 else math.nan,
-        **drive_oscillation(run, roller_radius),
+        "drive_oscillation_nm": ripple.rms,
+        "drive_oscillation_spell_s": ripple.spell,
         "drive_limited_share": float(limited.mean()),
         "drive_power_wanted_kw": 1e-3 * largest(run["wanted_roller_power"]),
         "drive_power_limited_s": float(run["drive_power_limited"].isel(time=-1).max()),
         "crown_gravity_largest": largest(gravity) / axle_load(run),
         "roller_torque_largest_nm": largest(run["roller_torque"]),
     }
-
-
-def drive_oscillation(run: xr.Dataset, roller_radius: float) -> dict[str, float]:
-    """Fast torque on the rollers that the virtual rail does not demand: 95th percentile of the worst axle, longest spell."""
-    found = unwanted_ripple(run, roller_radius)
-    return {"drive_oscillation_nm": found.rms, "drive_oscillation_spell_s": found.spell}
 
 
 def unwanted_ripple(run: xr.Dataset, roller_radius: float) -> Ripple:

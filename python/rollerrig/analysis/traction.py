@@ -26,43 +26,26 @@ ITERATIONS = 60
 
 @dataclass(frozen=True)
 class Bogie:
-    """What the balance of moments needs, from the case.
+    """What the balance of moments needs, from the case."""
 
-    Attributes:
-        half_base: half the wheelbase [m].
-        wheel_radius: [m].
-        roller_radius: [m].
-        wheelset_inertia: spin inertia of one wheelset [kg m^2].
-        roller_inertia: spin inertia of one roller pair [kg m^2].
-        wheelset_mass: of one wheelset [kg].
-        frame_mass: [kg].
-        frame_height: of the frame's centre of mass [m].
-        frame_load: load that the secondary springs put on the frame [N].
-        restraints: height [m] and longitudinal stiffness [N/m] of each element between frame and car body.
-        secondary_height: at which that load acts on the frame [m].
-        clamped: share of that load on springs clamped at both ends, which lean by half of the frame's pitch and shift.
-        pitch_stiffness: of the elements between frame and car body [N m/rad].
-        gravity: its acceleration [m/s^2].
-        primary: longitudinal and vertical stiffness of one axle's suspension [N/m].
-        primary_height: of its springs [m].
-    """
-
-    half_base: float
-    wheel_radius: float
-    roller_radius: float
-    wheelset_inertia: float
-    roller_inertia: float
-    wheelset_mass: float
-    frame_mass: float
-    frame_height: float
-    frame_load: float
+    half_base: float  # half the wheelbase [m]
+    wheel_radius: float  # [m]
+    roller_radius: float  # [m]
+    wheelset_inertia: float  # spin inertia of one wheelset [kg m^2]
+    roller_inertia: float  # spin inertia of one roller pair [kg m^2]
+    wheelset_mass: float  # of one wheelset [kg]
+    frame_mass: float  # [kg]
+    frame_height: float  # of the frame's centre of mass [m]
+    frame_load: float  # load that the secondary springs put on the frame [N]
+    # height [m] and longitudinal stiffness [N/m] of each element between frame and car body
     restraints: tuple[tuple[float, float], ...]
-    secondary_height: float
+    secondary_height: float  # at which that load acts on the frame [m]
+    # share of that load on springs clamped at both ends, which lean by half of the frame's pitch and shift
     clamped: float
-    pitch_stiffness: float
-    gravity: float
-    primary: tuple[float, float]
-    primary_height: float
+    pitch_stiffness: float  # of the elements between frame and car body [N m/rad]
+    gravity: float  # its acceleration [m/s^2]
+    primary: tuple[float, float]  # longitudinal and vertical stiffness of one axle's suspension [N/m]
+    primary_height: float  # of its springs [m]
 
     @property
     def share_to_roller(self) -> float:
@@ -127,19 +110,13 @@ def bogie_of(case: Case, axle_load: float) -> Bogie:
 
 @dataclass(frozen=True)
 class Balance:
-    """Closed forms over time; one axle each [N].
+    """Closed forms over time; one axle each [N]."""
 
-    Attributes:
-        creep_force: tangential force on one wheelset.
-        longitudinal: force along x on front and rear wheelset; more than the creep force, since both left the crown.
-        vertical: force on front and rear wheelset.
-        shift: of front and rear wheelset from the crown [m].
-    """
-
-    creep_force: Array
+    creep_force: Array  # tangential force on one wheelset
+    # force along x on front and rear wheelset; more than the creep force, since both left the crown
     longitudinal: tuple[Array, Array]
-    vertical: tuple[Array, Array]
-    shift: tuple[Array, Array]
+    vertical: tuple[Array, Array]  # force on front and rear wheelset
+    shift: tuple[Array, Array]  # of front and rear wheelset from the crown [m]
 
 
 def balance(bogie: Bogie, torque: Array, axle_load: float) -> Balance:

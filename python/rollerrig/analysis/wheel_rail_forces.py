@@ -1,15 +1,10 @@
 """What engineers read off a run: wheel forces, their quotients and limits, unloading, wear number; sections of the line.
 
-Sections of a run as EN 14363 assesses them: straights, transitions, circular curves by their radius.
-
-    run -> [track_sections] -> which output times belong to which section
+    run -> [track_sections] -> which output times belong to which section: straights, transitions, curves by their radius
+    run -> [wheel_forces] -> Y, Q, sum of Y, Y/Q, wear number over time -> [filtered] -> as EN 14363 assesses them
 
 A vehicle is in a straight or a curve from where its last wheelset has come in until its first one leaves; between, it is in a
 transition, where nothing is quasi-static.
-
-Source: EN 14363:2016, test zones.
-
-    run -> [wheel_forces] -> Y, Q, sum of Y, Y/Q, wear number over time -> [filtered] -> as EN 14363 assesses them
 
 Signs (EN 14363): forces are those of the wheel on the rail.
     Y    guiding force of a wheel, parallel to the track's plane: positive outwards, as the flange pushes its rail
@@ -54,17 +49,11 @@ TEST_ZONES = ((600.0, 2), (400.0, 3), (250.0, 4))
 
 @dataclass(frozen=True)
 class TrackSection:
-    """A part of a run.
+    """A part of a run."""
 
-    Attributes:
-        name: number in the order of the run and what it is; unique.
-        constant: whether curvature, cant and speed are constant there, so that it has quasi-static values.
-        within: which output times belong to it, shape (time,).
-    """
-
-    name: str
-    constant: bool
-    within: Mask
+    name: str  # number in the order of the run and what it is; unique
+    constant: bool  # whether curvature, cant and speed are constant there, so that it has quasi-static values
+    within: Mask  # which output times belong to it, shape (time,)
 
 
 def track_sections(run: xr.Dataset) -> list[TrackSection]:

@@ -1,11 +1,10 @@
 """Tables of the configuration as structs and laws of the core: of the same name, with the same parameters.
 
     table, numbers that follow from the case -> [core_struct] -> object of the core
-
-The core has no defaults: each stands once, in `rollerrig.config`. A name that is missing on either side is an error.
-
     one direction of an element -> [force_laws] -> DirectionLaw of the core
     contact and adhesion of a case -> [core_laws] -> ContactLaws, AdhesionMap of the core
+
+The core has no defaults: each stands once, in `rollerrig.config`. A name that is missing on either side is an error.
 """
 
 import math

@@ -200,7 +200,7 @@ def contact(
         float | None, typer.Option(help="Yaw in proportion to the lateral position [mrad/mm].")
     ] = None,
     roll_mrad: Annotated[float | None, typer.Option(help="Roll angle to hold [mrad]; free to roll if absent.")] = None,
-    plot: Annotated[Path | None, typer.Option(help="Picture of the table (.png or .svg).")] = None,
+    plot: Annotated[Path | None, typer.Option(help="Picture of the table (.svg, .png or .pdf).")] = None,
     compare: Annotated[
         bool, typer.Option("--compare", help="Every normal contact and creep law side by side, with its cost.")
     ] = False,
@@ -213,8 +213,7 @@ def contact(
     from rollerrig.contact_analysis.static_contact import CSV_HEAD, NORMALS_HEAD, contact_csv, contact_table
     from rollerrig.results import output_file, write_bytes, write_text
 
-    if plot is not None and plot.suffix.lower() not in (".png", ".svg"):
-        raise typer.BadParameter(f"'{plot}' must end in .png or .svg", param_hint="--plot")
+    kind = None if plot is None else picture_kind(plot, "--plot")
     check_finite(roll_mrad, "--roll-mrad")
     places = _positions(lateral_mm, yaw_mrad, yaw_mrad_per_mm)
     chosen = read_case(case, allow_code=allow_code, changes=change)
@@ -239,11 +238,10 @@ def contact(
     else:
         table = contact_table(chosen, places, roll=roll)
         typer.echo(write_text(csv, contact_csv(table), tables=tables, force=force))
-    if plot is not None:
+    if plot is not None and kind is not None:
         from rollerrig.plot import figure_bytes
         from rollerrig.plot.contact import comparison_figure, contact_figure, creep_comparison_figure
 
-        kind: Literal["svg", "png"] = "svg" if plot.suffix.lower() == ".svg" else "png"
         figure = comparison_figure(table) if compare else contact_figure(table)
         typer.echo(write_bytes(plot, figure_bytes(figure, kind), force=force))
         if compare:

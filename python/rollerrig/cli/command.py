@@ -77,20 +77,17 @@ def changes_of(texts: list[str] | None, flag: str = "--set") -> dict[str, Any]:
     return changes
 
 
-def picture_kind(path: Path) -> Literal["svg", "png", "pdf"]:
+def picture_kind(path: Path, option: str = "--out") -> Literal["svg", "png", "pdf"]:
     """The kind of picture that a file's name asks for.
 
     Raises:
         typer.BadParameter: it asks for another one.
     """
-    match path.suffix.lower():
-        case ".svg":
-            return "svg"
-        case ".png":
-            return "png"
-        case ".pdf":
-            return "pdf"
-    raise typer.BadParameter(f"'{path}': allowed: a file that ends in .svg, .png or .pdf", param_hint="--out")
+    kinds: dict[str, Literal["svg", "png", "pdf"]] = {".svg": "svg", ".png": "png", ".pdf": "pdf"}
+    kind = kinds.get(path.suffix.lower())
+    if kind is None:
+        raise typer.BadParameter(f"'{path}': allowed: a file that ends in .svg, .png or .pdf", param_hint=option)
+    return kind
 
 
 def code_lines(codes: Iterable[Code]) -> list[str]:

@@ -170,6 +170,9 @@ def opening_lines(served: Served, address: str, port: int, *, lock_step: bool) -
 
 def run_watched(server: Any, *, live: bool) -> Ended:
     """Run a server; Ctrl-C ends it after the period at work."""
+    from rich.console import Console
+    from rich.live import Live
+
     from rollerrig.interfaces.realtime.server import run_server
 
     found: list[Ended] = []
@@ -187,7 +190,8 @@ def run_watched(server: Any, *, live: bool) -> Ended:
     threading.Thread(target=work, name="rig").start()
     try:
         with ExitStack() as stack:
-            show = stack.enter_context(live_view()) if live and sys.stderr.isatty() else None
+            shown = live and sys.stderr.isatty()
+            show = stack.enter_context(Live(console=Console(stderr=True))) if shown else None
             while not done.wait(LOOK_SECONDS):
                 if show is not None:
                     show.update(table(server.statistics()))
@@ -197,14 +201,6 @@ def run_watched(server: Any, *, live: bool) -> Ended:
     if failed:
         raise failed[0]
     return found[0]
-
-
-def live_view() -> Any:
-    """A place on the terminal that is written anew."""
-    from rich.console import Console
-    from rich.live import Live
-
-    return Live(console=Console(stderr=True), auto_refresh=True, refresh_per_second=4)
 
 
 def table(statistics: dict[str, Any]) -> Any:

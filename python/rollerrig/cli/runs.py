@@ -70,14 +70,10 @@ def compare_runs(
 
 def _labels(runs: list[Path]) -> list[str]:
     """The files' names; where several have the same, those of their folders, as far up as tells them apart."""
-    stems = [path.stem for path in runs]
-    if len(set(stems)) == len(stems):
-        return stems
-    folders = [
-        path.absolute().parent.parts if len(set(stems)) == 1 else path.absolute().with_suffix("").parts for path in runs
-    ]
-    for depth in range(1, max(map(len, folders)) + 1):
-        names = ["/".join(parts[-depth:]) for parts in folders]
+    of_folders = len(runs) > 1 and len({path.stem for path in runs}) == 1
+    places = [path.absolute().parent if of_folders else path.absolute().with_suffix("") for path in runs]
+    for depth in range(1, max(len(place.parts) for place in places) + 1):
+        names = ["/".join(place.parts[-depth:]) for place in places]
         if len(set(names)) == len(names):
             return names
     return [f"{path} ({number})" for number, path in enumerate(runs, 1)]

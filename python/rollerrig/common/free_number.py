@@ -8,19 +8,14 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class FreeNumber:
-    """A number that is sought.
+    """A number that is sought."""
 
-    Attributes:
-        name: for results.
-        least, most: its range.
-        logarithmic: whether its logarithm is sought.
-        prior: mean and standard deviation of what was known before, of its logarithm where that is sought; None: nothing.
-    """
-
-    name: str
+    name: str  # for results
+    # least, most: its range
     least: float
     most: float
-    logarithmic: bool = False
+    logarithmic: bool = False  # whether its logarithm is sought
+    # mean and standard deviation of what was known before, of its logarithm where that is sought; None: nothing
     prior: tuple[float, float] | None = None
 
     def along(self, value: float) -> float:

@@ -10,8 +10,8 @@ import errno
 import mmap
 import os
 import stat
+from io import BufferedReader
 from pathlib import Path
-from typing import BinaryIO
 
 MEGABYTE = 1_000_000
 LARGEST_TEXT = 4 * MEGABYTE
@@ -72,7 +72,7 @@ def read_input(path: str | Path, largest: int) -> bytes:
     return content
 
 
-def open_input(path: str | Path, largest: int | None = None) -> BinaryIO:
+def open_input(path: str | Path, largest: int | None = None) -> BufferedReader:
     """A file open for reading bytes.
 
     Args:

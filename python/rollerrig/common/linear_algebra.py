@@ -1,16 +1,13 @@
 """Small matrices: their eigenvalues, and one thread for whatever solves them.
 
-    [one_blas_thread] -> eigenvalues, products and least squares of some ten to some hundred rows
+    matrix -> [eigenvalues, in one_blas_thread] -> its eigenvalues, in no order
 
 The threads of a BLAS library wait for each other in a loop: with a matrix of a hundred rows they cost ten to forty times the
 processor time of one thread, and more of the clock. Whatever solves such matrices here does so within `one_blas_thread`; worker
 processes, of which there are as many as cores, do all their work in it.
 
-Eigenvalues of small matrices, of the last ones without computing them again.
-
-    matrix -> [eigenvalues] -> its eigenvalues, in no order
-
-Runs from the same steady rolling, with other disturbances, durations or friction that acts later, ask for the same ones.
+Eigenvalues of the last matrices are not computed again: runs from the same steady rolling, with other disturbances,
+durations or friction that acts later, ask for the same ones.
 """
 
 from collections.abc import Iterator

@@ -15,21 +15,13 @@ _LONGEST_VALUE = 80
 
 @dataclass(frozen=True)
 class ConfigProblem:
-    """One mistake.
+    """One mistake."""
 
-    Attributes:
-        file: file (or catalogue entry) as the user named it.
-        key: dotted key; a list item is addressed by its name (``body.car_body.mass``) or ``[index]``.
-        value: what was written there, as text; "missing" if nothing was.
-        allowed: what may stand there.
-        hint: the nearest allowed value, or "" if none is near.
-    """
-
-    file: str
-    key: str
-    value: str
-    allowed: str
-    hint: str = ""
+    file: str  # file (or catalogue entry) as the user named it
+    key: str  # dotted key; a list item is addressed by its name (``body.car_body.mass``) or ``[index]``
+    value: str  # what was written there, as text; "missing" if nothing was
+    allowed: str  # what may stand there
+    hint: str = ""  # the nearest allowed value, or "" if none is near
 
     def __str__(self) -> str:
         """The line shown to the user."""
@@ -66,6 +58,15 @@ class ConfigError(Exception):
     def __reduce__(self) -> "tuple[type[ConfigError], tuple[tuple[ConfigProblem, ...]]]":
         """Copy from its problems, on its way back from another process."""
         return type(self), (self.problems,)
+
+
+Mistake = tuple[str, str, str] | tuple[str, str, str, str]
+"""Key, value, what is allowed, and a hint if there is one, of a ConfigProblem in a file that the check need not know."""
+
+
+def problems_of(file: str, mistakes: Iterable[Mistake]) -> list[ConfigProblem]:
+    """Mistakes of a file, each once."""
+    return [ConfigProblem(file, *one) for one in dict.fromkeys(mistakes)]
 
 
 def join_key(parent: str, key: str) -> str:

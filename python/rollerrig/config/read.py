@@ -52,17 +52,11 @@ MOST_FILES = 1000
 
 @dataclass(frozen=True)
 class Document:
-    """Raw tables and where they came from.
+    """Raw tables and where they came from."""
 
-    Attributes:
-        raw: the tables as TOML gives them.
-        file: the file as messages name it.
-        folder: relative paths in the document start here.
-    """
-
-    raw: dict[str, Any]
-    file: str
-    folder: Path
+    raw: dict[str, Any]  # the tables as TOML gives them
+    file: str  # the file as messages name it
+    folder: Path  # relative paths in the document start here
 
 
 def read_document(kind: CatalogKind, name: str | Path, folder: Path | None = None) -> Document:

@@ -1,6 +1,7 @@
 """Where an unloaded wheelset touches over its lateral shift, how the rolling radii differ, and its equivalent conicity.
 
     Case -> [touching points of the core] -> xarray.Dataset over `lateral` and `side`
+    rolling radius difference over lateral shift -> [kinematic motion integrated] -> wavelength, conicity over amplitude
 
 Rigid profiles, the wheelset above the crown, straight or yawed. Left of the running direction is positive. As in EN 15302
 each wheel is lowered on its own (roll neglected) unless the wheelset is asked to roll until both touch.
@@ -9,11 +10,8 @@ At zero yaw the points of touch lie in the plane through the wheelset's and the 
 generatrix, so wheel and roller touch where wheel and rail do; what differs is what the contact does to the rolling. In
 yaw they do not: a wheel touches ahead of or behind its axle, and there a roller lies lower than a rail.
 
-Equivalent conicity: the cone whose wheelset would weave as long as this one does.
-
-    rolling radius difference over lateral shift -> [kinematic motion integrated] -> wavelength, conicity over amplitude
-
-A free wheelset that rolls without slip follows, over the arc length x of the track,
+The equivalent conicity is that of the cone whose wheelset would weave as long. A free wheelset that rolls without slip
+follows, over the arc length x of the track,
 
     y'' + Δr(y) / (e r0) = 0                                                       (K1)
 
@@ -87,14 +85,10 @@ class _Touch:
 
 @dataclass(frozen=True)
 class _Pose:
-    """Pose of the wheelset while it is shifted.
+    """Pose of the wheelset while it is shifted."""
 
-    Attributes:
-        yaw: turned to the left [rad].
-        arm: about how far the contacts are apart [m]: the wheelset rolls until both wheels touch. None: roll is 0.
-    """
-
-    yaw: float
+    yaw: float  # turned to the left [rad]
+    # about how far the contacts are apart [m]: the wheelset rolls until both wheels touch. None: roll is 0
     arm: float | None
 
 

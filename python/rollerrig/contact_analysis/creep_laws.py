@@ -1,13 +1,12 @@
 """Creep laws compared: with the exact theory on one ellipse, and side by side on a wheelset in steady rolling.
 
     a/b, laws -> [compare_laws] -> forces and moments of each law and of the exact solver, in mu N and mu N c
+    Case, positions -> contact_table -> [core: one recorded row per law] -> force of each wheel in mu N, beside the exact solver
 
 Reduced units (docs/theory/creep_laws.md): the result depends on a/b, Poisson's ratio and reduced creepages alone.
 
-    Case, positions -> contact_table -> [core: one recorded row per law] -> force of each wheel in mu N, beside the exact solver
-
-Creepages and forces are the core's, as in a run. The wheelset rolls as one body along the track: its speed of rotation is such
-that the longitudinal creepages of its two wheels cancel.
+Creepages and forces of a wheelset are the core's, as in a run. It rolls as one body along the track: its speed of
+rotation is such that the longitudinal creepages of its two wheels cancel.
 """
 
 import time

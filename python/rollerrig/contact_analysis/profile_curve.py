@@ -46,7 +46,8 @@ def profile(
     """
     spec = load_profile(source)
     arguments = spec.arguments()
-    chosen = kind or _kind_of(str(source), str(arguments["kind"]))
+    by_name: dict[str, ProfileKind] = {".prw": "wheel", ".prr": "rail"}
+    chosen = kind or by_name.get(Path(source).suffix.lower()) or SHAPES[str(arguments["kind"])][1][0]
     if smoothing is not None and arguments["kind"] == "file":
         arguments["smoothing"] = smoothing
     table = profile_from_spec(arguments, chosen)
@@ -71,11 +72,6 @@ def profile(
             "outline": _file_points(table).tolist(),
         },
     )
-
-
-def _kind_of(source: str, shape: str) -> ProfileKind:
-    by_name: dict[str, ProfileKind] = {".prw": "wheel", ".prr": "rail"}
-    return by_name.get(Path(source).suffix.lower()) or SHAPES[shape][1][0]
 
 
 def _file_points(table: ProfileTable) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:

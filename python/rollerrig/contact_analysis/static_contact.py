@@ -1,13 +1,12 @@
 """Where a loaded wheelset touches: quasi-static contact over lateral position and yaw, by every normal contact there is.
 
     Case, positions -> [static contact of the core] -> xarray.Dataset, one row per contact patch
+                    -> contact_table with each `contact.normal` -> per wheel: patches, centre, width, approach, pressure, cost
 
 The leading wheelset is in equilibrium under its static axle load with elastic normal forces only. Left of the running
 direction is positive. Height and roll count from the unloaded, centred wheelset that touches both sides.
 
-    Case, positions -> contact_table with each `contact.normal` -> per wheel: patches, centre, width, approach, pressure, cost
-
-Left of the running direction is positive. What each model is: `docs/theory/contact_forces.md`, `non_elliptic_contact.md`.
+What each model is: `docs/theory/contact_forces.md`, `non_elliptic_contact.md`.
 """
 
 from collections.abc import Iterable, Sequence
@@ -157,19 +156,12 @@ def contact_csv(table: xr.Dataset) -> str:
 
 
 class LeadingWheelset(NamedTuple):
-    """The foremost wheelset of a model.
+    """The foremost wheelset of a model."""
 
-    Attributes:
-        name: of the wheelset.
-        contacts: indices of its left and right contact.
-        contact: static contact of the core.
-        unloaded: height at which the centred wheelset touches on both sides [m].
-    """
-
-    name: str
-    contacts: tuple[int, int]
-    contact: _core.StaticWheelsetContact
-    unloaded: float
+    name: str  # of the wheelset
+    contacts: tuple[int, int]  # indices of its left and right contact
+    contact: _core.StaticWheelsetContact  # static contact of the core
+    unloaded: float  # height at which the centred wheelset touches on both sides [m]
 
 
 def leading_wheelset(model: AssembledModel) -> LeadingWheelset:

@@ -19,23 +19,14 @@ from rollerrig.assembly.laws import CoreLaw
 
 @dataclass(frozen=True)
 class LoadedWheel:
-    """A wheel that rolls on a straight rail, its patch an ellipse of a given shape.
+    """A wheel that rolls on a straight rail, its patch an ellipse of a given shape."""
 
-    Attributes:
-        radius: rolling radius [m].
-        load: vertical force [N].
-        speed: of the vehicle [m/s].
-        a_over_b: semi-axis of the patch along the rail over that across it [-].
-        shear_modulus: of wheel and rail [Pa].
-        poisson_ratio: of both [-].
-    """
-
-    radius: float
-    load: float
-    speed: float
-    a_over_b: float
-    shear_modulus: float
-    poisson_ratio: float
+    radius: float  # rolling radius [m]
+    load: float  # vertical force [N]
+    speed: float  # of the vehicle [m/s]
+    a_over_b: float  # semi-axis of the patch along the rail over that across it [-]
+    shear_modulus: float  # of wheel and rail [Pa]
+    poisson_ratio: float  # of both [-]
 
     @cached_property
     def semi_axes(self) -> tuple[float, float]:

@@ -50,16 +50,11 @@ class RailIrregularity:
     """Displacements of both rails over the distance, periodic cubic splines on uniform knots.
 
     On the piece `i`, with t = s - i step, a displacement is c_i0 + c_i1 t + c_i2 t^2 + c_i3 t^3.
-
-    Attributes:
-        step: distance of the knots [m].
-        coefficients: by name of RAILS, (n, 4) each [m, 1, 1/m, 1/m^2], read-only.
-        fade_in: length from the foremost wheel's start on over which they grow to their full size [m].
     """
 
-    step: float
-    coefficients: Mapping[str, Array]
-    fade_in: float
+    step: float  # distance of the knots [m]
+    coefficients: Mapping[str, Array]  # by name of RAILS, (n, 4) each [m, 1, 1/m, 1/m^2], read-only
+    fade_in: float  # length from the foremost wheel's start on over which they grow to their full size [m]
 
     @property
     def period(self) -> float:

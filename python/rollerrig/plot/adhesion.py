@@ -1,8 +1,7 @@
 """Figures of a test on degraded track and on the rig that reproduces it, of ensembles, and of the lateral motion in it.
 
 Signals of the axles of one or more runs over time: a colour per axle, a line style per run.
-
-Figures of ensembles on track and rig: bars of causes with their errors, distributions of slip, distance over dead time.
+Of ensembles: bars of causes with their errors, distributions of slip, distance over dead time.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -114,12 +113,10 @@ def cause_bars(shares: Mapping[str, tuple[float, float, bool]]) -> Figure:
         look: dict[str, Any] = (
             {"facecolor": "none", "edgecolor": colour, "linestyle": "--"} if hidden else {"color": colour}
         )
-        axes.barh(row, 100.0 * share, height=0.55, **look)
-        axes.errorbar(100.0 * share, row, xerr=100.0 * error, color="black", capsize=3.0, linewidth=0.9)
+        whiskers = {"capsize": 3.0, "elinewidth": 0.9}
+        bar = axes.barh(row, 100.0 * share, height=0.55, xerr=100.0 * error, error_kw=whiskers, **look)
         text = f"{100.0 * share:+.2f} ± {100.0 * error:.2f}" + (", inside its error" if hidden else "")
-        outer, right = 100.0 * (share + np.copysign(error, share)), share >= 0.0
-        place: dict[str, Any] = {"xytext": (5 if right else -5, 0), "ha": "left" if right else "right"}
-        axes.annotate(text, (outer, row), textcoords="offset points", va="center", **place)
+        axes.bar_label(bar, [text], padding=5)
     axes.set_yticks(range(len(shares)), list(shares))
     axes.invert_yaxis()
     axes.axvline(0.0, color="black", linewidth=0.8)

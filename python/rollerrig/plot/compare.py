@@ -114,13 +114,10 @@ def effect_bars(off: Mapping[str, float], alone: Mapping[str, float], loss: floa
         (alone, -0.19, COLOURS[1], "///", "on alone: loss from the track"),
     ):
         bars = [*(values[effect] for effect in off), loss - sum(values.values()), loss]
-        axes.barh(places + shift, bars, 0.36, color=ink, alpha=0.85, label=label, hatch=hatch, edgecolor="white")
-        for place, bar in zip(places + shift, bars, strict=True):
-            if math.isfinite(bar):
-                axes.annotate(
-                    f"{bar:+.1f}", (bar, place), (3 if bar >= 0 else -3, 0), textcoords="offset points",
-                    va="center", ha="left" if bar >= 0 else "right", fontsize=7.5,
-                )  # fmt: skip
+        drawn = axes.barh(
+            places + shift, bars, 0.36, color=ink, alpha=0.85, label=label, hatch=hatch, edgecolor="white"
+        )
+        axes.bar_label(drawn, fmt="{:+.1f}", padding=3, fontsize=7.5)
     axes.axvline(0.0, color=GREY, linewidth=1.0)
     axes.set_yticks(places, rows)
     axes.margins(x=0.12)

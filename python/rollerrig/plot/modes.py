@@ -1,7 +1,4 @@
-"""Figures of the modes over speed, and of mode shapes.
-
-Mode shapes: outlines of the bodies, displaced as the mode displaces them; dimensions of the outlines are schematic.
-"""
+"""Figures of the modes over speed, and of mode shapes: schematic outlines of the bodies, as the mode displaces them."""
 
 import math
 from collections.abc import Sequence

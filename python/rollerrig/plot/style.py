@@ -1,10 +1,9 @@
 """One look for all figures: readable in print and without colour, the same bytes every time; also in axes of the caller's own.
 
     a function that draws results into a new figure -> [into_axes] -> the same with `axes=`
+    axes -> [logarithmic] -> scale, places of the numbers, how they are written
 
 A figure of several panels takes as many axes as are given, from the top; the other panels are not drawn.
-
-    axes -> [logarithmic] -> scale, places of the numbers, how they are written
 """
 
 import functools
@@ -65,18 +64,6 @@ def given() -> tuple[Axes, ...]:
     return _GIVEN.get()
 
 
-def given_grid(rows: int, columns: int, own: Callable[[], Figure]) -> tuple[Figure, Any] | None:
-    """The given axes as a grid, filled up with axes that nobody will see; None where none were given."""
-    axes = given()
-    if not axes:
-        return None
-    missing = rows * columns - len(axes)
-    spare = own().subplots(1, missing, squeeze=False)[0] if missing > 0 else []
-    grid = np.empty(rows * columns, dtype=object)
-    grid[:] = [*axes, *spare][: rows * columns]
-    return cast(Figure, axes[0].get_figure(root=True)), grid.reshape(rows, columns)
-
-
 COLOURS = ("#0b5394", "#c0392b", "#2e7d32", "#8e5ea2", "#b9770e", "#455a64", "#00838f", "#6d4c41")
 """Dark enough for print; lines that share a figure also differ in style or marker."""
 
@@ -122,17 +109,19 @@ def new_figure(rows: int = 1, width: float = 7.2, height: float = 3.4, **options
 
 
 def new_grid(rows: int, columns: int, width: float = 7.2, height: float = 3.4, **options: Any) -> tuple[Figure, Any]:
-    """A figure with a grid of axes, shape (row, column) [inches]; needs no display."""
+    """A figure with a grid of axes, shape (row, column) [inches]; needs no display.
 
-    def own() -> Figure:
-        figure = Figure(figsize=(width, height), layout="constrained")
-        FigureCanvasAgg(figure)
-        return figure
-
-    if (grid := given_grid(rows, columns, own)) is not None:
-        return grid
-    figure = own()
-    return figure, figure.subplots(rows, columns, squeeze=False, **options)
+    Given axes are the grid, filled up with axes of a figure that nobody will see.
+    """
+    figure, axes = Figure(figsize=(width, height), layout="constrained"), given()
+    FigureCanvasAgg(figure)
+    if not axes:
+        return figure, figure.subplots(rows, columns, squeeze=False, **options)
+    missing = rows * columns - len(axes)
+    spare = figure.subplots(1, missing, squeeze=False)[0] if missing > 0 else []
+    grid = np.empty(rows * columns, dtype=object)
+    grid[:] = [*axes, *spare][: rows * columns]
+    return cast(Figure, axes[0].get_figure(root=True)), grid.reshape(rows, columns)
 
 
 @contextmanager
@@ -280,18 +269,13 @@ def figure_bytes(figure: Figure, kind: Literal["svg", "png", "pdf"] = "svg", dpi
     return buffer.getvalue()
 
 
-def fewer_colours(png: bytes, colours: int = 64) -> bytes:
-    """A PNG picture with a palette, a third to a fifth of the bytes: enough for lines and letters on paper.
-
-    Args:
-        png: the file.
-        colours: of the palette, 256 at most.
-    """
+def fewer_colours(png: bytes) -> bytes:
+    """A PNG picture with a palette of 64 colours, a third to a fifth of the bytes: enough for lines and letters on paper."""
     from matplotlib.image import imread
     from PIL import Image  # matplotlib brings it; slow to load
 
     pixels = np.round(255.0 * imread(io.BytesIO(png))[..., :3]).astype(np.uint8)
-    few = Image.fromarray(pixels).quantize(colours, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
+    few = Image.fromarray(pixels).quantize(64, method=Image.Quantize.MEDIANCUT, dither=Image.Dither.NONE)
     buffer = io.BytesIO()
     few.save(buffer, "png", optimize=True)
     return buffer.getvalue()

@@ -3,7 +3,6 @@
 published definitions, measured files -> ProfileTable -> contact geometry
 """
 
-from rollerrig.profiles.registry import CATALOGUE as CATALOGUE
 from rollerrig.profiles.registry import SHAPES as SHAPES
 from rollerrig.profiles.registry import profile_from_spec as profile_from_spec
 from rollerrig.profiles.table import STEEPEST_SLOPE as STEEPEST_SLOPE

@@ -28,19 +28,12 @@ MOST_POINTS = 20_000
 
 @dataclass(frozen=True, eq=False)
 class Course:
-    """Points along a profile.
+    """Points along a profile."""
 
-    Attributes:
-        file: where they come from.
-        points: (n, 2) abscissa and ordinate [m].
-        weights: (n,) how much each counts in the smoothing [-].
-        lines: (n,) line of the file, from 1.
-    """
-
-    file: Path
-    points: Array
-    weights: Array
-    lines: NDArray[np.intp]
+    file: Path  # where they come from
+    points: Array  # (n, 2) abscissa and ordinate [m]
+    weights: Array  # (n,) how much each counts in the smoothing [-]
+    lines: NDArray[np.intp]  # (n,) line of the file, from 1
 
     def __len__(self) -> int:
         """Number of points."""

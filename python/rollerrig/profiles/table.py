@@ -1,7 +1,5 @@
 """The profile as the contact search sees it: a cubic spline on uniform knots.
 
-The one exception of this package: a profile that cannot be used, and why.
-
     definition or measured points -> [ProfileTable] -> contact geometry
 
 A profile is given for the LEFT wheel or rail, as a height over an abscissa that grows outward,
@@ -51,26 +49,18 @@ class ProfileTable:
     On the interval `i`, with t = y - y_i and y_i = start + i step,
 
         value(y) = c_i0 + c_i1 t + c_i2 t^2 + c_i3 t^3
-
-    Attributes:
-        name: what the profile is called, for messages and figures.
-        kind: "wheel" or "rail"; it decides what abscissa and value mean (see the module's text).
-        start: first knot [m].
-        step: distance between knots [m].
-        coefficients: (n, 4), one row per interval [m, 1, 1/m, 1/m^2], read-only.
-        source: where the shape comes from.
-        outline: (k, 2) points [m] along the whole shape, steep flanks included, where the spline stops
-            at a slope of STEEPEST_SLOPE. The gauge of a track is taken on such a flank.
-        measured: (m, 2) points [m] from which the curve was smoothed, in the same axes; none of a curve by definition.
     """
 
-    name: str
-    kind: ProfileKind
-    start: float
-    step: float
-    coefficients: Array
-    source: str
+    name: str  # what the profile is called, for messages and figures
+    kind: ProfileKind  # "wheel" or "rail"; it decides what abscissa and value mean (see the module's text)
+    start: float  # first knot [m]
+    step: float  # distance between knots [m]
+    coefficients: Array  # (n, 4), one row per interval [m, 1, 1/m, 1/m^2], read-only
+    source: str  # where the shape comes from
+    # (k, 2) points [m] along the whole shape, steep flanks included, where the spline stops at a slope of
+    # STEEPEST_SLOPE. The gauge of a track is taken on such a flank
     outline: Array = field(repr=False)
+    # (m, 2) points [m] from which the curve was smoothed, in the same axes; none of a curve by definition
     measured: Array = field(repr=False, default_factory=lambda: np.empty((0, 2)))
 
     def __post_init__(self) -> None:

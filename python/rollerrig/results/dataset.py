@@ -1,24 +1,18 @@
 """Rows of plain numbers become a Dataset: names, dimensions, units, provenance, energy audit, limits of the drives.
 
     recorder's rows, names of the model's parts, how the run ended -> [dataset] -> Draft, energy audit, ... -> xarray.Dataset
+    results with the core's accounts -> [energy] -> the same with `energy_residual` and two attributes, docs/theory/energy.md (E1)
+    times that the core counted -> [drive_limits] -> a warning
+    readings of the core between output times -> Recording -> [add_readings] -> variables over `reading_time`
 
 The order of a row is the recorder's (core/include/rollerrig/simulate/recorder.hpp): bodies, wheels, patches, elements, run.
 Nothing is copied: the variables are views of the rows. A Dataset takes a millisecond to build and as long for every variable
 that is added to it; a draft holds plain dictionaries, and becomes a Dataset once everything is in it. Of short runs one after the
 other the empty Dataset is kept: filling a copy of it takes less than half of the time.
 
-    results with the core's accounts -> [energy] -> the same with `energy_residual` and two attributes
-
-Source: docs/theory/energy.md, (E1).
-
-    times that the core counted -> [drive_limits] -> a warning
-    [core] -> Recording: rows at the output times, readings of a few quantities between
-
 Wheel-rail forces hold vibrations of the wheels on their contacts at some hundred hertz. Taken every 5 or 10 ms they fold down
 below 20 Hz, where no filter finds them any more; every millisecond they do not. Whole rows so often would fill the disk, so
 that between output times only what is to be filtered at 20 Hz is kept.
-
-    readings of the core -> Recording -> [add_readings] -> variables over `reading_time`
 """
 
 import json
@@ -62,23 +56,14 @@ COMPLETED = ("ok", "stopped")
 
 @dataclass(frozen=True)
 class Outcome:
-    """How a run ended.
+    """How a run ended."""
 
-    Attributes:
-        status: name of the core's status: 'ok', 'stopped', 'derailed', 'interrupted', ...
-        message: a sentence with time, wheel and remedy.
-        stopped_at: time that the integration reached [s].
-        wheel: the wheel that the status speaks of, or "".
-        statistics: counts of the integrator.
-        counters: counts of the contacts.
-    """
-
-    status: str
-    message: str
-    stopped_at: float
-    wheel: str
-    statistics: Mapping[str, float]
-    counters: Mapping[str, int]
+    status: str  # name of the core's status: 'ok', 'stopped', 'derailed', 'interrupted', ...
+    message: str  # a sentence with time, wheel and remedy
+    stopped_at: float  # time that the integration reached [s]
+    wheel: str  # the wheel that the status speaks of, or ""
+    statistics: Mapping[str, float]  # counts of the integrator
+    counters: Mapping[str, int]  # counts of the contacts
 
 
 Variable = tuple[Any, Any, dict[str, str]]
@@ -96,19 +81,13 @@ _SHORT = 65536
 
 @dataclass(frozen=True)
 class Draft:
-    """Results in the making.
+    """Results in the making."""
 
-    Attributes:
-        variables: by name.
-        times: coordinates of the dimensions that are times.
-        attributes: of the whole.
-        names: coordinates of the other dimensions: of bodies, wheels, elements and axles; no axles: there is no such dimension;
-            None: there is none of them.
-    """
-
-    variables: dict[str, Variable]
-    times: dict[str, Variable]
-    attributes: dict[str, Any]
+    variables: dict[str, Variable]  # by name
+    times: dict[str, Variable]  # coordinates of the dimensions that are times
+    attributes: dict[str, Any]  # of the whole
+    # coordinates of the other dimensions: of bodies, wheels, elements and axles; no axles: there is no such dimension;
+    # None: there is none of them
     names: Names | None = None
 
     def values(self, name: str) -> Array:

@@ -28,7 +28,6 @@ from rollerrig.results.marks import PROGRAM, exists
 NAME = "rollerrig.json"
 _STAGE = ".rollerrig-"
 _LARGEST = 16 * MEGABYTE
-_CHUNK = 1 << 20
 _CURE = "choose another --out, or replace them with --force (force=True)"
 
 Files = Mapping[str, str | None]
@@ -37,21 +36,14 @@ Files = Mapping[str, str | None]
 
 @dataclass(frozen=True)
 class Manifest:
-    """What a folder holds.
+    """What a folder holds."""
 
-    Attributes:
-        command: that wrote it.
-        cases: label -> checksum of its whole configuration.
-        files: what belongs to it.
-        replaced: files of before that may still stand there: writing has begun and not ended.
-        interrupted: whether Ctrl-C ended the command early.
-    """
-
-    command: str
-    cases: Mapping[str, str] = field(default_factory=dict)
-    files: Files = field(default_factory=dict)
+    command: str  # that wrote it
+    cases: Mapping[str, str] = field(default_factory=dict)  # label -> checksum of its whole configuration
+    files: Files = field(default_factory=dict)  # what belongs to it
+    # files of before that may still stand there: writing has begun and not ended
     replaced: Files = field(default_factory=dict)
-    interrupted: bool = False
+    interrupted: bool = False  # whether Ctrl-C ended the command early
 
     def names(self) -> set[str]:
         """All files that it knows."""
@@ -109,11 +101,8 @@ def checksum(path: Path) -> str:
     Raises:
         OSError: it is no regular file, or cannot be read.
     """
-    found = hashlib.sha256()
     with open_input(path) as file:
-        while part := file.read(_CHUNK):
-            found.update(part)
-    return found.hexdigest()
+        return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 def check_folder(path: str | Path, command: str, patterns: Iterable[str], *, force: bool = False) -> Path:

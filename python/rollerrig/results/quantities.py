@@ -22,25 +22,16 @@ from rollerrig.common.formatting import number
 
 @dataclass(frozen=True)
 class Quantity:
-    """One reported quantity.
+    """One reported quantity."""
 
-    Attributes:
-        key: its place in summary.json, names joined by dots; `*` stands for one name, a final `**` for all below.
-        meaning: a sentence fragment.
-        unit: of the number in summary.json; "": text or a flag, "1": a ratio.
-        label: in tables; absent: the last name of the key.
-        digits: significant digits in tables.
-        shown: unit and factor in tables where another unit reads better, e.g. ("%", 100.0).
-        least: what is smaller is round-off, zero in tables; in `unit`.
-    """
-
-    key: str
-    meaning: str
-    unit: str = ""
-    label: str = ""
-    digits: int = 4
+    key: str  # its place in summary.json, names joined by dots; `*` stands for one name, a final `**` for all below
+    meaning: str  # a sentence fragment
+    unit: str = ""  # of the number in summary.json; "": text or a flag, "1": a ratio
+    label: str = ""  # in tables; absent: the last name of the key
+    digits: int = 4  # significant digits in tables
+    # unit and factor in tables where another unit reads better, e.g. ("%", 100.0)
     shown: tuple[str, float] | None = None
-    least: float = 0.0
+    least: float = 0.0  # what is smaller is round-off, zero in tables; in `unit`
 
     @property
     def name(self) -> str:

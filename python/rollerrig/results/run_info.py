@@ -137,39 +137,25 @@ class LowerBody:
 
 @dataclass(frozen=True)
 class TrackSegment:
-    """A piece of the line, as it was laid.
+    """A piece of the line, as it was laid."""
 
-    Attributes:
-        kind: what it is.
-        start: distance at which it begins [m].
-        end: and at which it ends [m].
-        curvature: of a straight or a curve, positive to the left; 0 for a transition [1/m].
-    """
-
-    kind: Literal["straight", "transition", "curve"]
-    start: float = _in("m")
-    end: float = _in("m")
-    curvature: float = _in("1/m")
+    kind: Literal["straight", "transition", "curve"]  # what it is
+    start: float = _in("m")  # distance at which it begins [m]
+    end: float = _in("m")  # and at which it ends [m]
+    curvature: float = _in("1/m")  # of a straight or a curve, positive to the left; 0 for a transition [1/m]
 
 
 @dataclass(frozen=True)
 class BodyInfo:
-    """A body of the run.
+    """A body of the run."""
 
-    Attributes:
-        name: as in the coordinate `body`.
-        role: what it is.
-        fixed: whether it is kept at its design position.
-        position: design position of its centre of mass from the origin of the run [m].
-        lower_bodies: lower bodies joined to it by elements that carry load, foremost first.
-        wheel_load: of a wheelset, static load of each of its wheels [N].
-    """
-
-    name: str
-    role: Literal["wheelset", "vehicle body", "roller", "rail"]
-    fixed: bool
+    name: str  # as in the coordinate `body`
+    role: Literal["wheelset", "vehicle body", "roller", "rail"]  # what it is
+    fixed: bool  # whether it is kept at its design position
+    # design position of its centre of mass from the origin of the run [m]
     position: tuple[float, float, float] = _in("m")
-    lower_bodies: tuple[LowerBody, ...] = ()
+    lower_bodies: tuple[LowerBody, ...] = ()  # lower bodies joined to it by elements that carry load, foremost first
+    # of a wheelset, static load of each of its wheels [N]
     wheel_load: float | None = field(default=None, metadata={"unit": "N"})
 
 

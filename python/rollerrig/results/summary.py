@@ -1,11 +1,10 @@
 """Numbers of a run as a summary and tables: loss of contact, resolution of the output.
 
-What of a signal is round-off: symmetric vehicles do not move sideways, but for 1e-17 m.
-
     signal, unit -> [resolution] -> the signal with zeros where it means nothing
     spells without contact of the core -> [contact_loss] -> attribute `contact_losses`, warnings
 
-The numbers of a run, as they go into summary.json; meanings and units are registered in study/run.py.
+Symmetric vehicles do not move sideways, but for 1e-17 m: what is round-off is zero. Meanings and units of the numbers that go
+into summary.json are registered in study/run.py.
 """
 
 import json
@@ -45,23 +44,14 @@ Spells = tuple[int, float, float, float]
 
 @dataclass(frozen=True)
 class ContactLoss:
-    """What one wheel ran without contact.
+    """What one wheel ran without contact."""
 
-    Attributes:
-        wheel: its name.
-        spells: number of times.
-        total_s: sum of their durations [s].
-        longest_s: duration of the longest [s].
-        longest_from_s: time at which that one began [s].
-        longest_from_m: distance there [m].
-    """
-
-    wheel: str
-    spells: int
-    total_s: float
-    longest_s: float
-    longest_from_s: float
-    longest_from_m: float
+    wheel: str  # its name
+    spells: int  # number of times
+    total_s: float  # sum of their durations [s]
+    longest_s: float  # duration of the longest [s]
+    longest_from_s: float  # time at which that one began [s]
+    longest_from_m: float  # distance there [m]
 
     def in_words(self, on_rollers: bool) -> str:
         """Text for a warning: the wheel, how long, when and where."""

@@ -1,18 +1,12 @@
 """Factors between a full-scale rig and its scaled model; exact algebra, docs/theory/similitude.md.
 
-How a unit is made of kilogram, metre and second.
-
-    "N m s/rad" -> [exponents] -> (kg 1, m 2, s -1)
-
-Only the units that the configuration and the results use; angles, counts and percents have no dimension.
-
-    strategy, length -> [factors] -> Similitude, which gives the factor full/model of any unit
-    Dataset of a scaled case -> [map_back] -> Dataset at full scale
+"N m s/rad" -> [exponents] -> (kg 1, m 2, s -1)
+strategy, length -> [factors] -> Similitude, which gives the factor full/model of any unit
+Dataset of a scaled case -> [map_back] -> Dataset at full scale
 """
 
 import json
 import math
-import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import lru_cache, partial
@@ -22,36 +16,11 @@ import xarray as xr
 
 from rollerrig.config import ConfigError, ConfigProblem, ScaledFrom
 from rollerrig.config.errors import nearest, one_of, show_value
+from rollerrig.config.schema.units import base_powers
 from rollerrig.results.run_info import ATTRIBUTE, RunInfo
 
 Exponents = tuple[int, int, int]
 """Powers of kg, m and s."""
-
-_BASE: dict[str, Exponents] = {
-    "1": (0, 0, 0),
-    "%": (0, 0, 0),
-    "rad": (0, 0, 0),
-    "deg": (0, 0, 0),
-    "kg": (1, 0, 0),
-    "t": (1, 0, 0),
-    "m": (0, 1, 0),
-    "mm": (0, 1, 0),
-    "km": (0, 1, 0),
-    "l": (0, 3, 0),
-    "s": (0, 0, 1),
-    "ms": (0, 0, 1),
-    "h": (0, 0, 1),
-    "Hz": (0, 0, -1),
-    "N": (1, 1, -2),
-    "kN": (1, 1, -2),
-    "J": (1, 2, -2),
-    "W": (1, 2, -3),
-    "Pa": (1, -1, -2),
-    "K": (0, 0, 0),  # the same air in the model
-    "MPa": (1, -1, -2),
-}
-
-_TOKEN = re.compile(r"(%|[A-Za-z]+|1)(?:\^(-?\d+))?")
 
 
 class UnknownUnitError(ValueError):
@@ -60,31 +29,25 @@ class UnknownUnitError(ValueError):
 
 @lru_cache(maxsize=256)
 def exponents(unit: str) -> Exponents:
-    """Powers of kg, m and s in a unit like "N s^2/m^2"; all that follows the stroke divides.
+    """Powers of kg, m and s in a unit like "N s^2/m^2"; angles and temperatures are the same in the model.
 
     Raises:
-        UnknownUnitError: it is not known.
+        UnknownUnitError: it is not known, or made of others.
     """
-    above, stroke, below = unit.partition("/")
-    total = [0, 0, 0]
-    for text, sign in ((above, 1), *([(below.strip("()"), -1)] if stroke else [])):
-        for word in text.split():
-            token = _TOKEN.fullmatch(word)
-            if token is None or token[1] not in _BASE:
-                raise UnknownUnitError(f"unit {unit!r}: {word!r} is not one of {', '.join(_BASE)}")
-            for i, power in enumerate(_BASE[token[1]]):
-                total[i] += sign * power * int(token[2] or 1)
-    return total[0], total[1], total[2]
+    try:
+        _, powers = base_powers(unit)
+    except ValueError as error:
+        raise UnknownUnitError(str(error)) from None
+    if others := powers.keys() - {"kg", "m", "s", "rad", "K"}:
+        raise UnknownUnitError(f"unit {unit!r}: nobody can say how {', '.join(sorted(others))} scales")
+    return powers.get("kg", 0), powers.get("m", 0), powers.get("s", 0)
 
 
 @dataclass(frozen=True)
 class Similitude:
-    """Three factors full/model from which all others follow.
+    """Three factors full/model from which all others follow."""
 
-    Attributes:
-        length, time, density: of a quantity at full scale over that of the model [-].
-    """
-
+    # length, time, density: of a quantity at full scale over that of the model [-]
     length: float
     time: float
     density: float
@@ -146,23 +109,14 @@ FACTORS: tuple[tuple[str, str], ...] = (
 
 @dataclass(frozen=True)
 class Strategy:
-    """How the factors of time and density follow from that of length.
+    """How the factors of time and density follow from that of length."""
 
-    Attributes:
-        name: as users write it.
-        title: in words.
-        length: the usual factor of length.
-        time: factor of time for a factor of length.
-        density: factor of density.
-        keeps: what it is chosen for.
-    """
-
-    name: str
-    title: str
-    length: float
-    time: Callable[[float], float]
-    density: float
-    keeps: str
+    name: str  # as users write it
+    title: str  # in words
+    length: float  # the usual factor of length
+    time: Callable[[float], float]  # factor of time for a factor of length
+    density: float  # factor of density
+    keeps: str  # what it is chosen for
 
 
 STRATEGIES: Mapping[str, Strategy] = {

@@ -23,7 +23,7 @@ from rollerrig.config.schema.contact import Material
 from rollerrig.config.schema.profile import ProfileSpec
 from rollerrig.config.schema.track import Deviation
 from rollerrig.config.validate.check_actuators import simulated_axles
-from rollerrig.similitude.factors import Similitude, exponents, factors_in
+from rollerrig.similitude.factors import Similitude, factors_in
 
 M = TypeVar("M", bound=BaseModel)
 
@@ -205,21 +205,4 @@ def inner_annotations(annotation: Any) -> tuple[Any, ...]:
     return get_args(annotation) if origin in (tuple, dict) else ()
 
 
-def units_of(annotation: Any, where: str) -> list[str]:
-    """Units of all numbers that a field may hold, tables of its own left out.
-
-    Raises:
-        NoUnitError: a float among them has no unit.
-    """
-    if annotation is float:
-        raise NoUnitError(f"{where}: a number without a unit; annotate it with Quantity")
-    unit = own_quantity(annotation)
-    if unit is not None:
-        exponents(unit)
-        return [unit]
-    if get_origin(annotation) is Annotated:
-        return units_of(get_args(annotation)[0], where)
-    return [unit for part in get_args(annotation) for unit in units_of(part, where)]
-
-
-__all__ = ["SPECIAL", "NoUnitError", "factors_of", "scale_case", "units_of"]
+__all__ = ["SPECIAL", "NoUnitError", "factors_of", "scale_case"]

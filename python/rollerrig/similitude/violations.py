@@ -24,23 +24,14 @@ _MET = 1e-9
 
 @dataclass(frozen=True)
 class Requirement:
-    """One requirement of similitude.
+    """One requirement of similitude."""
 
-    Attributes:
-        name: what must be alike.
-        quantity: of the model, that decides.
-        unit: of `required` and `actual`.
-        required: value that reproduces full scale.
-        actual: value of the model.
-        effect: what the deviation does to results mapped back, "" if there is none.
-    """
-
-    name: str
-    quantity: str
-    unit: str
-    required: float
-    actual: float
-    effect: str = ""
+    name: str  # what must be alike
+    quantity: str  # of the model, that decides
+    unit: str  # of `required` and `actual`
+    required: float  # value that reproduces full scale
+    actual: float  # value of the model
+    effect: str = ""  # what the deviation does to results mapped back, "" if there is none
 
     @property
     def deviation(self) -> float:
@@ -157,19 +148,12 @@ def _of_actuators(full: Case, model: Case, factors: Similitude) -> Iterator[Requ
 
 @dataclass(frozen=True)
 class ContactAtRest:
-    """The contact of one wheel in steady running.
+    """The contact of one wheel in steady running."""
 
-    Attributes:
-        wheel_load: [N].
-        semi_axis: sqrt(a b) of the largest patch [m].
-        pressure: largest of all patches [Pa].
-        roller_share: semi-axis over the roller's radius [-].
-    """
-
-    wheel_load: float
-    semi_axis: float
-    pressure: float
-    roller_share: float
+    wheel_load: float  # [N]
+    semi_axis: float  # sqrt(a b) of the largest patch [m]
+    pressure: float  # largest of all patches [Pa]
+    roller_share: float  # semi-axis over the roller's radius [-]
 
 
 def contact_at_rest(case: Case) -> ContactAtRest:

@@ -39,19 +39,12 @@ _SHOWN = 12
 
 @dataclass(frozen=True)
 class Link:
-    """A signal and the variables of the FMU that carry it.
+    """A signal and the variables of the FMU that carry it."""
 
-    Attributes:
-        signal: measured quantity, command or parameter.
-        kind: type of the variables, as the FMU calls it.
-        references: one for each axle, or that of an array, or that of a number for all axles.
-        width: numbers that the variables have together.
-    """
-
-    signal: str
-    kind: str
-    references: tuple[int, ...]
-    width: int
+    signal: str  # measured quantity, command or parameter
+    kind: str  # type of the variables, as the FMU calls it
+    references: tuple[int, ...]  # one for each axle, or that of an array, or that of a number for all axles
+    width: int  # numbers that the variables have together
 
 
 @dataclass(frozen=True)

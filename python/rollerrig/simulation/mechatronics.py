@@ -175,11 +175,15 @@ def _force_sensor(table: ForceSensor) -> _core.ForceSensor:
 
 def _controllers(model: AssembledModel, users: Mapping[str, UserController]) -> list[_core.SampledController]:
     """Those of the case, in the order of the core's registry."""
-    names = [name for name in _core.controllers if getattr(model.case, name) is not None]
-    return [
-        _core.SampledController(sampling=_sampling(model.case, name, users), controller=controller_of(model, name))
-        for name in names
-    ]
+    found, step = [], model.case.time.sampling_step
+    for name in _core.controllers:
+        table = getattr(model.case, name)
+        if table is not None:
+            time = users[name].sample_time if name in users else table.sample_time
+            steps = {"every": round(time / step), "delay": round(table.delay / step)}
+            sampling = _core.Sampling(**steps, external=name in users)
+            found.append(_core.SampledController(sampling=sampling, controller=controller_of(model, name)))
+    return found
 
 
 def controller_of(model: AssembledModel, name: str) -> Any:
@@ -205,12 +209,6 @@ def slide_protection(table: SlideProtection | TableSlideProtection, wheel_radius
     given: dict[str, Any] = {"entries": entry_numbers(table)} if isinstance(table, TableSlideProtection) else {}
     given["return_speed"] = table.return_speed or table.least_speed
     return law_of(_core.slide_protections, table, _TIMING, wheel_radius=wheel_radius, **given)
-
-
-def _sampling(case: Case, name: str, users: Mapping[str, UserController]) -> _core.Sampling:
-    table, step = getattr(case, name), case.time.sampling_step
-    time = users[name].sample_time if name in users else table.sample_time
-    return _core.Sampling(every=round(time / step), delay=round(table.delay / step), external=name in users)
 
 
 def rig_controller(model: AssembledModel) -> _core.RigControl:

@@ -40,17 +40,11 @@ LARGEST_START = 1e5
 
 @dataclass(frozen=True)
 class Drift:
-    """A motion along the track that grows without oscillating.
+    """A motion along the track that grows without oscillating."""
 
-    Attributes:
-        body: that moves most: of a whole vehicle its heaviest one.
-        rate: growth rate [1/s].
-        whole: whether all free bodies of the vehicle go with it.
-    """
-
-    body: str
-    rate: float
-    whole: bool
+    body: str  # that moves most: of a whole vehicle its heaviest one
+    rate: float  # growth rate [1/s]
+    whole: bool  # whether all free bodies of the vehicle go with it
 
 
 def drift(simulation: _core.Simulation, model: AssembledModel, state: Array) -> Drift | None:

@@ -28,12 +28,9 @@ class PiecewiseCubic:
         value(s) = c_k0 + c_k1 t + c_k2 t^2 + c_k3 t^3 ;
 
     the last row is a constant: it holds from there on, as the value at s_0 holds before.
-
-    Attributes:
-        rows: (n, 5), one row [s_k, c_k0, c_k1, c_k2, c_k3] per piece, s_k [m] ascending, read-only.
     """
 
-    rows: Array
+    rows: Array  # (n, 5), one row [s_k, c_k0, c_k1, c_k2, c_k3] per piece, s_k [m] ascending, read-only
 
     def __post_init__(self) -> None:
         """Freeze the rows in the layout that the compiled core reads."""
@@ -81,23 +78,14 @@ Shape = Literal["clothoid", "bloss"]
 
 @dataclass(frozen=True)
 class Segment:
-    """A piece of the line.
+    """A piece of the line."""
 
-    Attributes:
-        kind: "straight", "transition" or "curve".
-        start: distance at which it begins [m].
-        length: its length [m].
-        curvature: at its start and at its end, positive in a curve to the left [1/m].
-        cant: at its start and at its end, positive where the right rail is the higher one [m].
-        shape: how curvature and cant change on a transition.
-    """
-
-    kind: Literal["straight", "transition", "curve"]
-    start: float
-    length: float
-    curvature: tuple[float, float]
-    cant: tuple[float, float]
-    shape: Shape = "clothoid"
+    kind: Literal["straight", "transition", "curve"]  # "straight", "transition" or "curve"
+    start: float  # distance at which it begins [m]
+    length: float  # its length [m]
+    curvature: tuple[float, float]  # at its start and at its end, positive in a curve to the left [1/m]
+    cant: tuple[float, float]  # at its start and at its end, positive where the right rail is the higher one [m]
+    shape: Shape = "clothoid"  # how curvature and cant change on a transition
 
     @property
     def end(self) -> float:
@@ -107,19 +95,12 @@ class Segment:
 
 @dataclass(frozen=True)
 class Line:
-    """Curvature and cant of a track over the distance.
+    """Curvature and cant of a track over the distance."""
 
-    Attributes:
-        segments: in their order; the first continues before its start, the last beyond its end.
-        curvature: positive in a curve to the left [1/m].
-        cant: height of the right rail over the left one [m].
-        cant_base: distance over which the cant is measured [m].
-    """
-
-    segments: tuple[Segment, ...]
-    curvature: PiecewiseCubic
-    cant: PiecewiseCubic
-    cant_base: float
+    segments: tuple[Segment, ...]  # in their order; the first continues before its start, the last beyond its end
+    curvature: PiecewiseCubic  # positive in a curve to the left [1/m]
+    cant: PiecewiseCubic  # height of the right rail over the left one [m]
+    cant_base: float  # distance over which the cant is measured [m]
 
     @property
     def length(self) -> float:
@@ -166,13 +147,9 @@ def ramps(segments: Sequence[Segment], ends: Sequence[tuple[float, float]], smoo
     ]
     corners = [(s, jump) for s, jump in jumps if jump != 0.0]
     half = smoothing / 2
-    knots = {*rows.rows[:, 0], *(s + side for s, _ in corners for side in (-half, half))}
-    return PiecewiseCubic(np.array([_row_at(rows, corners, half, s, after) for s, after in _intervals(sorted(knots))]))
-
-
-def _intervals(knots: list[float]) -> list[tuple[float, float]]:
-    """Start of each piece and a point inside it; beyond the last knot any will do."""
-    return [(a, (a + b) / 2) for a, b in zip(knots, [*knots[1:], knots[-1] + 2.0], strict=True)]
+    knots = sorted({*rows.rows[:, 0], *(s + side for s, _ in corners for side in (-half, half))})
+    pieces_between = zip(knots, [*knots[1:], knots[-1] + 2.0], strict=True)  # any point beyond the last knot will do
+    return PiecewiseCubic(np.array([_row_at(rows, corners, half, a, (a + b) / 2) for a, b in pieces_between]))
 
 
 def _ramp(segment: Segment, start: float, end: float) -> list[float]:

@@ -29,16 +29,11 @@ WHOLE = 32766
 
 @dataclass(frozen=True)
 class Frames:
-    """Which samples a page has.
+    """Which samples a page has."""
 
-    Attributes:
-        index: of the samples, the last one too.
-        times: of them [s].
-        errors: quantity -> largest difference between the curve that the page draws and the samples left out.
-    """
-
-    index: NDArray[np.intp]
-    times: Array
+    index: NDArray[np.intp]  # of the samples, the last one too
+    times: Array  # of them [s]
+    # quantity -> largest difference between the curve that the page draws and the samples left out
     errors: Mapping[str, float]
 
 
@@ -47,8 +42,6 @@ def interpolated(times: Array, values: Array, at: Array) -> Array:
 
     Values (n, ...) at times (m,) between the first and the last become (m, ...).
     """
-    if len(times) < 2:
-        return np.repeat(values[:1], len(at), axis=0)
     slope = np.gradient(values, axis=0) if len(times) > 2 else np.repeat(np.diff(values, axis=0), 2, axis=0)
     k = np.clip(np.searchsorted(times, at, side="right") - 1, 0, len(times) - 2)
     u = ((at - times[k]) / (times[k + 1] - times[k])).reshape(-1, *[1] * (values.ndim - 1))
@@ -64,7 +57,7 @@ def thinned(times: Array, drawn: Mapping[str, Array], allowed: Mapping[str, floa
     """The fewest evenly spaced samples whose curve stays within the allowed errors, at most `most`.
 
     Args:
-        times: of all samples, rising (n,) [s].
+        times: of all samples, two or more, rising (n,) [s].
         drawn: quantity -> its samples (n, columns); those that do not exist are left out of the errors.
         allowed: quantity -> largest error; a quantity without one is only measured.
         most: frames.
@@ -73,7 +66,7 @@ def thinned(times: Array, drawn: Mapping[str, Array], allowed: Mapping[str, floa
     least = max(1, -(-(count - 1) // max(1, most - 1)))
     steps = [least * 2**power for power in range(6, -1, -1) if least * 2**power * 8 < count] or [least]
     for step in steps:
-        index = np.unique(np.append(np.arange(0, count, step), count - 1)) if count else np.arange(0)
+        index = np.unique(np.append(np.arange(0, count, step), count - 1))
         errors = {name: _error(times, values, index) for name, values in drawn.items()}
         if step == steps[-1] or all(errors[name] <= limit for name, limit in allowed.items()):
             break
@@ -81,8 +74,6 @@ def thinned(times: Array, drawn: Mapping[str, Array], allowed: Mapping[str, floa
 
 
 def _error(times: Array, values: Array, index: NDArray[np.intp]) -> float:
-    if len(index) < 2 or not values.size:
-        return 0.0
     difference = np.abs(interpolated(times[index], values[index], times) - values)
     found = difference[np.isfinite(difference)]
     return float(found.max()) if found.size else 0.0
@@ -104,12 +95,9 @@ def extremes(values: Array, most: int = MOST_POINTS) -> NDArray[np.intp]:
 
 @dataclass
 class Columns:
-    """Columns of one number per frame, packed one behind the other.
+    """Columns of one number per frame, packed one behind the other."""
 
-    Attributes:
-        places: name -> where it begins in the bytes, how many numbers, their type, factor and offset.
-    """
-
+    # name -> where it begins in the bytes, how many numbers, their type, factor and offset
     places: dict[str, list[Any]] = field(default_factory=dict)
     _parts: list[bytes] = field(default_factory=list)
     _size: int = 0

@@ -1,11 +1,10 @@
 """Contact patches of a run, and of a simulation that goes on: asked of the core's contact geometry, never computed here.
 
     run, frames -> [contact_places] -> per wheel and patch: point on roller or rail, peak pressure, length, width
+    AssembledModel, values of a frame -> [LiveContacts] -> values of the columns of patches
 
 A run records abscissas, forces and axes of its patches. The point in space follows from the pose of the wheelset against its
 rollers or rails by the geometry of the core, which is asked once per frame; it also knows peak pressure, loaded length and width.
-
-    AssembledModel, values of a frame -> [LiveContacts] -> values of the columns of patches
 """
 
 import math

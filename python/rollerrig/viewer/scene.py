@@ -1,17 +1,13 @@
 """One run, or mode shapes, as a page shows them: parts, motion and forces in thinned frames, and what can be plotted.
 
     head of a scene -> [plots] -> groups: title, sign and filter, unit, curves of column, label, factor
-    run -> [run_scene] -> Scene -> page
+    run -> [run_scene], modes -> [mode_scene] -> Scene -> page
 
 Forces have the signs of a report (`analysis.wheel_rail_forces`), and its filter where the scene has them filtered: then they
 have times of their own, at which extremes lie. A simulation that goes on is not filtered.
 
-Everything that is drawn was recorded in the run, or is asked of the core (`contact_places`).
-
-    modes -> [mode_scene] -> Scene -> page
-
-The page draws u(t) = amplitude cos(2 pi f t + phase) of each coordinate; the size of a mode is arbitrary, growth and decay are
-left out.
+Everything that is drawn was recorded in the run, or is asked of the core (`contact_places`). Of a mode the page draws
+u(t) = amplitude cos(2 pi f t + phase) of each coordinate; its size is arbitrary, growth and decay are left out.
 """
 
 from dataclasses import dataclass
@@ -143,7 +139,9 @@ def run_scene(run: xr.Dataset, *, label: str = "", most: int = MOST_FRAMES) -> S
     columns = Columns()
     columns.add("time", frames.times, exact=True)
     _add_motion(columns, run, model, frames.index)
-    _add_wheels(columns, run, frames.index)
+    for number in range(run.sizes["wheel"]):
+        for name in WHEEL:
+            columns.add(f"w{number}.{name}", run[name].to_numpy()[frames.index, number])
     patches = _add_patches(columns, run, model, frames.index)
     bars = _add_elements(columns, run, model, frames.index)
     _add_named(columns, run, frames.index)
@@ -204,11 +202,15 @@ def model_of(run: xr.Dataset) -> AssembledModel:
         raise ResultsError(f"these results hold no motion of bodies ({lacking}); view takes the run.nc of a run")
     if run.sizes["time"] < 2:
         raise ResultsError("this run has fewer than two samples; nothing moves")
+    return _model_in(run, "results")
+
+
+def _model_in(results: xr.Dataset, what: str) -> AssembledModel:
     try:
-        RunInfo.of(run)
-        return assemble(case_from_toml(str(run.attrs["config_toml"]), "the case of the run", allow_code=True))
-    except (ConfigError, ValueError, OSError) as error:
-        raise ResultsError(f"the case of these results cannot be read: {str(error).splitlines()[0]}") from None
+        RunInfo.of(results)
+        return assemble(case_from_toml(str(results.attrs["config_toml"]), f"the case of the {what}", allow_code=True))
+    except (ConfigError, KeyError, ValueError, OSError) as error:
+        raise ResultsError(f"the case of these {what} cannot be read: {str(error).splitlines()[0]}") from None
 
 
 def _frames(run: xr.Dataset, most: int) -> Frames:
@@ -232,12 +234,6 @@ def _add_motion(columns: Columns, run: xr.Dataset, model: AssembledModel, index:
             values = run[name].sel(body=body).to_numpy()[index]
             if np.nanmax(np.abs(values), initial=0.0) > _MOVES:
                 columns.add(f"b{number}.{name}", values, exact=name == "pitch" and body in spinning)
-
-
-def _add_wheels(columns: Columns, run: xr.Dataset, index: NDArray[np.intp]) -> None:
-    for number in range(run.sizes["wheel"]):
-        for name in WHEEL:
-            columns.add(f"w{number}.{name}", run[name].to_numpy()[index, number])
 
 
 def _add_forces(columns: Columns, run: xr.Dataset, most: int) -> str:
@@ -312,10 +308,7 @@ def mode_scene(modes: xr.Dataset, *, label: str = "") -> Scene:
     Raises:
         ResultsError: their case cannot be read by this version.
     """
-    try:
-        model = assemble(case_from_toml(str(modes.attrs["config_toml"]), "the case of the modes", allow_code=True))
-    except (ConfigError, KeyError, ValueError, OSError) as error:
-        raise ResultsError(f"the case of these modes cannot be read: {str(error).splitlines()[0]}") from None
+    model = _model_in(modes, "modes")
     elements = [
         {**one, "direction": "z" if "z" in one["directions"] else one["directions"][0], "rest": 0.0, "largest": 0.0}
         for one in parts.elements(model)

@@ -12,6 +12,7 @@ import pytest
 import xarray as xr
 
 import rollerrig as rr
+from catalogued import profile_table
 from rollerrig.analysis.assessment import accelerations, assess, limits, table
 from rollerrig.analysis.signals import low_pass
 from rollerrig.analysis.wheel_rail_forces import (
@@ -21,7 +22,7 @@ from rollerrig.analysis.wheel_rail_forces import (
     wheel_forces,
 )
 from rollerrig.assembly.model import assemble
-from rollerrig.profiles import flange_angle, profile_from_spec
+from rollerrig.profiles import flange_angle
 from rollerrig.track import nadal_limit
 
 GRAVITY = 9.81
@@ -137,7 +138,7 @@ def test_nadal() -> None:
 
 
 def test_the_flange_of_s1002_is_as_steep_as_its_definition_says() -> None:
-    wheel = profile_from_spec("s1002", "wheel")
+    wheel = profile_table("s1002", "wheel")
     # EN 13715's straight flank, 1.3 mm long; the spline swings by 2e-4 where the curvature of its arcs jumps.
     assert flange_angle(wheel) == pytest.approx(math.atan(2.747477419), abs=2e-4)
 

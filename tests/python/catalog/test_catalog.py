@@ -6,9 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from rollerrig import profiles
 from rollerrig.catalog import KINDS, catalog_entries, catalog_file, catalog_names, catalog_text
-from rollerrig.config import Rig, Track, load_any, load_case, load_material, load_profile, load_support, load_vehicle
+from rollerrig.config import Rig, Track, load_any, load_case, load_material, load_support, load_vehicle
 
 ENTRIES = [(kind, name) for kind, name, _ in catalog_entries()]
 
@@ -47,17 +46,6 @@ def test_an_unknown_entry_is_a_key_error() -> None:
         catalog_text("x")
     with pytest.raises(KeyError, match="no case 'x'"):
         catalog_file("case", "x")
-
-
-@pytest.mark.parametrize("name", catalog_names("profile"))
-def test_profile_names_mean_the_same_in_the_catalogue_and_in_the_profiles(name: str) -> None:
-    given = profiles.CATALOGUE[name]
-    arguments = load_profile(name).arguments()
-    assert {key: arguments[key] for key in given} == given
-
-
-def test_every_profile_name_is_in_the_catalogue() -> None:
-    assert set(profiles.CATALOGUE) == set(catalog_names("profile"))
 
 
 def test_the_contact_benchmark_has_a_load_of_20_kn() -> None:

@@ -312,7 +312,7 @@ def test_contact_in_proportion_and_with_a_plot(tmp_path: Path) -> None:
         (["--lateral-mm=1:2:0"], "the step is zero"),
         (["--lateral-mm=a"], "not a number"),
         (["--lateral-mm=0", "--yaw-mrad=1", "--yaw-mrad-per-mm=2"], "not both"),
-        (["--lateral-mm=0", "--plot", "picture.doc"], "must end in"),
+        (["--lateral-mm=0", "--plot", "picture.doc"], "ends in .svg, .png or .pdf"),
     ],
 )
 def test_bad_options_of_contact(options: list[str], message: str, tmp_path: Path) -> None:

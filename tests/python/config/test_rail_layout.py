@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from catalogued import profile_table
 from rollerrig import ConfigError
 from rollerrig.config import Track, load_support
 from rollerrig.config.schema.support import rail_layout
@@ -63,7 +64,7 @@ def test_a_leaning_rail_lies_where_the_profile_of_that_inclination_does(tmp_path
     curves = rail_layout(track)
     assert curves is not None
     aside, up, lean = (float(curves[f"left_{name}"].evaluate(0.0)) for name in ("y", "z", "roll"))
-    own = profile_from_spec("en_60e1_1_40", "rail")
+    own = profile_table("en_60e1_1_40", "rail")
     other = profile_from_spec(
         {"kind": "uic60", "variant": "en_13674", "inclination": 1 / float(inclination[2:])}, "rail"
     )

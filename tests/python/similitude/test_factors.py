@@ -31,7 +31,7 @@ def test_a_unit_is_made_of_mass_length_and_time(unit: str, powers: tuple[int, in
     assert exponents(unit) == powers
 
 
-@pytest.mark.parametrize("unit", ["furlong", "N m s/ rad cd", "m^x", "m/s/s"])
+@pytest.mark.parametrize("unit", ["bananas", "N m s/ rad cd", "m^x", "A"])
 def test_an_unknown_unit_is_refused(unit: str) -> None:
     with pytest.raises(UnknownUnitError):
         exponents(unit)

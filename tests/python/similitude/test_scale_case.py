@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Iterator
+from typing import Annotated, Any, get_args, get_origin
 
 import numpy as np
 import pytest
@@ -18,7 +19,8 @@ from rollerrig.config.schema.adhesion import Adhesion
 from rollerrig.config.schema.base import Table
 from rollerrig.results import RunInfo
 from rollerrig.similitude import STRATEGIES, factors_of, map_back, scale_case, similitude
-from rollerrig.similitude.scale_case import SPECIAL, NoUnitError, units_of
+from rollerrig.similitude.factors import exponents
+from rollerrig.similitude.scale_case import SPECIAL, NoUnitError, own_quantity
 
 NO_DIMENSION = ("window", "seed", "axles_per_relay_valve")
 """Whole numbers that count."""
@@ -41,7 +43,7 @@ def test_every_number_of_the_configuration_says_how_it_scales(table: type[BaseMo
     known = {(Adhesion, "blend"), *SPECIAL}
     for name, field in table.model_fields.items():
         where = f"{table.__name__}.{name}"
-        units = units_of(field.annotation if not field.metadata else _annotated(field), where)
+        units = units_of(Annotated[field.annotation, *field.metadata] if field.metadata else field.annotation, where)
         if field.annotation is int:
             assert name in NO_DIMENSION, f"{where}: a whole number with a dimension? use Quantity"
         hidden = "1" in units and re.search(r"\[(m|s|N|kg|Pa|J|Hz)\b[\],/ ^]", field.description or "")
@@ -50,10 +52,17 @@ def test_every_number_of_the_configuration_says_how_it_scales(table: type[BaseMo
         )
 
 
-def _annotated(field) -> object:  # type: ignore[no-untyped-def]
-    from typing import Annotated
-
-    return Annotated[field.annotation, *field.metadata]
+def units_of(annotation: Any, where: str) -> list[str]:
+    """Units of all numbers that a field may hold, tables of its own left out."""
+    if annotation is float:
+        raise NoUnitError(f"{where}: a number without a unit; annotate it with Quantity")
+    unit = own_quantity(annotation)
+    if unit is not None:
+        exponents(unit)
+        return [unit]
+    if get_origin(annotation) is Annotated:
+        return units_of(get_args(annotation)[0], where)
+    return [unit for part in get_args(annotation) for unit in units_of(part, where)]
 
 
 def test_a_number_without_a_unit_is_found() -> None:

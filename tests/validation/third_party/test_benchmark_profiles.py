@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from catalogued import profile_table
 from rollerrig.profiles import gauge_point, profile_from_spec
 from rollerrig.profiles.point_file import read_point_file
 from rollerrig.profiles.analytic import SEGMENTS
@@ -27,7 +28,7 @@ def folder(shared: Path) -> Path:
 def test_the_points_of_the_wheel_lie_on_s1002(folder):
     s, increase = read_point_file(folder / WHEEL).points.T
     inside = (s >= -60 * mm) & (s <= 60 * mm)
-    error = increase[inside] - profile_from_spec("s1002", "wheel").evaluate(s[inside])
+    error = increase[inside] - profile_table("s1002", "wheel").evaluate(s[inside])
     # The file keeps the gaps of the printed polynomial between -35 and -26 mm, 1.2e-4 mm, which ours closes.
     assert np.max(np.abs(error)) < 1.3e-4 * mm
     elsewhere = (s[inside] < -39.5 * mm) | (s[inside] > -25.9 * mm)
@@ -36,7 +37,7 @@ def test_the_points_of_the_wheel_lie_on_s1002(folder):
 
 def test_the_points_of_the_rail_lie_on_the_benchmark_variant(folder):
     y, down = read_point_file(folder / RAIL).points.T
-    table = profile_from_spec("uic60_benchmark_1_40", "rail")
+    table = profile_table("uic60_benchmark_1_40", "rail")
     y = y - RAIL_ORIGIN * mm
     inside = (y > -42 * mm) & (y < 28 * mm) & (down < 20 * mm)
     error = -down[inside] - table.evaluate(y[inside])
@@ -52,8 +53,8 @@ def test_the_points_of_the_rail_lie_on_the_benchmark_variant(folder):
     ],
 )
 def test_a_file_read_as_measured_becomes_the_profile_of_the_definition(folder, file, name, kind, junctions):
-    measured = profile_from_spec({"kind": "file", "path": file}, kind, folder)
-    exact = profile_from_spec(name, kind)
+    measured = profile_from_spec({"kind": "file", "path": str(folder / file)}, kind)
+    exact = profile_table(name, kind)
     low, high = np.maximum(measured.domain[0], exact.domain[0]), np.minimum(measured.domain[1], exact.domain[1])
     y = np.linspace(low + mm, high - mm, 6001)
     y = y[np.abs(exact.evaluate(y, 1)) < 3]
@@ -66,7 +67,7 @@ def test_a_file_read_as_measured_becomes_the_profile_of_the_definition(folder, f
 
 
 def test_the_gauge_of_the_rail_file_is_that_of_the_definition(folder):
-    measured = profile_from_spec({"kind": "file", "path": RAIL}, "rail", folder)
-    exact = profile_from_spec("uic60_benchmark_1_40", "rail")
+    measured = profile_from_spec({"kind": "file", "path": str(folder / RAIL)}, "rail")
+    exact = profile_table("uic60_benchmark_1_40", "rail")
     # On the flank the file has points every millimetre, and the top of an R300 arc is known to 0.1 um / 300 um.
     assert gauge_point(measured) == pytest.approx(gauge_point(exact), abs=1e-3 * mm)

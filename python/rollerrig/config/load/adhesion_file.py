@@ -22,10 +22,6 @@ _EVEN = 1e-6
 _MOST_ROWS = 10_000
 
 
-class _WrongMapError(ValueError):
-    """What is wrong with a file, in words."""
-
-
 def read_adhesion_file(raw: Mapping[str, Any], file: str, folder: Path) -> tuple[dict[str, Any], list[ConfigProblem]]:
     """Table [adhesion] of a case with the rows of its `file` in place of that key; with what is wrong with them."""
     table = dict(raw)
@@ -66,14 +62,14 @@ def _rows(path: Path) -> list[dict[str, str]]:
         text = read_input(path, LARGEST_TEXT).decode("utf-8-sig")
         lines = [line for line in text.splitlines() if line.strip() and not line.startswith("#")]
         head, *rows = csv.reader(lines)
-    except (UnicodeDecodeError, csv.Error, ValueError):
-        raise _WrongMapError("no table: needed is a heading and a row for each place, separated by commas") from None
+    except (csv.Error, ValueError):
+        raise ValueError("no table: needed is a heading and a row for each place, separated by commas") from None
     names = [name.strip() for name in head]
     for number, row in enumerate(rows, 1):
         if len(row) != len(names):
-            raise _WrongMapError(f"row {number}: {len(row)} cells; needed: {len(names)}, as in the heading")
+            raise ValueError(f"row {number}: {len(row)} cells; needed: {len(names)}, as in the heading")
     if not 2 <= len(rows) <= _MOST_ROWS:
-        raise _WrongMapError(f"{len(rows)} rows; allowed: 2 to {_MOST_ROWS}")
+        raise ValueError(f"{len(rows)} rows; allowed: 2 to {_MOST_ROWS}")
     return [dict(zip(names, map(str.strip, row), strict=True)) for row in rows]
 
 
@@ -82,23 +78,23 @@ def _pieces(table: Mapping[str, Any], rows: list[dict[str, str]]) -> dict[str, A
     at = next((name for name in _DISTANCES if name in rows[0]), None)
     kinds = [name for name in ("friction", "condition") if name in rows[0]]
     if at is None or len(kinds) != 1:
-        raise _WrongMapError(
+        raise ValueError(
             f"columns {', '.join(rows[0])}; needed: '{_DISTANCES[0]}', and one of 'friction' and 'condition'"
         )
     places = _numbers(rows, at)
     for number, (a, b) in enumerate(zip(places, places[1:], strict=False), 2):
         if not b > a:
-            raise _WrongMapError(f"row {number}: {b:g} m follows {a:g} m; allowed: distances that rise")
+            raise ValueError(f"row {number}: {b:g} m follows {a:g} m; allowed: distances that rise")
     if kinds == ["condition"]:
         return _conditions(places, [row["condition"] for row in rows])
     step = places[1] - places[0]
     for number, (a, b) in enumerate(zip(places, places[1:], strict=False), 2):
         if abs(b - a - step) > _EVEN * max(step, abs(b)):
-            raise _WrongMapError(f"row {number}: {b:g} m follows {a:g} m, a gap; allowed: rows {step:g} m apart")
+            raise ValueError(f"row {number}: {b:g} m follows {a:g} m, a gap; allowed: rows {step:g} m apart")
     friction = _numbers(rows, "friction")
     for number, mu in enumerate(friction, 1):
         if not 0.0 <= mu <= 1.0:
-            raise _WrongMapError(f"row {number}: friction {mu:g}; allowed: 0 to 1")
+            raise ValueError(f"row {number}: friction {mu:g}; allowed: 0 to 1")
     return rail_of_points(_template(table), places, friction, step)
 
 
@@ -110,7 +106,7 @@ def _template(table: Mapping[str, Any]) -> Mapping[str, Any]:
     if isinstance(found, Mapping) and isinstance(friction, int | float):
         return {**found, "friction": {"kind": "constant", "mu_0": friction}}
     if not isinstance(found, Mapping) or not isinstance(friction, Mapping):
-        raise _WrongMapError("needs adhesion.rail, the condition whose friction at no slip the file gives")
+        raise ValueError("needs adhesion.rail, the condition whose friction at no slip the file gives")
     return found
 
 
@@ -119,7 +115,7 @@ def _conditions(places: Sequence[float], names: Sequence[str]) -> dict[str, Any]
         if name not in CONDITIONS:
             guess = nearest(name, tuple(CONDITIONS))
             hint = f"; did you mean '{guess}'?" if guess else ""
-            raise _WrongMapError(f"row {number}: '{name}'; allowed: {', '.join(CONDITIONS)}{hint}")
+            raise ValueError(f"row {number}: '{name}'; allowed: {', '.join(CONDITIONS)}{hint}")
     return {"piece": [{"distance": s, "rail": name} for s, name in zip(places, names, strict=True)]}
 
 
@@ -129,5 +125,5 @@ def _numbers(rows: Sequence[Mapping[str, str]], name: str) -> list[float]:
         try:
             found.append(float(row[name]))
         except ValueError:
-            raise _WrongMapError(f"row {number}, column '{name}': '{row[name]}' is no number") from None
+            raise ValueError(f"row {number}, column '{name}': '{row[name]}' is no number") from None
     return found

@@ -5,21 +5,20 @@ name or path -> [load_any] -> what kind it is, and what it describes
 
 from collections.abc import Callable
 from pathlib import Path
-from typing import get_args
 
 from rollerrig.config.load.case import (
     Case,
     build_case,
-    kind_of,
     load_material,
     load_profile,
     load_programme,
     load_support,
     load_vehicle,
+    read_known,
 )
 from rollerrig.config.load.fit import load_fit
 from rollerrig.config.load.plan import load_plan
-from rollerrig.config.read import CatalogKind, catalog_names, read_document
+from rollerrig.config.read import CatalogKind
 from rollerrig.config.schema.contact import Material
 from rollerrig.config.schema.fit import FitPlan
 from rollerrig.config.schema.plan import Plan
@@ -49,10 +48,7 @@ def load_any(source: str | Path, *, allow_code: bool = False) -> tuple[CatalogKi
     Raises:
         ConfigError: all mistakes found.
     """
-    kinds: tuple[CatalogKind, ...] = get_args(CatalogKind)
-    named = next((kind for kind in kinds if str(source) in catalog_names(kind)), None)
-    document = read_document(named or "case", source)
-    kind = named or kind_of(document.raw)
+    kind, document = read_known(source)
     if kind in LOADERS:
         return kind, LOADERS[kind](source)
     if kind == "plan":

@@ -162,25 +162,24 @@ def load_case(source: str | Path, *, allow_code: bool = False) -> Case:
         >>> load_case("bogie_track").support.data.kind
         'track'
     """
-    kinds: tuple[CatalogKind, ...] = get_args(CatalogKind)
-    named = [kind for kind in kinds if str(source) in catalog_names(kind)]
-    if named and "case" not in named:
-        raise ConfigError([_not_a_case(source, named[0])])
-    document = read_document("case", source)
-    if (kind := kind_of(document.raw)) != "case":
-        raise ConfigError([_not_a_case(source, kind)])
+    kind, document = read_known(source)
+    if kind != "case":
+        needed = {
+            "plan": f"needed: a case; the plan is run by `rollerrig sweep {source}`",
+            "fit": f"needed: a case; the plan is run by `rollerrig fit {source} LOG`",
+            "programme": f"needed: a case; the programme is run by `rollerrig wsp CASE --programme {source}`",
+        }
+        use = f"needed: a case that uses it, e.g. a copy of `rollerrig catalog show bogie_track` with this {kind} in it"
+        raise ConfigError.of(str(source), "", f"a {kind}, not a case", needed.get(kind, use))
     return build_case(document, own_folder=document.folder, allow_code=allow_code)
 
 
-def _not_a_case(source: str | Path, kind: CatalogKind) -> ConfigProblem:
-    needed = f"needed: a case that uses it, e.g. a copy of `rollerrig catalog show bogie_track` with this {kind} in it"
-    if kind == "plan":
-        needed = f"needed: a case; the plan is run by `rollerrig sweep {source}`"
-    if kind == "fit":
-        needed = f"needed: a case; the plan is run by `rollerrig fit {source} LOG`"
-    if kind == "programme":
-        needed = f"needed: a case; the programme is run by `rollerrig wsp CASE --programme {source}`"
-    return ConfigProblem(str(source), "", f"a {kind}, not a case", needed)
+def read_known(source: str | Path) -> tuple[CatalogKind, Document]:
+    """An entry of the catalogue or a file of any kind, with its kind: by its name, or by its keys."""
+    kinds: tuple[CatalogKind, ...] = get_args(CatalogKind)
+    named = next((kind for kind in kinds if str(source) in catalog_names(kind)), None)
+    document = read_document(named or "case", source)
+    return named or kind_of(document.raw), document
 
 
 def case_from_toml(text: str, file: str = "case", folder: Path | None = None, *, allow_code: bool = False) -> Case:

@@ -22,17 +22,11 @@ from rollerrig.config.schema.case import CaseTables
 
 @dataclass(frozen=True)
 class Code:
-    """Code that a case names.
+    """Code that a case names."""
 
-    Attributes:
-        key: where it names it.
-        source: path of a Python file or of an FMU, or name of a module.
-        name: of the class in it; empty: an FMU.
-    """
-
-    key: str
-    source: str
-    name: str
+    key: str  # where it names it
+    source: str  # path of a Python file or of an FMU, or name of a module
+    name: str  # of the class in it; empty: an FMU
 
     @property
     def is_file(self) -> bool:

@@ -26,21 +26,13 @@ from rollerrig.config.write.toml import plain
 
 @dataclass(frozen=True)
 class WholePlan:
-    """A plan with what it refers to.
+    """A plan with what it refers to."""
 
-    Attributes:
-        plan: as it was written.
-        case: with the changes of the plan.
-        file: that messages name.
-        quantities: of the varied keys, in their order; None where words or lists stand.
-        varied_code: code that varied values name.
-    """
-
-    plan: Plan
-    case: Case
-    file: str
-    quantities: tuple[Quantity | None, ...]
-    varied_code: tuple[Code, ...] = ()
+    plan: Plan  # as it was written
+    case: Case  # with the changes of the plan
+    file: str  # that messages name
+    quantities: tuple[Quantity | None, ...]  # of the varied keys, in their order; None where words or lists stand
+    varied_code: tuple[Code, ...] = ()  # code that varied values name
 
     @property
     def code(self) -> tuple[Code, ...]:

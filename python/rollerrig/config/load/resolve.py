@@ -1,14 +1,11 @@
 """What a file names, read: vehicles, supports, materials, profiles; and tables that stand for several.
 
-Bodies and force elements that are written once and placed several times.
-
+    raw vehicle, support, material, profile + the folder they were read from -> (object | None, problems)
     one [[element]] with `at` and `both_sides` -> [placed] -> an [[element]] per place and side
 
 `at.1 = {...}` of an element `primary` is `primary_1`, with the keys of that table in place of its own. `both_sides = true` makes
 of it `primary_1_left`, as written, and `primary_1_right`, mirrored at the middle of the vehicle: y of its ends, and what its laws
 along y, about x and about z do in one direction only.
-
-    raw vehicle, support, material, profile + the folder they were read from -> (object | None, problems)
 """
 
 from collections.abc import Iterable, Iterator, Mapping

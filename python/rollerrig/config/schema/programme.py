@@ -135,19 +135,12 @@ CriterionName = Literal[
 
 @dataclass(frozen=True)
 class Criterion:
-    """What a limit may be set for.
+    """What a limit may be set for."""
 
-    Attributes:
-        quantity: unit and range of the limit.
-        least: whether it is the least that is allowed, else the most.
-        every: whether each test must keep it, else the mean of all.
-        of_a_stop: whether it is defined only for a train that comes to a stop.
-    """
-
-    quantity: Quantity
-    least: bool = False
-    every: bool = False
-    of_a_stop: bool = False
+    quantity: Quantity  # unit and range of the limit
+    least: bool = False  # whether it is the least that is allowed, else the most
+    every: bool = False  # whether each test must keep it, else the mean of all
+    of_a_stop: bool = False  # whether it is defined only for a train that comes to a stop
 
 
 CRITERIA: Mapping[CriterionName, Criterion] = {

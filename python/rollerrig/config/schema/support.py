@@ -180,17 +180,11 @@ def place(track: Track, side: Side, segment: Straight | Curve) -> tuple[float, f
 
 @dataclass(frozen=True, eq=False)
 class RailHeads:
-    """Heads of one side that change along the way.
+    """Heads of one side that change along the way."""
 
-    Attributes:
-        tables: in the order in which they are met, all on the knots of the first.
-        place: which of them, over the distance; 1.25 is a quarter of the way from the second to the third.
-        period: of the distance, one turn of a roller [m]; 0: none.
-    """
-
-    tables: tuple[ProfileTable, ...]
-    place: PiecewiseCubic
-    period: float = 0.0
+    tables: tuple[ProfileTable, ...]  # in the order in which they are met, all on the knots of the first
+    place: PiecewiseCubic  # which of them, over the distance; 1.25 is a quarter of the way from the second to the third
+    period: float = 0.0  # of the distance, one turn of a roller [m]; 0: none
 
 
 def rail_heads(support: Track | Rig) -> dict[Side, RailHeads]:

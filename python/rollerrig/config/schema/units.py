@@ -139,6 +139,20 @@ def _factor_by_pint(unit: str, si_unit: str) -> Fraction | None:
     return near if float(near) == factor else Fraction(factor)
 
 
+def base_powers(unit: str) -> tuple[float, dict[str, int]]:
+    """Size of a unit in SI, and how it is made of the base units: "kN m" -> (1000, {"kg": 1, "m": 2, "s": -2}).
+
+    Raises:
+        ValueError: not a unit.
+    """
+    registry = _registry()
+    try:
+        base: Any = registry.Quantity(1.0, "1" if unit == "%" else unit).to_base_units()
+    except Exception:  # as in _factor_by_pint
+        raise ValueError(f"{unit!r} is not a unit") from None
+    return base.magnitude, {registry.get_symbol(name): int(power) for name, power in base.unit_items()}
+
+
 def is_quantity(value: object) -> bool:
     """Whether it is a quantity of pint, of whichever registry; pint itself is not imported."""
     return hasattr(value, "magnitude") and hasattr(value, "units") and hasattr(value, "dimensionality")
@@ -158,18 +172,13 @@ class Quantity:
 
     Every number of a configuration has both: what lies outside is a slip of the pen, and would end in an overflow, a hang or
     a result that means nothing.
-
-    Attributes:
-        unit: SI unit of the validated number; "1" for a pure number.
-        least: smallest value that is allowed.
-        most: largest value that is allowed.
-        bare: largest magnitude that may be written without a unit: beyond it another unit may have been meant, `speed = 60`
-            is 216 km/h; None: all may.
     """
 
-    unit: str
-    least: float
-    most: float
+    unit: str  # SI unit of the validated number; "1" for a pure number
+    least: float  # smallest value that is allowed
+    most: float  # largest value that is allowed
+    # largest magnitude that may be written without a unit: beyond it another unit may have been meant, `speed = 60` is
+    # 216 km/h; None: all may
     bare: float | None = None
 
     @property

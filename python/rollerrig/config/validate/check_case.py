@@ -1,21 +1,21 @@
 """Checks across the tables of a case or programme, and of its size.
 
-Checks that a run ends: numbers kept, steps integrated, rail remembered. Each key may be in its range and their product not.
-
     Case -> [check_case] -> problems that say which key to change, before anything is computed
     Programme -> [check_programme] -> ConfigProblem, one per mistake
+
+A run must end: each key may be in its range, and the numbers kept, steps integrated and rail remembered be too many.
 """
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from typing import Any, get_args
 
 from rollerrig import _core
-from rollerrig.config.errors import ConfigProblem, nearest, one_of, show_value
-from rollerrig.config.schema.case import CaseTables, Disturbance
+from rollerrig.config.errors import ConfigProblem, Mistake, nearest, one_of, problems_of, show_value
+from rollerrig.config.schema.case import CaseTables
 from rollerrig.config.schema.programme import CRITERIA, CriterionName, Limit, Programme
 from rollerrig.config.schema.vehicle import DIRECTIONS, Vehicle
 from rollerrig.config.validate.check_actuators import DRIVE_OF_RIG_CONTROL, check_actuators
-from rollerrig.config.validate.check_profile import check_flange_clearance, check_patch, check_reach, check_scales
+from rollerrig.config.validate.check_profile import check_fit, check_patch
 from rollerrig.config.validate.check_track import check_heads, check_track
 from rollerrig.config.validate.check_vehicle import labelled, unknown_names
 
@@ -38,7 +38,7 @@ def numbers_per_sample(case: CaseTables) -> int:
     )
 
 
-def _results(case: CaseTables, file: str) -> Iterator[ConfigProblem]:
+def _results(case: CaseTables) -> Iterator[Mistake]:
     """Runs that would not fit into memory."""
     duration, step = case.time.duration, case.time.output_step
     width = numbers_per_sample(case)
@@ -48,10 +48,10 @@ def _results(case: CaseTables, file: str) -> Iterator[ConfigProblem]:
             f"too many results: {duration / step:.3g} samples of {width} numbers are {8e-9 * width * duration / step:.3g} GB; "
             f"allowed for {duration:g} s: at least {1e3 * least:.3g} ms, or a shorter time.duration"
         )
-        yield ConfigProblem(file, "time.output_step", f"{1e3 * step:g} ms", allowed)
+        yield "time.output_step", f"{1e3 * step:g} ms", allowed
 
 
-def _steps(case: CaseTables, file: str) -> Iterator[ConfigProblem]:
+def _steps(case: CaseTables) -> Iterator[Mistake]:
     """Runs that would not end within days."""
     duration, own = case.time.duration, case.integration
     asked = {
@@ -65,10 +65,10 @@ def _steps(case: CaseTables, file: str) -> Iterator[ConfigProblem]:
                 f"{duration / step:.3g} steps would take days; allowed for {duration:g} s: at least "
                 f"{1e3 * duration / MOST_STEPS:.3g} ms, or a shorter time.duration"
             )
-            yield ConfigProblem(file, f"time.{key}", f"{1e3 * step:g} ms", allowed)
+            yield f"time.{key}", f"{1e3 * step:g} ms", allowed
 
 
-def _rail(case: CaseTables, file: str) -> Iterator[ConfigProblem]:
+def _rail(case: CaseTables) -> Iterator[Mistake]:
     """The rail that is remembered must reach from the first wheelset to the last, or the following wheels find it as it was."""
     adhesion = case.adhesion
     if adhesion is None or not adhesion.recovery_constant:
@@ -80,7 +80,7 @@ def _rail(case: CaseTables, file: str) -> Iterator[ConfigProblem]:
             f"allowed: at least {1e3 * least:.3g} mm: {_core.rail_cells} cells are kept, and the wheelsets stand "
             f"{max(places) - min(places):.4g} m apart"
         )
-        yield ConfigProblem(file, "adhesion.cell_length", f"{1e3 * adhesion.cell_length:g} mm", allowed)
+        yield "adhesion.cell_length", f"{1e3 * adhesion.cell_length:g} mm", allowed
 
 
 _DISTURBANCES = ("longitudinal", "lateral", "vertical", "roll", "pitch", "yaw")
@@ -115,29 +115,20 @@ def check_drive(raw: Mapping[str, Any], file: str) -> list[ConfigProblem]:
 
 def check_case(case: CaseTables, file: str) -> list[ConfigProblem]:
     """What only a case of valid tables can be asked."""
-    wheel, support = case.vehicle.data.wheel, case.support.data
-    problems = check_scales(wheel, support, file) or check_reach(wheel, support, file)
-    problems = problems or check_flange_clearance(wheel, support, file)
-    bodies = [disturbance.body for disturbance in case.disturbance]
-    for disturbance in case.disturbance:
-        if bodies.count(disturbance.body) > 1:
-            problems.append(ConfigProblem(file, "disturbance", show_value(disturbance.body), "allowed: each body once"))
-        problems += _disturbance(case, disturbance, file)
+    checks = (check_fit, _disturbances, _drive, check_heads, _restraint, check_actuators, check_patch,
+              _results, _steps, _rail)  # fmt: skip
+    return problems_of(file, (mistake for check in checks for mistake in check(case)))
+
+
+def _drive(case: CaseTables) -> Iterator[Mistake]:
     if case.support.data.kind == "track" and case.motion.drive != "speed_controlled":
         allowed = "allowed on a track: 'speed_controlled', the vehicle's frame moves at motion.speed"
-        problems.append(ConfigProblem(file, "motion.drive", show_value(case.motion.drive), allowed))
+        yield "motion.drive", show_value(case.motion.drive), allowed
     else:
-        problems += check_track(case, file)
-    problems += check_heads(case, file)
-    problems += _restraint(case, file)
-    problems += check_actuators(case, file)
-    problems += check_patch(case, file)
-    for check in (_results, _steps, _rail):
-        problems += check(case, file)
-    return list(dict.fromkeys(problems))
+        yield from check_track(case)
 
 
-def _restraint(case: CaseTables, file: str) -> Iterable[ConfigProblem]:
+def _restraint(case: CaseTables) -> Iterator[Mistake]:
     """A coupler rod needs a body that it can hold."""
     support = case.support.data
     if support.kind != "rig" or support.restraint is None:
@@ -146,60 +137,61 @@ def _restraint(case: CaseTables, file: str) -> Iterable[ConfigProblem]:
     heaviest = case.vehicle.data.heaviest_in(case.vehicle.part)
     name = support.restraint.body or (heaviest.name if heaviest else "none")
     if name not in free:
-        allowed = (
-            one_of(free) if free else "allowed: no restraint; nothing of this vehicle that it could hold is free in x"
-        )
-        yield ConfigProblem(file, "support.restraint.body", show_value(name), allowed, nearest(name, free))
+        allowed = "allowed: no restraint; nothing of this vehicle that it could hold is free in x"
+        yield "support.restraint.body", show_value(name), one_of(free) if free else allowed, nearest(name, free)
 
 
-def _disturbance(case: CaseTables, disturbance: Disturbance, file: str) -> Iterable[ConfigProblem]:
-    body = case.vehicle.data.body_named(disturbance.body)
-    for key, direction in zip(_DISTURBANCES, DIRECTIONS, strict=True):
-        value = getattr(disturbance, key)
-        if value and direction in body.locked:
-            allowed = f"allowed: no offset in a direction in which the vehicle locks {body.name}"
-            yield ConfigProblem(file, f"disturbance.{body.name}.{key}", show_value(value), allowed)
-    if disturbance.pitch and body.kind == "wheelset":
-        allowed = "allowed: no pitch of a wheelset, a body of revolution"
-        yield ConfigProblem(file, f"disturbance.{body.name}.pitch", show_value(disturbance.pitch), allowed)
+def _disturbances(case: CaseTables) -> Iterator[Mistake]:
+    bodies = [disturbance.body for disturbance in case.disturbance]
+    for disturbance in case.disturbance:
+        body = case.vehicle.data.body_named(disturbance.body)
+        if bodies.count(body.name) > 1:
+            yield "disturbance", show_value(body.name), "allowed: each body once"
+        for key, direction in zip(_DISTURBANCES, DIRECTIONS, strict=True):
+            value = getattr(disturbance, key)
+            if value and direction in body.locked:
+                allowed = f"allowed: no offset in a direction in which the vehicle locks {body.name}"
+                yield f"disturbance.{body.name}.{key}", show_value(value), allowed
+        if disturbance.pitch and body.kind == "wheelset":
+            allowed = "allowed: no pitch of a wheelset, a body of revolution"
+            yield f"disturbance.{body.name}.pitch", show_value(disturbance.pitch), allowed
 
 
 def check_programme(programme: Programme, file: str) -> list[ConfigProblem]:
     """All mistakes."""
     names = [stop.name for stop in programme.stop]
-    found = [
-        ConfigProblem(file, f"stop[{number}].name", show_value(name), "allowed: each name once")
+    found: list[Mistake] = [
+        (f"stop[{number}].name", show_value(name), "allowed: each name once")
         for number, name in enumerate(names)
         if name in names[:number]
     ]
     for number, limit in enumerate(programme.limit):
-        mistakes = [*_names(programme, limit, file, f"limit[{number}]")]
-        found += mistakes or [*_reach(programme, number, file)]
-    return found
+        found += [*_names(programme, limit, f"limit[{number}]")] or [*_reach(programme, number)]
+    return problems_of(file, found)
 
 
-def _names(programme: Programme, limit: Limit, file: str, key: str) -> Iterator[ConfigProblem]:
+def _names(programme: Programme, limit: Limit, key: str) -> Iterator[Mistake]:
     """Stops that there are not, or in which the train does not stop where it should."""
     stops = {stop.name: stop for stop in programme.stop}
     for name in limit.stops:
         if name not in stops:
-            yield ConfigProblem(file, f"{key}.stops", show_value(name), one_of(stops), nearest(name, tuple(stops)))
+            yield f"{key}.stops", show_value(name), one_of(stops), nearest(name, tuple(stops))
         elif not limit.holds_for(stops[name]):
             others = ", ".join(other for other in get_args(CriterionName) if not CRITERIA[other].of_a_stop)
             allowed = f"allowed for {limit.criterion}: stops in which the train stops; without that only {others} may be limited"
-            yield ConfigProblem(file, f"{key}.stops", show_value(name), allowed)
+            yield f"{key}.stops", show_value(name), allowed
 
 
-def _reach(programme: Programme, number: int, file: str) -> Iterator[ConfigProblem]:
+def _reach(programme: Programme, number: int) -> Iterator[Mistake]:
     """A limit for no stop, or a second one for the same."""
     limit, key = programme.limit[number], f"limit[{number}].criterion"
     own = [stop for stop in programme.stop if limit.holds_for(stop)]
     if not own:
         allowed = "allowed here: a criterion that does not need a train that stops; no stop of this programme is such"
-        yield ConfigProblem(file, key, show_value(limit.criterion), allowed)
+        yield key, show_value(limit.criterion), allowed
     for other in programme.limit[:number]:
         twice = [stop.name for stop in own if other.criterion == limit.criterion and other.holds_for(stop)]
         if twice:
             allowed = f"allowed: one limit of it for {twice[0]}; name in `stops` what each of them holds for"
-            yield ConfigProblem(file, key, show_value(limit.criterion), allowed)
+            yield key, show_value(limit.criterion), allowed
             return

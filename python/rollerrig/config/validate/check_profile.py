@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from typing import Literal
 
 from rollerrig import _core
-from rollerrig.config.errors import ConfigProblem, show_value
+from rollerrig.config.errors import ConfigProblem, Mistake, show_value
 from rollerrig.config.schema.case import CaseTables
 from rollerrig.config.schema.profile import ProfileSpec
 from rollerrig.config.schema.support import Rig, heads
@@ -57,7 +57,16 @@ def gauges(support: Rig | Track) -> Iterator[tuple[str, float]]:
             yield f"support.data.segment[{i}].gauge", gauge
 
 
-def check_reach(wheel: Wheel, support: Rig | Track, file: str) -> list[ConfigProblem]:
+def check_fit(case: CaseTables) -> Iterator[Mistake]:
+    """Wheels and rails of one model, of which the wheels stand on the rails, with the flanges between them."""
+    wheel, support = case.vehicle.data.wheel, case.support.data
+    for check in (_scales, _misses, _flanges):
+        if mistakes := [*check(wheel, support)]:
+            yield mistakes[0]
+            return
+
+
+def _misses(wheel: Wheel, support: Rig | Track) -> Iterator[Mistake]:
     """The tape circle of the centred wheel must lie over the rail or roller, and the flange beside it."""
     half_wheel = profile_from_spec(wheel.profile.arguments(), "wheel").domain
     tape_circle = wheel.back_to_back / 2 + wheel.tape_circle
@@ -75,18 +84,16 @@ def check_reach(wheel: Wheel, support: Rig | Track, file: str) -> list[ConfigPro
                 f"wheel.back_to_back ({wheel.back_to_back * 1e3:g} mm); the wheel spans "
                 f"{half_wheel[0] * 1e3:.0f} to {half_wheel[1] * 1e3:.0f} mm about its tape circle"
             )
-            return [ConfigProblem(file, key, show_value(gauge), allowed)]
-    return []
+            yield key, show_value(gauge), allowed
 
 
-def check_scales(wheel: Wheel, support: Rig | Track, file: str) -> list[ConfigProblem]:
+def _scales(wheel: Wheel, support: Rig | Track) -> Iterator[Mistake]:
     """Wheel and rail must be of one model: the contact between them is looked for at the wheel's scale."""
     of_wheel = wheel.profile.length_scale
     for key, head in zip(("profile", "right_profile"), heads(support).values(), strict=True):
         if not 1.0 / WIDEST_SCALES <= head.length_scale / of_wheel <= WIDEST_SCALES:
             allowed = f"allowed: about that of the wheel, {of_wheel:g}, at most a factor of {WIDEST_SCALES:g} from it"
-            return [ConfigProblem(file, f"support.data.{key}.length_scale", show_value(head.length_scale), allowed)]
-    return []
+            yield f"support.data.{key}.length_scale", show_value(head.length_scale), allowed
 
 
 def flange_clearance(wheel: Wheel, gauge: float) -> float | None:
@@ -100,7 +107,7 @@ def flange_clearance(wheel: Wheel, gauge: float) -> float | None:
     return gauge - (wheel.back_to_back + 2 * (wheel.tape_circle + nearest_to_tread))
 
 
-def check_flange_clearance(wheel: Wheel, support: Rig | Track, file: str) -> list[ConfigProblem]:
+def _flanges(wheel: Wheel, support: Rig | Track) -> Iterator[Mistake]:
     """The flanges must fit between the rails or rollers, and not stand far inside of them."""
     widest = wheel.profile.length_scale * WIDEST_CLEARANCE
     for key, gauge in gauges(support):
@@ -114,15 +121,14 @@ def check_flange_clearance(wheel: Wheel, support: Rig | Track, file: str) -> lis
             f"wheel and rail of different gauge: the flanges, {1e3 * across:.1f} mm across, {verb} the {what}; allowed: a "
             f"gauge {across:.4g} to {across + widest:.4g} m, or another wheel.back_to_back ({1e3 * wheel.back_to_back:g} mm)"
         )
-        return [ConfigProblem(file, key, show_value(gauge), allowed)]
-    return []
+        yield key, show_value(gauge), allowed
 
 
 LARGEST_SHARE = 0.1
 """Largest share of the radius: half of the patch's length may be at most so long [-]."""
 
 
-def check_patch(case: CaseTables, file: str) -> Iterator[ConfigProblem]:
+def check_patch(case: CaseTables) -> Iterator[Mistake]:
     """Rollers, and wheels, that are too small for what presses on them."""
     support = case.support.data
     if not isinstance(support, Rig):
@@ -139,10 +145,10 @@ def check_patch(case: CaseTables, file: str) -> Iterator[ConfigProblem]:
     least = _least_radius(case) if patch_size(case, 1e3) <= LARGEST_SHARE * wheel else None
     if least is None:
         allowed = f"{reason}; the wheels of {_length(wheel)} are too small themselves: less load, or a harder material"
-        yield ConfigProblem(file, "vehicle.data.wheel.radius", _length(wheel), allowed)
+        yield "vehicle.data.wheel.radius", _length(wheel), allowed
         return
     allowed = f"{reason}; allowed: at least {_length(least)}, or less load, or a harder material"
-    yield ConfigProblem(file, "support.data.roller_radius", _length(roller), allowed)
+    yield "support.data.roller_radius", _length(roller), allowed
 
 
 def patch_size(case: CaseTables, roller_radius: float) -> float:

@@ -4,12 +4,12 @@ Rules and limits: docs/theory/layout.md.
 """
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
 
-from rollerrig.config.errors import ConfigProblem, show_value
+from rollerrig.config.errors import ConfigProblem, Mistake, problems_of, show_value
 from rollerrig.config.schema.case import CaseTables, Motion
 from rollerrig.config.schema.support import Rig, changes_rails, heads, place, rail_heads
 from rollerrig.config.schema.track import (
@@ -38,25 +38,29 @@ FLATTEST_FLANGE = math.radians(45)
 
 def check_line(support: Rig | Track, file: str) -> list[ConfigProblem]:
     """Segments must join: curvature and cant jump nowhere, and a transition has something on either side."""
-    if not isinstance(support, Track):
-        return []
-    problems = []
-    segments = support.segment
+    return problems_of(file, _line(support)) if isinstance(support, Track) else []
+
+
+def _line(track: Track) -> Iterator[Mistake]:
+    segments, joined = track.segment, True
     for i, segment in enumerate(segments):
         if isinstance(segment, Transition):
             lone = i in (0, len(segments) - 1) or isinstance(segments[i - 1], Transition)
             if lone or isinstance(segments[i + 1], Transition):
                 allowed = "segments do not join; allowed: a transition between straights or curves, which it joins"
-                problems.append(ConfigProblem(file, f"segment[{i}].kind", "'transition'", allowed))
-    if not problems:
-        chain = layout(support)
-        for i, (before, after) in enumerate(zip(chain[:-1], chain[1:], strict=True)):
-            problems += _joint(before, after, i + 1, file)
-        problems += _rails(support, file)
-    return problems
+                joined = False
+                yield f"segment[{i}].kind", "'transition'", allowed
+    if joined:
+        chain = layout(track)
+        for i, (before, after) in enumerate(zip(chain[:-1], chain[1:], strict=True), 1):
+            if before.curvature[1] != after.curvature[0] or before.cant[1] != after.cant[0]:
+                ends = f"segment[{i - 1}] ends with {end_of(before)}, segment[{i}] begins with {end_of(after, 0)}"
+                allowed = f"segments do not join: {ends}; put a transition between them"
+                yield f"segment[{i}]", f"a {after.kind}", allowed
+        yield from _rails(track)
 
 
-def _rails(track: Track, file: str) -> Iterator[ConfigProblem]:
+def _rails(track: Track) -> Iterator[Mistake]:
     """Gauge and inclination jump nowhere; only profiles that have an inclination are laid at another one."""
     for i, segment in enumerate(track.segment):
         before = track.segment[max(i - 1, 0)]
@@ -66,35 +70,23 @@ def _rails(track: Track, file: str) -> Iterator[ConfigProblem]:
             own = getattr(segment, key)
             if not isinstance(before, Transition) and own != getattr(before, key):
                 value, last = (usual if one is None else f"{one:g}" for one in (own, getattr(before, key)))
-                allowed = (
-                    f"allowed: as on segment[{i - 1}], {last}; between two values put a transition, also on a straight"
-                )
-                yield ConfigProblem(file, f"segment[{i}].{key}", value, allowed)
+                between = "between two values put a transition, also on a straight"
+                yield f"segment[{i}].{key}", value, f"allowed: as on segment[{i - 1}], {last}; {between}"
         if not isinstance(before, Transition) and heads(track, segment) != heads(track, before):
             allowed = f"allowed: as on segment[{i - 1}]; between two heads put a transition, also on a straight"
-            yield ConfigProblem(file, f"segment[{i}].profile", "another head", allowed)
+            yield f"segment[{i}].profile", "another head", allowed
         for side, head in heads(track, segment).items() if changes_rails(segment) else ():
             if segment.inclination is not None and not hasattr(head, "inclination"):
-                allowed = (
-                    f"the {side} rail, of kind {head.kind!r}, has none; allowed with 'uic60' and 'file'; leave it out"
-                )
-                yield ConfigProblem(file, f"segment[{i}].inclination", f"{segment.inclination:g}", allowed)
+                lacks = f"the {side} rail, of kind {head.kind!r}, has none"
+                allowed = f"{lacks}; allowed with 'uic60' and 'file'; leave it out"
+                yield f"segment[{i}].inclination", f"{segment.inclination:g}", allowed
                 break
             try:
                 place(track, side, segment)
             except (ProfileError, OSError, ValueError) as error:
                 key = "profile" if segment.inclination is None else "inclination"
-                yield ConfigProblem(file, f"segment[{i}].{key}", f"the {side} rail", str(error))
+                yield f"segment[{i}].{key}", f"the {side} rail", str(error)
                 break
-
-
-def _joint(before: Segment, after: Segment, number: int, file: str) -> Iterator[ConfigProblem]:
-    if before.curvature[1] != after.curvature[0] or before.cant[1] != after.cant[0]:
-        allowed = (
-            f"segments do not join: segment[{number - 1}] ends with {end_of(before)}, segment[{number}] begins with "
-            f"{end_of(after, 0)}; put a transition between them"
-        )
-        yield ConfigProblem(file, f"segment[{number}]", f"a {after.kind}", allowed)
 
 
 def end_of(segment: Segment, side: int = 1) -> str:
@@ -114,16 +106,16 @@ def check_spot(support: Rig | Track, file: str) -> list[ConfigProblem]:
     return check_profile(support.spot.profile, "rail", file, "spot.profile")[1]
 
 
-def check_heads(case: CaseTables, file: str) -> Iterator[ConfigProblem]:
+def check_heads(case: CaseTables) -> Iterator[Mistake]:
     """Heads that change are followed by strips alone, and on rollers need a known way of the crown."""
     support, name = case.support.data, case.contact.normal.kind
     heads_change = bool(rail_heads(support))
     if heads_change and name != "strips":
         allowed = "allowed where heads change along the rails or round the rollers: 'strips'"
-        yield ConfigProblem(file, "contact.normal", show_value(name), allowed)
+        yield "contact.normal", show_value(name), allowed
     if heads_change and isinstance(support, Rig) and case.motion.drive != "speed_controlled":
         allowed = "allowed with a spot: 'speed_controlled', which says where on the roller the wheels stand"
-        yield ConfigProblem(file, "motion.drive", show_value(case.motion.drive), allowed)
+        yield "motion.drive", show_value(case.motion.drive), allowed
 
 
 def check_measured_file(support: Rig | Track, file: str) -> list[ConfigProblem]:
@@ -139,19 +131,18 @@ def check_measured_file(support: Rig | Track, file: str) -> list[ConfigProblem]:
     return []
 
 
-def check_track(case: CaseTables, file: str) -> list[ConfigProblem]:
+def check_track(case: CaseTables) -> list[Mistake]:
     """What only a vehicle at a speed can be asked."""
     support = case.support.data
-    problems = list(_irregularity(case, file))
+    found = [*_irregularity(case)]
     if isinstance(support, Track) and support.foundation is not None:
-        problems += _give_way(case, support.foundation, file)
-    if isinstance(support, Track) and support.segment and not problems:
-        problems += _wheelbase_in_curves(case, support, file)
-        problems = problems or list(_speed_in_curves(case, support, file))
-    return problems
+        found += _give_way(case, support.foundation)
+    if isinstance(support, Track) and support.segment:
+        found = found or [*_wheelbase_in_curves(case, support)] or [*_speed_in_curves(case, support)]
+    return found
 
 
-def _give_way(case: CaseTables, foundation: Foundation, file: str) -> Iterator[ConfigProblem]:
+def _give_way(case: CaseTables, foundation: Foundation) -> Iterator[Mistake]:
     """Under a force as large as the wheel load a rail gives way by millimetres: neither by centimetres, nor not at all."""
     load = wheel_load(case)
     least, largest = (case.vehicle.data.wheel.profile.length_scale * give for give in GIVE)
@@ -166,10 +157,10 @@ def _give_way(case: CaseTables, foundation: Foundation, file: str) -> Iterator[C
                 f"allowed: {load * arm / largest:.2g} to {load * arm / least:.2g} {unit}; flexible_track has typical values; "
                 "for a rigid rail leave it out"
             )
-            yield ConfigProblem(file, f"support.data.{where}.{key}.stiffness", f"{law.stiffness:g}", allowed)
+            yield f"support.data.{where}.{key}.stiffness", f"{law.stiffness:g}", allowed
 
 
-def _wheelbase_in_curves(case: CaseTables, track: Track, file: str) -> Iterator[ConfigProblem]:
+def _wheelbase_in_curves(case: CaseTables, track: Track) -> Iterator[Mistake]:
     """Wheelsets under one frame must fit between the rails of a curve, by geometry.
 
     The outermost, w apart, are yawed by alpha = w / (2 R). A flange of angle delta, a cone, then takes alpha^2 r tan(delta) / 2
@@ -195,7 +186,7 @@ def _wheelbase_in_curves(case: CaseTables, track: Track, file: str) -> Iterator[
                     f"tighter than the wheelbase of {case.vehicle.data.name} allows: {len(places)} wheelsets under {frame}, "
                     f"{base:.3g} m, jam in the gauge, whose play is {1e3 * play:.1f} mm; allowed: at least {least:.3g} m"
                 )
-                yield ConfigProblem(file, f"support.data.segment[{i}].radius", f"{curve.radius:g} m", allowed)
+                yield f"support.data.segment[{i}].radius", f"{curve.radius:g} m", allowed
 
 
 def wheelsets_by_frame(case: CaseTables) -> dict[str, list[Body]]:
@@ -209,20 +200,19 @@ def wheelsets_by_frame(case: CaseTables) -> dict[str, list[Body]]:
     return {frame: standing for frame, standing in found.items() if len(standing) > 1}
 
 
-def _irregularity(case: CaseTables, file: str) -> Iterable[ConfigProblem]:
+def _irregularity(case: CaseTables) -> Iterator[Mistake]:
     support, irregularity = case.support.data, case.support.data.irregularity
     if irregularity is None:
         return
     if isinstance(support, Rig) and case.motion.drive != "speed_controlled":
         allowed = "allowed with an irregularity that is fed to the rollers: 'speed_controlled', which says how far they have run"
-        yield ConfigProblem(file, "motion.drive", show_value(case.motion.drive), allowed)
+        yield "motion.drive", show_value(case.motion.drive), allowed
         return
     try:
         rails_of_run(irregularity, foremost_wheelset(case), distance_run(case.motion, case.time.duration))
     except IrregularityError as error:
         path = str(getattr(irregularity, "path", ""))
-        reason = str(error).removeprefix(f"{path}: ")
-        yield ConfigProblem(file, "support.data.irregularity.path", show_value(path), reason)
+        yield "support.data.irregularity.path", show_value(path), str(error).removeprefix(f"{path}: ")
 
 
 def foremost_wheelset(case: CaseTables) -> float:
@@ -271,7 +261,7 @@ def highest_speed_on(case: CaseTables, track: Track, curve: Segment) -> float:
     return highest_speed(curve.curvature[0], curve.cant[0], track.cant_base, limit, case.gravity)
 
 
-def _speed_in_curves(case: CaseTables, track: Track, file: str) -> Iterator[ConfigProblem]:
+def _speed_in_curves(case: CaseTables, track: Track) -> Iterator[Mistake]:
     _, what = lateral_force_limit(case)
     for i, (segment, curve) in enumerate(zip(layout(track), track.segment, strict=True)):
         speeds = speeds_on(case, segment) if isinstance(curve, Curve) else None
@@ -285,7 +275,7 @@ def _speed_in_curves(case: CaseTables, track: Track, file: str) -> Iterator[Conf
                 f"speed beyond {what} on support.data.segment[{i}], radius {curve.radius:g} m, cant {1e3 * curve.cant:g} mm: "
                 f"{left:.2f} m/s^2 are left in the plane of the track; allowed there: at most {3.6 * highest:.0f} km/h"
             )
-            yield ConfigProblem(file, "motion.speed", f"{3.6 * speeds[1]:g} km/h", allowed)
+            yield "motion.speed", f"{3.6 * speeds[1]:g} km/h", allowed
 
 
 def lateral_force_limit(case: CaseTables) -> tuple[float, str]:

@@ -1,10 +1,10 @@
 """Checks of a vehicle across its tables: names that must exist, ends that must lie on an axle."""
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from rollerrig.config.errors import ConfigProblem, join_key, nearest, one_of, show_value
-from rollerrig.config.schema.vehicle import DIRECTIONS, Cut, Element, Vehicle
+from rollerrig.config.errors import ConfigProblem, Mistake, join_key, nearest, one_of, problems_of, show_value
+from rollerrig.config.schema.vehicle import DIRECTIONS, Element, Vehicle
 from rollerrig.config.validate.messages import item_labels
 
 _ON_AXLE = 1e-6  # [m] round-off of positions written in decimals
@@ -60,58 +60,52 @@ def _duplicates(raw: Mapping[str, Any], key: str, file: str) -> Iterator[ConfigP
 
 def check_vehicle(vehicle: Vehicle, file: str) -> list[ConfigProblem]:
     """What only a vehicle of valid tables can be asked."""
-    problems: list[ConfigProblem] = []
-    problems += _axles(vehicle, file)
-    for element in vehicle.element:
-        problems += _ends(vehicle, element, file)
-    for name in vehicle.cut_names():
-        problems += _cut(vehicle, name, vehicle.cut_named(name), file)
-    return problems
+    return problems_of(file, _mistakes(vehicle))
 
 
-def _axles(vehicle: Vehicle, file: str) -> Iterable[ConfigProblem]:
+def _mistakes(vehicle: Vehicle) -> Iterator[Mistake]:
     radius = vehicle.wheel.radius
     for body in vehicle.body:
-        if body.kind != "wheelset":
-            continue
         x, y, z = body.position
-        if abs(z - radius) > _ON_AXLE or abs(y) > _ON_AXLE:
+        if body.kind == "wheelset" and (abs(z - radius) > _ON_AXLE or abs(y) > _ON_AXLE):
             allowed = f"allowed for a wheelset: [x, 0, {radius:g}], its wheels of radius {radius:g} m standing at z = 0"
-            yield ConfigProblem(file, f"body.{body.name}.position", show_value((x, y, z)), allowed)
+            yield f"body.{body.name}.position", show_value((x, y, z)), allowed
+    for element in vehicle.element:
+        yield from _ends(vehicle, element)
+    for name in vehicle.cut_names():
+        yield from _cut(vehicle, name)
 
 
-def _ends(vehicle: Vehicle, element: Element, file: str) -> Iterable[ConfigProblem]:
+def _ends(vehicle: Vehicle, element: Element) -> Iterator[Mistake]:
     for name, end in zip(element.between, (element.end_a, element.end_b), strict=True):
         body = vehicle.body_named(name)
         x, _, z = body.position
         if body.kind == "wheelset" and (abs(end[0] - x) > _ON_AXLE or abs(end[2] - z) > _ON_AXLE):
             allowed = f"allowed: a point on the axle of {name}, which does not turn with it: [{x:g}, y, {z:g}]"
-            key = f"element.{element.name}.{'points' if element.points else 'point'}"
-            yield ConfigProblem(file, key, show_value(end), allowed)
+            yield f"element.{element.name}.{'points' if element.points else 'point'}", show_value(end), allowed
     kinds = [vehicle.body_named(name).kind for name in element.between]
     if kinds[0] == "wheelset":  # the force acts at the end on b: beside the axle of a, which it would turn
         allowed = "allowed: the wheelset as the second of the two, since the force acts at the end on the second body"
-        yield ConfigProblem(file, f"element.{element.name}.between", show_value(element.between), allowed)
+        yield f"element.{element.name}.between", show_value(element.between), allowed
     if element.pitch is not None and "wheelset" in kinds:
         allowed = "allowed: no moment about the axle of a wheelset, which spins"
-        yield ConfigProblem(file, f"element.{element.name}.pitch", "a law", allowed)
+        yield f"element.{element.name}.pitch", "a law", allowed
 
 
-def _cut(vehicle: Vehicle, name: str, cut: Cut, file: str) -> Iterable[ConfigProblem]:
-    key = f"cut.{name}"
+def _cut(vehicle: Vehicle, name: str) -> Iterator[Mistake]:
+    cut, key = vehicle.cut_named(name), f"cut.{name}"
     for body in vehicle.bodies_in(cut):
         supported = any(body.name in element.between for element in vehicle.elements_in(cut))
         if body.kind == "rigid" and not supported and len(set(body.locked)) < len(DIRECTIONS):
             allowed = "allowed: wheelsets, and bodies that an element of the cut holds up"
-            yield ConfigProblem(file, f"{key}.bodies", show_value(body.name), allowed)
+            yield f"{key}.bodies", show_value(body.name), allowed
     for body_name in sorted(set(cut.bodies) & set(cut.fixed)):
-        yield ConfigProblem(file, f"{key}.fixed", show_value(body_name), "allowed: bodies that are not also kept free")
+        yield f"{key}.fixed", show_value(body_name), "allowed: bodies that are not also kept free"
     for body_name in cut.fixed:
         if vehicle.body_named(body_name).kind == "wheelset":
-            yield ConfigProblem(file, f"{key}.fixed", show_value(body_name), "allowed: bodies that are not wheelsets")
+            yield f"{key}.fixed", show_value(body_name), "allowed: bodies that are not wheelsets"
     for field, names in (("bodies", cut.bodies), ("fixed", cut.fixed)):
         for body_name in sorted({n for n in names if names.count(n) > 1}):
-            yield ConfigProblem(file, f"{key}.{field}", show_value(body_name), "allowed: each body once")
+            yield f"{key}.{field}", show_value(body_name), "allowed: each body once"
     if not any(body.kind == "wheelset" for body in vehicle.bodies_in(cut)):
-        allowed = "needed: at least one body of kind = 'wheelset'"
-        yield ConfigProblem(file, f"{key}.bodies", show_value(cut.bodies), allowed)
+        yield f"{key}.bodies", show_value(cut.bodies), "needed: at least one body of kind = 'wheelset'"

@@ -1,11 +1,10 @@
 """Differences between two cases, and a case in words.
 
     two cases -> [differences] -> {"motion.speed": (41.7, 33.3)} -> [text_from_base] -> TOML text with `base`
+    Case -> [rows] -> (what, words) -> text, HTML
 
 A key that one of them does not have is None there. Items of a list are identified by their names while both lists have the same
 ones; else the whole list is one value.
-
-    Case -> [rows] -> (what, words) -> text, HTML
 """
 
 from collections.abc import Iterator

@@ -32,21 +32,13 @@ _WORD = re.compile(r"[._\s]+")
 
 @dataclass(frozen=True)
 class KeyPlace:
-    """A key that a file may have.
+    """A key that a file may have."""
 
-    Attributes:
-        key: dotted; names of list items are left out.
-        file: kind of file.
-        table: where it stands.
-        field: what the table says about it.
-        lists: numbers of the parts of the key that are lists of tables or tables by name.
-    """
-
-    key: str
-    file: str
-    table: type[BaseModel]
-    field: FieldInfo
-    lists: frozenset[int]
+    key: str  # dotted; names of list items are left out
+    file: str  # kind of file
+    table: type[BaseModel]  # where it stands
+    field: FieldInfo  # what the table says about it
+    lists: frozenset[int]  # numbers of the parts of the key that are lists of tables or tables by name
 
     def matches(self, parts: list[str]) -> bool:
         """Whether a dotted key leads here; after a list it may have the name or number of an item."""

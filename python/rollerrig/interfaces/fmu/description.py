@@ -11,43 +11,22 @@ from dataclasses import dataclass
 from xml.etree import ElementTree as ET
 
 from rollerrig import __version__, _core
+from rollerrig.config.schema.units import base_powers
 
 BASE = ("kg", "m", "s", "A", "K", "mol", "cd", "rad")
 """Names and order of the standard, FMI 2.0.4 section 2.2.2."""
-
-DERIVED = {
-    "N": {"kg": 1, "m": 1, "s": -2},
-    "Pa": {"kg": 1, "m": -1, "s": -2},
-    "J": {"kg": 1, "m": 2, "s": -2},
-    "W": {"kg": 1, "m": 2, "s": -3},
-    "Hz": {"s": -1},
-    "V": {"kg": 1, "m": 2, "s": -3, "A": -1},
-}
 
 
 def base_units(unit: str) -> dict[str, int]:
     """Powers of the base units of a unit such as 'N m', 'J/m^2' or '1', in the standard's order.
 
     Raises:
-        ValueError: a part of it is no unit of SI without a prefix.
+        ValueError: it is no unit of SI without a prefix.
     """
-    powers = dict.fromkeys(BASE, 0)
-    above, *below = unit.replace("(", "").replace(")", "").split("/")
-    for sign, product in [(1, above), *((-1, part) for part in below)]:
-        for factor in product.split():
-            if factor == "1":
-                continue
-            symbol, power = _factor(factor, unit)
-            for base, exponent in ({symbol: 1} if symbol in powers else DERIVED[symbol]).items():
-                powers[base] += sign * power * exponent
-    return {base: power for base, power in powers.items() if power}
-
-
-def _factor(factor: str, unit: str) -> tuple[str, int]:
-    match = re.fullmatch(r"([A-Za-z]+)(?:\^(\d+))?", factor)
-    if match is None or (match[1] not in BASE and match[1] not in DERIVED):
-        raise ValueError(f"unit {unit!r}: {factor!r} is not one of {', '.join((*BASE, *DERIVED))}")
-    return match[1], int(match[2] or 1)
+    size, powers = base_powers(unit)
+    if size != 1.0:
+        raise ValueError(f"{unit!r} is not a unit of SI without a prefix")
+    return {base: powers[base] for base in BASE if base in powers}
 
 
 TOOL = f"rollerrig {__version__}"
@@ -59,26 +38,16 @@ LOG = {
 
 @dataclass(frozen=True)
 class Unit:
-    """What a description says of an FMU as a whole.
+    """What a description says of an FMU as a whole."""
 
-    Attributes:
-        name: of the case.
-        token: of the model among the resources; the library refuses another.
-        final_time: where the case ends [s].
-        step: a step at which to exchange values [s].
-        sampled: whether there are sensors and controllers with a sample time.
-        variables: of the plant, in its order.
-        kind: 'cs', 'me' or 'both'.
-        states: that a tool integrates, their rates, and event indicators; empty without model exchange.
-    """
-
-    name: str
-    token: str
-    final_time: float
-    step: float
-    sampled: bool
-    variables: Sequence[_core.Variable]
-    kind: str = "cs"
+    name: str  # of the case
+    token: str  # of the model among the resources; the library refuses another
+    final_time: float  # where the case ends [s]
+    step: float  # a step at which to exchange values [s]
+    sampled: bool  # whether there are sensors and controllers with a sample time
+    variables: Sequence[_core.Variable]  # of the plant, in its order
+    kind: str = "cs"  # 'cs', 'me' or 'both'
+    # that a tool integrates, their rates, and event indicators; empty without model exchange
     states: Sequence[_core.Variable] = ()
     rates: Sequence[_core.Variable] = ()
     indicators: Sequence[_core.Variable] = ()

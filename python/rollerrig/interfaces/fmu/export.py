@@ -29,17 +29,11 @@ FOLDERS = {"2": {"x86_64-linux": "linux64", WINDOWS: "win64"}, "3": {}}
 
 @dataclass(frozen=True)
 class Shell:
-    """A library for one platform.
+    """A library for one platform."""
 
-    Attributes:
-        platform: processor and system, as FMI 3.0 writes them: x86_64-linux.
-        file: the library.
-        needs: instructions beyond the oldest processor of its kind, with commas; empty: none.
-    """
-
-    platform: str
-    file: Path
-    needs: str
+    platform: str  # processor and system, as FMI 3.0 writes them: x86_64-linux
+    file: Path  # the library
+    needs: str  # instructions beyond the oldest processor of its kind, with commas; empty: none
 
     def place(self, fmi: str, identifier: str) -> str:
         """Where an FMU keeps it."""

@@ -24,12 +24,7 @@ _CRC = struct.Struct("<I")
 
 @dataclass(frozen=True)
 class Frame:
-    """A frame; the header's fields as rollerrig_wire.h explains them.
-
-    Attributes:
-        values: of a command or of sensors.
-        text: of a part of the description.
-    """
+    """A frame; the header's fields as rollerrig_wire.h explains them."""
 
     kind: int
     flags: int = 0
@@ -38,8 +33,8 @@ class Frame:
     time_ns: int = 0
     answers: int = 0
     state: int = 0
-    values: tuple[float, ...] = ()
-    text: bytes = b""
+    values: tuple[float, ...] = ()  # of a command or of sensors
+    text: bytes = b""  # of a part of the description
 
 
 def pack(frame: Frame) -> bytes:

@@ -338,23 +338,14 @@ def replay(served: Served, commands: Array) -> Array:
 
 @dataclass(frozen=True)
 class Ended:
-    """How a server's run ended.
+    """How a server's run ended."""
 
-    Attributes:
-        ending: 'ran', 'stopped_by_caller', 'plant_ended' or 'controller_silent'.
-        status: of the run, as in the results: 'ok', 'stopped', 'contact_lost' ...
-        sentence: what the status means.
-        memory: 'locked', or why not.
-        scheduling: 'SCHED_FIFO', or why not.
-        statistics: of deadlines and frames; times are (count, median, 99 %, 99.99 %, longest) [ns].
-    """
-
-    ending: str
-    status: str
-    sentence: str
-    memory: str
-    scheduling: str
-    statistics: dict[str, Any]
+    ending: str  # 'ran', 'stopped_by_caller', 'plant_ended' or 'controller_silent'
+    status: str  # of the run, as in the results: 'ok', 'stopped', 'contact_lost' ...
+    sentence: str  # what the status means
+    memory: str  # 'locked', or why not
+    scheduling: str  # 'SCHED_FIFO', or why not
+    statistics: dict[str, Any]  # of deadlines and frames; times are (count, median, 99 %, 99.99 %, longest) [ns]
 
 
 def run_server(server: _core.RigServer) -> Ended:
