@@ -44,26 +44,9 @@ from rollerrig.plot import adhesion as figures
 from rollerrig.plot.adhesion import cause_bars, dead_time_curve, slip_histogram
 from rollerrig.results import COMPLETED
 from rollerrig.simulation.run import simulate
+from rollerrig.study import ensemble
 from rollerrig.study.assessment import NOT_DECIDED, SHOWN
-from rollerrig.study.ensemble import (
-    FINER_STARTS,
-    Estimate,
-    check_ensemble,
-    dead_times,
-    difference,
-    distances,
-    finer,
-    later_protection,
-    measure,
-    measured_dead_time,
-    recorded,
-    relative,
-    start_jobs,
-    start_name,
-    started,
-    stepped,
-    with_error,
-)
+from rollerrig.study.ensemble import FINER_STARTS, Estimate, distances, measure, started, with_error
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Round, job
 from rollerrig.study.quantities import Numbers, Quantities
@@ -78,10 +61,6 @@ from rollerrig.study.runs.adhesion import (
     Row,
     cause_shares,
     is_within_error,
-    law_case,
-    law_names,
-    law_numbers,
-    law_table,
     to_refine,
     track_case,
     variant,
@@ -120,7 +99,7 @@ class Runs:
 
     Attributes:
         whole: first tests as a whole, by name: track, rig, rolling and a second start on track.
-        records: by name of the ensemble: track, rig, the variants of the rig, both with other creep laws.
+        records: by name of the ensemble: track, rig, the variants of the rig.
         later: additional dead time of the protection [s] -> ensemble on track.
     """
 
@@ -147,7 +126,7 @@ class AdhesionStudy(Study[Runs]):
 
     def __post_init__(self) -> None:
         """Refuse a case that is not that of a rig which reproduces a test on track."""
-        check_ensemble(track_case(self.case))
+        ensemble.check_ensemble(track_case(self.case))
 
     def cases(self) -> Mapping[str, Case]:
         return {"rig": self.case, "track": track_case(self.case)}
@@ -162,12 +141,11 @@ class AdhesionStudy(Study[Runs]):
     def rounds(self, done: Done) -> Iterator[Round]:
         count = QUICK_STARTS if self.quick else STARTS
         names = ("rig", *variants_of(self.case)) if self.error_budget else ("rig",)
-        later = [f"{LATER}{delay}" for delay in dead_times(self.case, self.predicted)]
+        later = [f"{LATER}{delay}" for delay in ensemble.dead_times(self.case, self.predicted)]
         whole = {name: job(simulate, self._case(name)) for name in WHOLE if name == "track" or name in names}
         whole[SECOND] = job(simulate, self._case(SECOND))
-        laws = law_names(self.case) if self.error_budget else ()
         fine = [] if self.quick else [f"{name}{FINE}" for name in ("track", *names) if name in ("track", "rig", *STEPS)]
-        tests = self._tests(("track", *names, *later, *laws), 0, count)
+        tests = self._tests(("track", *names, *later), 0, count)
         yield {**whole, **self._tests(("track", "rig"), 0, FIRST_STARTS)}
         yield {**tests, **self._tests(fine, 0, FINER_STARTS)}
         while not self.quick and (found := self.collect(done)) is not None and (more := self._more_starts(found)):
@@ -190,20 +168,19 @@ class AdhesionStudy(Study[Runs]):
 
     def _tests(self, names: Sequence[str], begin: int, end: int) -> Round:
         """Ensembles from one start to another; the first start of some is run as a whole."""
-        jobs = start_jobs({name: self._case(name) for name in names}, lambda one, _: job(recorded, one), end, begin)
-        return {name: one for name, one in jobs.items() if name not in [start_name(whole, 0) for whole in WHOLE]}
+        cases = {name: self._case(name) for name in names}
+        jobs = ensemble.start_jobs(cases, lambda one, _: job(ensemble.recorded, one), end, begin)
+        return {name: one for name, one in jobs.items() if name not in [ensemble.start_name(one, 0) for one in WHOLE]}
 
     def _case(self, name: str) -> Case:
         if name.endswith(FINE):
-            return finer(self._case(name.removesuffix(FINE)))
+            return ensemble.finer(self._case(name.removesuffix(FINE)))
         if name.startswith(LATER):
-            return later_protection(track_case(self.case), float(name.removeprefix(LATER)))
+            return ensemble.later_protection(track_case(self.case), float(name.removeprefix(LATER)))
         if name in ("track", SECOND):
             shift = PHASE_SPEED if name == SECOND else 0.0
             track = track_case(self.case)
             return track.with_changes({"motion.speed": f"{track.motion.speed + shift!r} m/s"}) if shift else track
-        if (with_law := law_case(self.case, name)) is not None:
-            return with_law
         return self.case if name == "rig" else variant(self.case, name)
 
     def _records(self, done: Done, names: Sequence[str]) -> dict[str, list[TestRecord]]:
@@ -214,10 +191,10 @@ class AdhesionStudy(Study[Runs]):
     def collect(self, done: Done) -> Runs | None:
         if "track" not in done or "rig" not in done:
             return None
-        names = ("rig", *variants_of(self.case), *law_names(self.case))
+        names = ("rig", *variants_of(self.case))
         fine = [f"{name}{FINE}" for name in ("track", "rig", *STEPS)]
         records = {name: found for name, found in self._records(done, (*names, *fine)).items() if found}
-        delays = dead_times(self.case, self.predicted)
+        delays = ensemble.dead_times(self.case, self.predicted)
         later = self._records(done, [f"{LATER}{delay}" for delay in delays])
         whole = {name: done[name] for name in (*WHOLE, SECOND) if name in done}
         return Runs(whole, records, {delay: found for delay in delays if (found := later[f"{LATER}{delay}"])})
@@ -249,7 +226,6 @@ class AdhesionStudy(Study[Runs]):
             "variants": {name: _variant_numbers(records["track"], records[name]) for name in variants},
             "causes": {name: {"share": share.mean, "standard_error": share.standard_error, **vars(share.interval),
                               "within_its_error": is_within_error(share)} for name, share in shares.items()},
-            "creep_laws": law_numbers(self.case, records),
             "dead_time": self._dead_time_numbers(results),
             "point_by_point": {name: point_by_point(whole["track"], whole[name]) for name in ("rig", SECOND) if name in whole},
             "tracking_by_own_motion": by_own_motion(whole["rig"]),
@@ -270,8 +246,9 @@ class AdhesionStudy(Study[Runs]):
             delays = sorted(results.later)
             own, *curve = distances((records["rig"], records["track"], *(results.later[d] for d in delays)))
             tracks = {0.0: curve[0], **dict(zip(delays, curve[1:], strict=True))}
-            measured = measured_dead_time(
-                difference(own, curve[0]), {d: difference(way, curve[0]) for d, way in tracks.items()}
+            measured = ensemble.measured_dead_time(
+                ensemble.difference(own, curve[0]),
+                {d: ensemble.difference(way, curve[0]) for d, way in tracks.items()},
             )
             found |= {"measured_s": measured.mean, "standard_error_s": measured.standard_error}
             found |= {"low_s": measured.interval.low, "high_s": measured.interval.high}
@@ -311,8 +288,6 @@ class AdhesionStudy(Study[Runs]):
             sections.append(_causes(numbers))
         if numbers["dead_time"]:
             sections.append(_dead_time(numbers))
-        if numbers["creep_laws"]:
-            sections.append(Section("Creep laws", [law_table(numbers["creep_laws"])]))
         shares = {on: np.mean([one.slip_shares for one in results.records[on]], axis=0) for on in ("track", "rig")}
         caption = "Part of the time that the axles spent at a slip, mean of all starts, while brake or traction act."
         histogram = Picture("slip_histogram", slip_histogram(SLIP_EDGES, shares), caption)
@@ -338,7 +313,7 @@ def _run_numbers(records: Sequence[TestRecord], names: Sequence[str]) -> dict[st
 def _variant_numbers(track: Sequence[TestRecord], records: Sequence[TestRecord]) -> dict[str, Any]:
     on_track, own = distances((track, records))
     found = {name: measure(records, name).as_dict() for name in VARIANT}
-    return {"tests": len(records), "distance_relative": relative(own, on_track).as_dict(), **found}
+    return {"tests": len(records), "distance_relative": ensemble.relative(own, on_track).as_dict(), **found}
 
 
 def _shares(records: Mapping[str, Sequence[TestRecord]]) -> dict[str, Estimate]:
@@ -350,7 +325,7 @@ def _shares(records: Mapping[str, Sequence[TestRecord]]) -> dict[str, Estimate]:
     if not (shares and count):
         return shares
     close, coarse = (cause_shares({name: own[name][:count] for name in names}) or {} for own in (fine, records))
-    return {name: stepped(one, coarse[name], close[name]) for name, one in shares.items()}
+    return {name: ensemble.stepped(one, coarse[name], close[name]) for name, one in shares.items()}
 
 
 def _axle_columns(track: xr.Dataset, rig: xr.Dataset) -> dict[str, ArrayLike]:

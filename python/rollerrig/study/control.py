@@ -28,7 +28,7 @@ from rollerrig.study.lag_compensation import (
     compensation_numbers,
     compensation_text,
 )
-from rollerrig.study.loop_stability import held_blocks, held_jobs, held_numbers, loop_blocks, loop_jobs, loop_numbers
+from rollerrig.study.loop_stability import loop_blocks, loop_jobs, loop_numbers
 from rollerrig.study.quantities import Numbers, Quantities
 from rollerrig.study.report import Picture, Section, Table
 from rollerrig.study.runs.control import (
@@ -209,14 +209,13 @@ def family_picture(case: Case, family: Family, results: Sequence[Result]) -> Pic
 
 @dataclass(frozen=True)
 class Found:
-    """Results of references and families, courses over time by label, points of the loop, compensations, held wheels."""
+    """Results of references and families, courses over time by label, points of the loop, compensations."""
 
     references: list[Result]
     results: list[Result]
     courses: dict[str, xr.Dataset]
     loop: list[dict[str, float]]
     compensation: dict[str, dict[str, float]] | None
-    held: dict[str, dict[str, float]] | None
 
 
 @dataclass(frozen=True)
@@ -286,7 +285,7 @@ class ControlStudy(Study[Found]):
         jobs = {_name(key): job(run_variant, case, key[0] == "references") for key, case in self.variants.items()}
         yield {
             **jobs,
-            **({**loop_jobs(self.case), **held_jobs(self.case)} if self.loop else {}),
+            **(loop_jobs(self.case) if self.loop else {}),
             **(compensation_jobs(self._whole) if self.lags else {}),
         }
         yield {f"course of {_name(key)}": job(run_variant, self.variants[key], True) for key in self._worst(done)}
@@ -322,7 +321,6 @@ class ControlStudy(Study[Found]):
             courses,
             sorted((done[n] for n in done if n.startswith("gains times ")), key=lambda point: point["factor"]),
             compensation_numbers(self._whole, done) if self.lags else None,
-            held_numbers(done),
         )
 
     # --------------------------------------------------------------------------------------------------- numbers
@@ -347,7 +345,6 @@ class ControlStudy(Study[Found]):
             ],
             "loop": loop_numbers(self.case, results.loop) if results.loop else None,
             "compensation": results.compensation,
-            "held_wheel": results.held,
         }
 
     def summary(self, results: Found, numbers: Numbers) -> list[str]:
@@ -393,8 +390,6 @@ class ControlStudy(Study[Found]):
             sections.append(Section("Lags and their compensation", blocks))
         if numbers["loop"] is not None:
             sections.append(Section("Stability of the loop", loop_blocks(numbers["loop"], results.loop)))
-        if numbers["held_wheel"] is not None:
-            sections.append(Section("A wheel held by its brake", held_blocks(numbers["held_wheel"], QUANTITIES)))
         return sections + [
             Section(f.title, [family_picture(self.case, f, results.results)])
             for f in self.chosen

@@ -21,15 +21,13 @@ from rollerrig.analysis.loop_stability import (
     rolling_plant,
     vehicle_plant,
 )
-from rollerrig.analysis.slide_statistics import torque_ripple, wheel_radius
-from rollerrig.assembly.actuators import friction_brake
 from rollerrig.common.formatting import number
 from rollerrig.config import Case
 from rollerrig.plot.control import loop_growth
-from rollerrig.study.jobs import Done, Progress, Round, job, whole_run
-from rollerrig.study.quantities import Numbers, Quantities
-from rollerrig.study.report import Block, Picture, Table, Text
-from rollerrig.study.runs.control import ESTIMATORS, RIPPLE_CRITERION
+from rollerrig.study.jobs import Progress, Round, job, whole_run
+from rollerrig.study.quantities import Numbers
+from rollerrig.study.report import Block, Picture, Text
+from rollerrig.study.runs.control import RIPPLE_CRITERION
 
 FACTORS = tuple(float(f) for f in np.geomspace(1.0, 256.0, 25))
 """On the gains of the PI controller, in the runs that measure its stability."""
@@ -125,83 +123,3 @@ def loop_blocks(loop: Numbers, points: list[dict[str, float]]) -> list[Block]:
     picture = loop_growth({key: [point[key] for point in points] for key in points[0]})
     shape = Picture("loop_growth", picture, "Growth rate and frequency of the loop over its gains.")
     return [Text(text), Text(means), shape]
-
-
-DURATION = 15.0
-"""Duration of the runs [s]: on low adhesion full service locks the wheels within some seconds."""
-
-STANDS, SETTLES = 1e-4, 0.5
-"""Speed at which a brake's torque over speed is taken, within its regularisation [rad/s]; after locking the ripple of the slide
-itself fades [s]."""
-
-
-def held_jobs(case: Case) -> Round:
-    """A job for each estimator; none without a friction brake."""
-    if case.brake is None:
-        return {}
-    whole = case.with_changes({"slide_protection": None, "time.duration": DURATION})
-    return {f"held wheel, {label}": job(held_wheel, whole.with_changes(vary(whole, 0.0)))
-            for label, vary in ESTIMATORS.items()}  # fmt: skip
-
-
-def held_wheel(case: Case, progress: Progress | None = None) -> dict[str, float]:
-    """Numbers of one estimator, by the names of `held_wheel`."""
-    rate, frequency = held_growth(case)
-    run = whole_run(case, progress)
-    held, ripple = held_ripple(run["time"].to_numpy(), wheel_radius(run) * np.abs(run["axle_speed"].to_numpy()),
-                               run["train_speed"].to_numpy(), run["roller_torque"].to_numpy(), case)  # fmt: skip
-    return {"growth_rate": rate, "growth_hz": frequency, "held_s": held, "held_ripple_nm": ripple}
-
-
-def held_growth(case: Case) -> tuple[float, float]:
-    """Rate [1/s] and frequency [Hz] of the sampled loop of one axle whose wheel is held, its torque as estimated, no feedback."""
-    estimated = case.with_changes(
-        {"rig_control.axle_torque.kind": "estimated", "rig_control.drive_command.kind": "direct"}
-    )
-    at_rest = creep_slope(case) * case.motion.speed / case.contact.creepage_regularisation_speed
-    loop = loop_of(estimated, at_rest, sliding=True)
-    if loop is None or case.brake is None:
-        return math.nan, math.nan
-    holds = -friction_brake(case.brake).torque(max(row[1] for row in case.brake.demand), STANDS) / STANDS
-    return growth(loop.scaled(0.0), rolling_plant(loop.real, loop.creep, holds), above=ABOVE)
-
-
-def held_ripple(
-    time: np.ndarray, rolling: np.ndarray, train: np.ndarray, torque: np.ndarray, case: Case
-) -> tuple[float, float]:
-    """Time for which all wheels of a run were held [s], the last time, and the ripple of the drives in it [N m].
-
-    Args:
-        time: evenly spaced [s], shape (time,).
-        rolling: speed of the wheels' circumference [m/s], shape (time, axle).
-        train: speed of the train [m/s].
-        torque: of the roller drives [N m], shape (time, axle).
-        case: for the speed below which a wheel is locked.
-    """
-    assert case.rig_control is not None
-    locked = case.rig_control.locked_speed
-    held = ((rolling < locked) & (train[:, None] - rolling > locked)).all(axis=1)
-    at = np.flatnonzero(held)
-    if not at.size:
-        return 0.0, math.nan
-    last = np.split(at, np.flatnonzero(np.diff(at) > 1) + 1)[-1]
-    settled = last[time[last] > time[last[0]] + SETTLES]
-    return float(time[last[-1]] - time[last[0]]), torque_ripple(time[settled], torque[settled])[0]
-
-
-def held_numbers(done: Done) -> dict[str, dict[str, float]] | None:
-    """Numbers by estimator, as far as its job is done; None where there is none."""
-    found = {label: done[name] for label in ESTIMATORS if (name := f"held wheel, {label}") in done}
-    return found or None
-
-
-def held_blocks(numbers: Numbers, quantities: Quantities) -> list[Block]:
-    """Text and table of the report."""
-    text = (
-        "Without slide protection the brake locks the wheels. A locked wheel's estimated torque is the brake's reaction to the "
-        "drive's own: through virtual train and feed-forward it would return to the drive with the gain J_r (r/R)²/J_w. The "
-        "growth rate is that of this linear loop, the torque as estimated: where it is positive the drives would oscillate. A "
-        "locked wheel is therefore held in the virtual train too, (D15); the ripple is that of a run so treated."
-    )
-    table: Table = quantities.table(numbers, "held_wheel.*", "a wheel held by its brake", "estimator")
-    return [Text(text), table]
