@@ -3,7 +3,6 @@
 Case -> [RunStudy] -> run.nc, motion.csv, wheels.csv, running_safety.csv, summary.json, report.html, view.html
 """
 
-import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -213,30 +212,3 @@ def distance_or_time(run: xr.Dataset) -> xr.DataArray:
 
 def _entries(group: str, names: Sequence[str] | str, numbers: Numbers) -> Table:
     return QUANTITIES.table(numbers[group], names, head={"bodies": "body", "wheels": "wheel"}[group])
-
-
-def audit_tables(audited: Mapping[str, Mapping[str, Any]]) -> list[Block]:
-    """Cost and energy balance of several runs, and what happened in their contacts.
-
-    Args:
-        audited: label -> attributes of a run.
-    """
-    costs, events = [], []
-    names = [quantity.name for quantity in CONTACT if quantity.name != "negative_dissipation"]
-    for name, attributes in audited.items():
-        counted = json.loads(attributes["solver_statistics"])
-        steps = int(counted["steps"]), int(counted["rejected_steps"]), number(float(counted["smallest_step"]), 2)
-        energy = f"{1e-3 * float(attributes['energy_turned_over_j']):z.1f}"
-        residual = number(float(attributes["energy_relative_residual"]), 2)
-        costs.append((name, attributes["status"], *steps, energy, residual))
-        counters = json.loads(attributes["contact_counters"])
-        events.append((name, *(int(counters.get(key, 0)) for key in names)))
-    header = ("run", "ended", "steps", "rejected", "smallest step [s]", "energy turned over [kJ]", "relative residual")
-    caption = (
-        "Integration, and the energy audit: work in - change of stored energy - heat, over the energy turned over."
-    )
-    heads = ("run", *(name.replace("_", " ") for name in names))
-    return [
-        Table(header, costs, caption),
-        Table(heads, events, "Contact model, summed over accepted steps and wheels."),
-    ]

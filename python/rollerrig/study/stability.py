@@ -3,20 +3,23 @@
 Case, speeds -> [StabilityStudy] -> stability.nc, tables of modes, shapes and limit cycles, report
 """
 
+import itertools
 import json
 import math
-from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass, field
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from rollerrig.analysis import Diagram, LimitCycleSettings, limit_cycle_table, stability
+from rollerrig.analysis import Diagram, LimitCycleSettings, limit_cycle_table, linear_critical_speed, stability
 from rollerrig.analysis.bifurcation import bifurcation
 from rollerrig.analysis.critical_speed import HIGHEST_KMH, LinearCriticalSpeed, scan_above
+from rollerrig.analysis.limit_cycle_runs import settling_run
 from rollerrig.analysis.stability_sensitivity import stability_sensitivity
 from rollerrig.config import Case, Track
+from rollerrig.config.schema.contact import NORMAL_LAWS
 from rollerrig.plot import (
     bifurcation_diagram,
     damping_map,
@@ -29,11 +32,9 @@ from rollerrig.plot import (
 )
 from rollerrig.plot.modes import shape_speed, shown_modes
 from rollerrig.results.termination import in_words
-from rollerrig.study import contact_models as contact_effects
 from rollerrig.study import limit_cycles as cycles
-from rollerrig.study.contact_models import ContactEffect
 from rollerrig.study.frame import Study, dataset_rows
-from rollerrig.study.jobs import Chains, Done, Round, job
+from rollerrig.study.jobs import Chains, Done, Job, Progress, Round, job
 from rollerrig.study.limit_cycles import cycle_chains, cycle_diagram
 from rollerrig.study.quantities import Numbers
 from rollerrig.study.report import VIEW, Block, Picture, Section, Table, Text
@@ -201,6 +202,57 @@ def sensitivity_numbers(found: xr.Dataset) -> list[dict[str, Any]]:
     return sorted(rows, key=lambda one: -abs(one["change_kmh"]))
 
 
+CONTACT = "contact model"
+CREEP_LAWS = ("kalker_saturated", "table")
+"""The paper's and the exact one; what lies between them is in the theory."""
+
+COUNTERPART = {"rig": ("track", "uic60_track"), "track": ("rig", "full_scale_rig")}
+"""Kind of support -> the other kind, and the catalogue's support of that kind."""
+
+CONTACT_SETTINGS = LimitCycleSettings(longest=8.0)
+
+
+def contact_effect_jobs(
+    case: Case, speeds_kmh: Sequence[float], run_speed_kmh: float, creeps: Sequence[str] = CREEP_LAWS
+) -> dict[str, Job]:
+    """A job per normal contact and creep law, on the case's own support and on the catalogue's of the other kind.
+
+    The critical speed is looked for in a range [km/h], the run from a lateral offset has one speed [km/h].
+    """
+    own, speeds = case.support.data.kind, tuple(speeds_kmh)
+    other, support = COUNTERPART[own]
+    cases = {own: case, other: case.with_changes({"support.use": support})}
+    every = itertools.product(cases, NORMAL_LAWS, creeps)
+    return {
+        f"{CONTACT} {', '.join(one)}": job(contact_effect, cases[one[0]], one, speeds, run_speed_kmh) for one in every
+    }
+
+
+def contact_effect(
+    case: Case,
+    names: tuple[str, str, str],
+    speeds_kmh: Sequence[float],
+    run_speed_kmh: float,
+    progress: Progress | None = None,
+) -> dict[str, Any]:
+    """Linear critical speed, and the limit cycle at one speed from a lateral offset, with one contact model."""
+    support, normal, creep = names
+    chosen = case.with_changes({"contact.normal": normal, "contact.creep": creep})
+    onset = linear_critical_speed(chosen, [v / 3.6 for v in speeds_kmh])
+    point, _ = settling_run(chosen, CONTACT_SETTINGS, CONTACT_SETTINGS.disturbance, run_speed_kmh / 3.6, None, progress)
+    return {
+        "support": support,
+        "normal": normal,
+        "creep": creep,
+        "linear_critical_speed_kmh": 3.6 * onset.speed if onset else math.nan,
+        "frequency_hz": onset.frequency if onset else math.nan,
+        "run_speed_kmh": run_speed_kmh,
+        "limit_cycle_mm": 1e3 * point.amplitude,
+        "guiding_force_kn": 1e-3 * point.guiding_force,
+        "status": point.status,
+    }
+
+
 MOST_CYCLE_SPEEDS = 20
 """Runs are made at no more speeds than this, spread over the range."""
 
@@ -215,7 +267,7 @@ class Results:
     modes: xr.Dataset
     above: LinearCriticalSpeed | None
     diagram: Diagram | None
-    contact: tuple[ContactEffect, ...]
+    contact: Sequence[Mapping[str, Any]]
     branch: xr.Dataset | None
     sensitivity: xr.Dataset | None
 
@@ -268,7 +320,7 @@ class StabilityStudy(Study[Results]):
         if self.with_limit_cycles:
             yield cycle_chains(self.case, cycle_speeds(self.speeds_kmh), self.settings)
         if self.contacts_kmh is not None:
-            yield contact_effects.contact_effect_jobs(self.case, self.speeds_kmh, self.contacts_kmh)
+            yield contact_effect_jobs(self.case, self.speeds_kmh, self.contacts_kmh)
         if self.branch is not None and not none:
             yield {BRANCH: job(bifurcation, self.case, self.speeds_kmh, self.branch)}
         linear = done[above].speed_kmh if search else modes.attrs["linear_critical_speed_kmh"]
@@ -277,7 +329,7 @@ class StabilityStudy(Study[Results]):
             yield {SENSITIVITY: job(stability_sensitivity, self.case, None, around)}
 
     def collect(self, done: Done) -> Results | None:
-        contact = tuple(result for result in done.values() if isinstance(result, ContactEffect))
+        contact = [result for name, result in done.items() if name.startswith(CONTACT)]
         if "modes" not in done:
             return None
         above, diagram = done.get("linear critical speed above the range"), None
@@ -309,7 +361,7 @@ class StabilityStudy(Study[Results]):
         if results.diagram is not None:
             found["limit_cycles"] = cycles.cycle_numbers(results.diagram, self.settings)
         if results.contact:
-            found["contact_effects"] = [asdict(one) for one in results.contact]
+            found["contact_effects"] = results.contact
         if results.branch is not None:
             found["branch"] = branch_numbers(results.branch)
         if results.sensitivity is not None:
@@ -380,7 +432,7 @@ class StabilityStudy(Study[Results]):
         if results.contact:
             text = (
                 "The same vehicle with each normal contact and creep law. The limit cycle is the end of a run from a "
-                f"lateral offset of {1e3 * contact_effects.SETTINGS.disturbance:g} mm of the leading wheelset."
+                f"lateral offset of {1e3 * CONTACT_SETTINGS.disturbance:g} mm of the leading wheelset."
             )
             table = self.quantities.table(numbers["contact_effects"], "contact_effects.*")
             found.append(Section("Effect of the contact model", [Text(text), table]))
