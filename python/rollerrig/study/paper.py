@@ -56,10 +56,9 @@ TEXT = tomllib.loads(files("rollerrig.study").joinpath("paper.toml").read_text(e
 CAPTIONS: Mapping[str, str] = TEXT["captions"]
 """Picture -> what it shows."""
 
-NAMELESS: str = TEXT["nameless"]
 PAPER: str = TEXT["paper"]
-CRITICAL_KMH, NEAR = 100.0, 0.1
-"""Speed above which the paper's figure 7a grows [km/h]; a critical speed within this share of it fits it [1]."""
+CRITICAL_KMH = 100.0
+"""Speed above which the paper's figure 7a grows [km/h]."""
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from reported import unexplained
 from rollerrig import ConfigError, load_case, simulate
 from rollerrig.analysis.slide_statistics import SLIP_EDGES, TestRecord, regrip_adhesion
 from rollerrig.analysis.slide_statistics import test_record as record_of
@@ -484,7 +485,7 @@ def test_real_sliding_is_gone_with_pure_rolling(outcome: Found[Runs]) -> None:
 def test_every_number_is_explained_and_written(outcome: Found[Runs], tmp_path: Path) -> None:
     written = {path.relative_to(tmp_path).as_posix() for path in outcome.write(tmp_path)}
     summary = json.loads((tmp_path / "summary.json").read_text(encoding="utf-8"))
-    assert QUANTITIES.unexplained(summary) == []
+    assert unexplained(QUANTITIES, summary) == []
     pictures = {path for path in written if path.startswith("figures/")}
     data = {"track_quick.nc", "rig_quick.nc", "axles_quick.csv"}
     assert written - pictures == {*data, "summary.json", "report.html", "timing.json", "view.html"}

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
+from reported import unexplained, unreported
 from rollerrig.analysis import HuntingSettings
 from rollerrig.analysis.critical_speed import EFFECTS, TRACK, CriticalSpeedOverRadius, EffectSplit, LinearCriticalSpeed
 from rollerrig.analysis.mode_table import Crossing
@@ -79,8 +80,8 @@ def test_everything_is_written(folder) -> None:
 
 @pytest.mark.slow
 def test_every_number_is_registered_and_every_registered_quantity_reported(numbers) -> None:
-    assert QUANTITIES.unexplained(numbers) == []
-    assert QUANTITIES.unreported(numbers) == ["roller_effects"]  # null where it is not computed
+    assert unexplained(QUANTITIES, numbers) == []
+    assert unreported(QUANTITIES, numbers) == ["roller_effects"]  # null where it is not computed
 
 
 @pytest.mark.slow

@@ -13,6 +13,7 @@ import tomli_w
 from typer.testing import CliRunner
 
 import rollerrig as rr
+from reported import unexplained
 from rollerrig.analysis.equivalent_dead_time import predicted_dead_time
 from rollerrig.analysis.signals import low_pass
 from rollerrig.cli.app import build_app
@@ -408,7 +409,7 @@ def test_the_fitted_case_says_where_its_numbers_come_from(tmp_path: Path) -> Non
     numbers = outcome.numbers
     assert (numbers["points"], numbers["points_held_back"]) == (10, 3)
     assert numbers["searches_at_the_same_end"] == 2
-    assert FitStudy.quantities.unexplained(numbers) == []
+    assert unexplained(FitStudy.quantities, numbers) == []
     assert numbers["outputs"]["traction_coefficient"]["rms_held_back"] < 1e-5
 
 

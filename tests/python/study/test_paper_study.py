@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from reported import unexplained, unreported
 from rollerrig.study.frame import Outcome
 from rollerrig.study.paper import CAPTIONS, PaperStudy, Results
 from rollerrig.study.runs.paper import EXACT, FULL, QUICK, RIG, case_of, rig_case
@@ -143,14 +144,14 @@ def test_a_wrong_run_fails_its_checks(outcome) -> None:
 @pytest.mark.slow
 def test_every_number_is_registered_and_every_registered_quantity_reported(folder) -> None:
     summary = json.loads((folder / "summary.json").read_text())
-    assert PaperStudy.quantities.unexplained(summary) == []
+    assert unexplained(PaperStudy.quantities, summary) == []
     whole = {
         "materials.*.roller_effects",
         "traction",
         "exact_contact.traction",
         "checks",
     }  # null or empty where nothing is computed
-    assert set(PaperStudy.quantities.unreported(summary)) == whole
+    assert set(unreported(PaperStudy.quantities, summary)) == whole
 
 
 @pytest.mark.long

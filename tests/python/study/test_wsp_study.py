@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from reported import unexplained, unreported
 from rollerrig import ConfigError, load_case
 from rollerrig.analysis.slide_statistics import SLIP_EDGES, TestRecord, axle_load
 from rollerrig.analysis.virtual_rail import patch_of, rail_peak
@@ -78,8 +79,8 @@ def outcome(case: Case) -> Outcome[Results]:
 
 @pytest.mark.slow
 def test_every_number_is_explained_and_every_explained_number_is_there(outcome: Outcome[Results]) -> None:
-    assert QUANTITIES.unexplained(outcome.numbers) == []
-    assert QUANTITIES.unreported(outcome.numbers) == []
+    assert unexplained(QUANTITIES, outcome.numbers) == []
+    assert unreported(QUANTITIES, outcome.numbers) == []
 
 
 @pytest.mark.slow
