@@ -467,7 +467,6 @@ def control(
     families: Annotated[Sequence[str], Option(commas=True, meaning=_FAMILIES)] = (),
     controller: str | None = None,
     loop: bool = True,
-    lags: bool = True,
     processes: Processes = 1,
     progress: Progress | None = None,
 ) -> Outcome[Any]:
@@ -479,7 +478,6 @@ def control(
         families: what is varied, by name; none: everything.
         controller: your own controller to compare: 'file.py:Class' or 'module:Class'.
         loop: also find the gains at which the loop becomes unstable, computed and measured.
-        lags: also compare ways to compensate the lags, in tests of the case's own length.
         processes: runs at a time; more than 1 asks a script for `if __name__ == "__main__":`.
         progress: called with the fraction done and a short text.
 
@@ -488,9 +486,7 @@ def control(
     """
     from rollerrig.study.control import ControlStudy, study_case
 
-    whole = _case(case)
-    length = whole.time.duration if lags else 0.0
-    study = ControlStudy(study_case(whole, duration), tuple(families), controller, loop, length)
+    study = ControlStudy(study_case(_case(case), duration), tuple(families), controller, loop)
     return _outcome(study, processes, progress)
 
 

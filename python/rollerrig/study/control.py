@@ -22,12 +22,6 @@ from rollerrig.plot import control as figures
 from rollerrig.simulation.controllers import users_controllers
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Round, job
-from rollerrig.study.lag_compensation import (
-    compensation_blocks,
-    compensation_jobs,
-    compensation_numbers,
-    compensation_text,
-)
 from rollerrig.study.loop_stability import loop_blocks, loop_jobs, loop_numbers
 from rollerrig.study.quantities import Numbers, Quantities
 from rollerrig.study.report import Picture, Section, Table
@@ -209,33 +203,28 @@ def family_picture(case: Case, family: Family, results: Sequence[Result]) -> Pic
 
 @dataclass(frozen=True)
 class Found:
-    """Results of references and families, courses over time by label, points of the loop, compensations."""
+    """Results of references and families, courses over time by label, points of the loop."""
 
     references: list[Result]
     results: list[Result]
     courses: dict[str, xr.Dataset]
     loop: list[dict[str, float]]
-    compensation: dict[str, dict[str, float]] | None
 
 
 @dataclass(frozen=True)
 class ControlStudy(Study[Found]):
-    """One test under many variants of the controller; attributes as the arguments of `rollerrig.control`.
-
-    The case is that of `study_case`; `lags` is the duration of the runs that compare ways to compensate the lags [s]; 0: none.
-    """
+    """One test, of `study_case`, under many variants of the controller; attributes as the arguments of `rollerrig.control`."""
 
     case: Case
     families: tuple[str, ...] = ()
     user: str | None = None
     loop: bool = True
-    lags: float = 0.0
 
     command = "control"
     heading = "{case.name}: controllers of the roller drives compared"
     quantities = QUANTITIES
     writes = ("variants.csv", "loop.csv")
-    irrelevant = ("description", "families", "loop", "lags")
+    irrelevant = ("description", "families", "loop")
     round_ends = (0.98, 1.0)
     leaves_out = (
         "One test and one course of the slide protection, whose valves switch on small differences: errors of neighbouring "
@@ -256,11 +245,6 @@ class ControlStudy(Study[Found]):
             users_controllers(self.case.with_changes({"rig_control.user": self.user}), {})
 
     # ------------------------------------------------------------------------------------------------------ jobs
-
-    @property
-    def _whole(self) -> Case:
-        """The test in the length in which the slide protection shows a lag."""
-        return self.case.with_changes({"time.duration": self.lags})
 
     @cached_property
     def chosen(self) -> list[Family]:
@@ -286,7 +270,6 @@ class ControlStudy(Study[Found]):
         yield {
             **jobs,
             **(loop_jobs(self.case) if self.loop else {}),
-            **(compensation_jobs(self._whole) if self.lags else {}),
         }
         yield {f"course of {_name(key)}": job(run_variant, self.variants[key], True) for key in self._worst(done)}
 
@@ -320,7 +303,6 @@ class ControlStudy(Study[Found]):
             results,
             courses,
             sorted((done[n] for n in done if n.startswith("gains times ")), key=lambda point: point["factor"]),
-            compensation_numbers(self._whole, done) if self.lags else None,
         )
 
     # --------------------------------------------------------------------------------------------------- numbers
@@ -344,7 +326,6 @@ class ControlStudy(Study[Found]):
                 for rank in ranking(self.chosen, results.results)
             ],
             "loop": loop_numbers(self.case, results.loop) if results.loop else None,
-            "compensation": results.compensation,
         }
 
     def summary(self, results: Found, numbers: Numbers) -> list[str]:
@@ -353,8 +334,6 @@ class ControlStudy(Study[Found]):
             f"As shipped the wheels follow the virtual train within {shipped} RMS of its speed. A variant fails with a "
             f"{TRACKING_CRITERION}, with a {RIPPLE_CRITERION}, or where the test ends early."
         ]
-        if numbers["compensation"] is not None:
-            lines.append(compensation_text(numbers["compensation"]))
         failing: dict[str, list[Rank]] = {}
         for rank in (rank for rank in ranking(self.chosen, results.results) if rank.failures):
             failing.setdefault(rank.family.name, []).append(rank)
@@ -385,9 +364,6 @@ class ControlStudy(Study[Found]):
                 QUANTITIES.table(references, REFERENCE_COLUMNS, "the case, and where its error comes from", "run"),
                 Picture("courses", courses, caption)]),
         ]  # fmt: skip
-        if numbers["compensation"] is not None:
-            blocks = compensation_blocks(numbers["compensation"], QUANTITIES)
-            sections.append(Section("Lags and their compensation", blocks))
         if numbers["loop"] is not None:
             sections.append(Section("Stability of the loop", loop_blocks(numbers["loop"], results.loop)))
         return sections + [
