@@ -781,8 +781,7 @@ def fit(
     from rollerrig.config.load.fit import load_fit
     from rollerrig.config.read import Document
     from rollerrig.results.logs import log_of
-    from rollerrig.study.fit import FitStudy
-    from rollerrig.study.runs.fit_logs import records
+    from rollerrig.study.fit import FitStudy, records
 
     source = Document(dict(plan), "plan", Path()) if isinstance(plan, Mapping) else str(plan)
     whole = load_fit(source, allow_code=allow_code, changes=changes)

@@ -20,9 +20,8 @@ from rollerrig.cli.app import build_app
 from rollerrig.config.load.fit import WholeFit, load_fit
 from rollerrig.config.read import Document, catalog_file, read_document
 from rollerrig.results.logs import log_of, read_log, time_problem
-from rollerrig.study.fit import FitStudy
+from rollerrig.study.fit import FitStudy, records
 from rollerrig.study.runs.fit import MODELS, Record, search
-from rollerrig.study.runs.fit_logs import records
 
 CREEPAGES = np.geomspace(0.004, 0.2, 13)
 BINS = Path(__file__).parents[2] / "validation" / "data" / "eurosprinter_bins.csv"
