@@ -24,18 +24,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
+from rollerrig.analysis import slide_statistics as slides
 from rollerrig.analysis.equivalent_dead_time import DeadTime, predicted_dead_time
-from rollerrig.analysis.slide_statistics import (
-    SLIP_EDGES,
-    TestRecord,
-    axle_load,
-    by_own_motion,
-    idle_valves,
-    point_by_point,
-    test_record,
-    under_test,
-    wheel_radius,
-)
+from rollerrig.analysis.slide_statistics import TestRecord
 from rollerrig.analysis.virtual_rail import patch_of, slipperiest_peak
 from rollerrig.assembly.model import assemble
 from rollerrig.common.formatting import number, percent
@@ -51,23 +42,8 @@ from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Round, job
 from rollerrig.study.quantities import Numbers, Quantities
 from rollerrig.study.report import VIEW, Picture, Section, Table, Text
-from rollerrig.study.runs.adhesion import (
-    CAUSES,
-    GROUPS,
-    LARGEST_ERROR,
-    STEPS,
-    TOGETHER,
-    VARIANTS,
-    Row,
-    cause_shares,
-    is_within_error,
-    to_refine,
-    track_case,
-    variant,
-    variants_of,
-    verdict_of,
-    verdict_rows,
-)
+from rollerrig.study.runs import adhesion as runs
+from rollerrig.study.runs.adhesion import CAUSES, GROUPS, STEPS, VARIANTS, Row, track_case
 
 QUANTITIES = Quantities("adhesion")
 RUN, RIG = ([q.key.split(".")[1] for q in QUANTITIES.below(on) if q.key.endswith(".mean")] for on in ("*", "rig"))
@@ -140,7 +116,7 @@ class AdhesionStudy(Study[Runs]):
 
     def rounds(self, done: Done) -> Iterator[Round]:
         count = QUICK_STARTS if self.quick else STARTS
-        names = ("rig", *variants_of(self.case)) if self.error_budget else ("rig",)
+        names = ("rig", *runs.variants_of(self.case)) if self.error_budget else ("rig",)
         later = [f"{LATER}{delay}" for delay in ensemble.dead_times(self.case, self.predicted)]
         whole = {name: job(simulate, self._case(name)) for name in WHOLE if name == "track" or name in names}
         whole[SECOND] = job(simulate, self._case(SECOND))
@@ -161,7 +137,7 @@ class AdhesionStudy(Study[Runs]):
         if needed and count["rig"] == STARTS:
             return self._tests(("track", "rig"), STARTS, math.ceil(max(needed)))
         found: Round = {}
-        for pair in to_refine(cause_shares(results.records)):
+        for pair in runs.to_refine(runs.cause_shares(results.records)):
             if (begin := min(count[name] for name in pair)) < MOST_STARTS:
                 found = {**found, **self._tests(pair, begin, begin + MORE_STARTS)}
         return found
@@ -181,17 +157,17 @@ class AdhesionStudy(Study[Runs]):
             shift = PHASE_SPEED if name == SECOND else 0.0
             track = track_case(self.case)
             return track.with_changes({"motion.speed": f"{track.motion.speed + shift!r} m/s"}) if shift else track
-        return self.case if name == "rig" else variant(self.case, name)
+        return self.case if name == "rig" else runs.variant(self.case, name)
 
     def _records(self, done: Done, names: Sequence[str]) -> dict[str, list[TestRecord]]:
         """What there is of each ensemble, in the order of the starts, up to the first one that is missing."""
-        whole = {name: [test_record(done[name], self._case(name))] for name in WHOLE if name in done}
+        whole = {name: [slides.test_record(done[name], self._case(name))] for name in WHOLE if name in done}
         return {name: started(done, name, whole.get(name, ())) for name in ("track", *names)}
 
     def collect(self, done: Done) -> Runs | None:
         if "track" not in done or "rig" not in done:
             return None
-        names = ("rig", *variants_of(self.case))
+        names = ("rig", *runs.variants_of(self.case))
         fine = [f"{name}{FINE}" for name in ("track", "rig", *STEPS)]
         records = {name: found for name, found in self._records(done, (*names, *fine)).items() if found}
         delays = ensemble.dead_times(self.case, self.predicted)
@@ -207,11 +183,11 @@ class AdhesionStudy(Study[Runs]):
     def rows(self, results: Runs) -> list[Row]:
         """Rows of the assessment."""
         tests, fine = ([results.records.get(f"{on}{end}", ()) for on in ("track", "rig")] for end in ("", FINE))
-        return verdict_rows(self.case, (tests[0], tests[1]), (fine[0], fine[1]))
+        return runs.verdict_rows(self.case, (tests[0], tests[1]), (fine[0], fine[1]))
 
     def numbers(self, results: Runs) -> dict[str, Any]:
         records, whole, rows = results.records, results.whole, self.rows(results)
-        variants = [name for name in variants_of(self.case) if name in records]
+        variants = [name for name in runs.variants_of(self.case) if name in records]
         shares = _shares(records)
         peak = slipperiest_peak(self.case, patch_of(assemble(self.case)), self.case.motion.speed)
         return {
@@ -219,16 +195,17 @@ class AdhesionStudy(Study[Runs]):
             "starts": min(len(records["track"]), len(records["rig"])),
             "fine_starts": len(records.get(f"rig{FINE}", ())),
             "creep_peak": dict(zip(("slip", "adhesion"), peak, strict=True)),
-            "verdict": {group: verdict_of(rows, group) for group in GROUPS},
+            "verdict": {group: runs.verdict_of(rows, group) for group in GROUPS},
             "verdicts": {row.key: row.as_dict() for row in rows},
             "track": _run_numbers(records["track"], RUN),
             "rig": _run_numbers(records["rig"], [*RUN, *RIG]),
             "variants": {name: _variant_numbers(records["track"], records[name]) for name in variants},
             "causes": {name: {"share": share.mean, "standard_error": share.standard_error, **vars(share.interval),
-                              "within_its_error": is_within_error(share)} for name, share in shares.items()},
+                              "within_its_error": runs.is_within_error(share)} for name, share in shares.items()},
             "dead_time": self._dead_time_numbers(results),
-            "point_by_point": {name: point_by_point(whole["track"], whole[name]) for name in ("rig", SECOND) if name in whole},
-            "tracking_by_own_motion": by_own_motion(whole["rig"]),
+            "point_by_point": {name: slides.point_by_point(whole["track"], whole[name])
+                               for name in ("rig", SECOND) if name in whole},
+            "tracking_by_own_motion": slides.by_own_motion(whole["rig"]),
         }  # fmt: skip
 
     def _dead_time_numbers(self, results: Runs) -> dict[str, Any]:
@@ -268,7 +245,7 @@ class AdhesionStudy(Study[Runs]):
         return [
             *_verdict_lines(rows),
             *(_starts_needed(rows) if enough else ()),
-            *idle_valves(self.case),
+            *slides.idle_valves(self.case),
             *findings(numbers),
             *lines,
         ]
@@ -290,7 +267,7 @@ class AdhesionStudy(Study[Runs]):
             sections.append(_dead_time(numbers))
         shares = {on: np.mean([one.slip_shares for one in results.records[on]], axis=0) for on in ("track", "rig")}
         caption = "Part of the time that the axles spent at a slip, mean of all starts, while brake or traction act."
-        histogram = Picture("slip_histogram", slip_histogram(SLIP_EDGES, shares), caption)
+        histogram = Picture("slip_histogram", slip_histogram(slides.SLIP_EDGES, shares), caption)
         pictures = _signals(self.case, results.whole)
         return [
             *sections,
@@ -318,13 +295,13 @@ def _variant_numbers(track: Sequence[TestRecord], records: Sequence[TestRecord])
 
 def _shares(records: Mapping[str, Sequence[TestRecord]]) -> dict[str, Estimate]:
     """Shares of the causes, with what finer steps change in their intervals; empty where an ensemble is missing."""
-    shares = cause_shares(records) or {}
+    shares = runs.cause_shares(records) or {}
     names = ("track", "rig", *STEPS)
     fine = {name: records.get(f"{name}{FINE}", ()) for name in names}
     count = min(len(one) for one in fine.values())
     if not (shares and count):
         return shares
-    close, coarse = (cause_shares({name: own[name][:count] for name in names}) or {} for own in (fine, records))
+    close, coarse = (runs.cause_shares({name: own[name][:count] for name in names}) or {} for own in (fine, records))
     return {name: ensemble.stepped(one, coarse[name], close[name]) for name, one in shares.items()}
 
 
@@ -347,7 +324,7 @@ def _axle_columns(track: xr.Dataset, rig: xr.Dataset) -> dict[str, ArrayLike]:
 def _verdict_lines(rows: Sequence[Row]) -> Iterator[str]:
     """The outcome of each group, and what is not met or not decided."""
     for group, title in GROUPS.items():
-        own, word = [row for row in rows if row.group == group], verdict_of(rows, group)
+        own, word = [row for row in rows if row.group == group], runs.verdict_of(rows, group)
         met = sum(row.verdict == "met" for row in own)
         open_ones = sorted((row for row in own if row.verdict != "met"), key=lambda row: row.verdict != "not met")
         yield f"{title}: {word.upper() if word == 'not met' else word}; {met} of {len(own)} targets met." + "".join(
@@ -405,10 +382,11 @@ def _cause_lines(numbers: Numbers) -> Iterator[str]:
     hidden = [name for name in CAUSES if causes[name]["within_its_error"]]
     text = ", ".join(f"{CAUSES[name]} {_share_text(causes[name])}" for name in known) or "none is larger than its error"
     text += f"; not distinguishable from zero: {', '.join(CAUSES[name] for name in hidden)}" if hidden else ""
-    yield f"Causes of the difference of {_share_text(causes[TOGETHER])} in distance: {text}."
+    yield f"Causes of the difference of {_share_text(causes[runs.TOGETHER])} in distance: {text}."
     rough = max(one["standard_error"] or 0.0 for one in causes.values())
-    if rough >= LARGEST_ERROR:
-        yield f"The shares are rough: standard errors up to {percent(rough)} of the distance, aimed at {percent(LARGEST_ERROR)}."
+    if rough >= runs.LARGEST_ERROR:
+        aim = percent(runs.LARGEST_ERROR)
+        yield f"The shares are rough: standard errors up to {percent(rough)} of the distance, aimed at {aim}."
     sliding = causes["rolling"]
     ends = f"between {percent(sliding['low'], signed=True)} and {percent(sliding['high'], signed=True)}"
     yield (
@@ -511,9 +489,13 @@ def _numbers(numbers: Numbers) -> Section:
 def _signals(case: Case, whole: Mapping[str, xr.Dataset]) -> Iterator[Picture]:
     """Signals of the first tests."""
     track, rig, ideal = whole["track"], whole["rig"], whole.get("rolling")
-    radius = wheel_radius(rig)
+    radius = slides.wheel_radius(rig)
     yield Picture("speeds", figures.speeds(track, rig, radius), "Train and wheels: rig, virtual train, track.")
-    track, rig, ideal = under_test(track), under_test(rig), None if ideal is None else under_test(ideal)
+    track, rig, ideal = (
+        slides.under_test(track),
+        slides.under_test(rig),
+        None if ideal is None else slides.under_test(ideal),
+    )
     both = {"rig": rig, "track": track}
     yield Picture("first_slide", figures.first_slide(track, rig, radius), "Slip, and the response to it.")
     if case.brake is not None:
@@ -522,7 +504,7 @@ def _signals(case: Case, whole: Mapping[str, xr.Dataset]) -> Iterator[Picture]:
     if case.traction is not None:
         text = "Torque of the motors, and the part of the demand that is left."
         yield Picture("traction", figures.axles_over_time(both, figures.TRACTION, 4.4), text)
-    used = ("creep force\nover static load [-]", "creep_force", 1.0 / axle_load(rig))
+    used = ("creep force\nover static load [-]", "creep_force", 1.0 / slides.axle_load(rig))
     yield Picture("adhesion", figures.axles_over_time(both, [used], 3.2), "Force on each axle over its static load.")
     rollers = figures.axles_over_time({"rig": rig}, figures.ROLLERS, 2.8)
     yield Picture("roller_drives", rollers, "Torque of the roller drives, positive forward.")

@@ -25,19 +25,15 @@ from rollerrig.study.jobs import Done, Round, job
 from rollerrig.study.loop_stability import loop_blocks, loop_jobs, loop_numbers
 from rollerrig.study.quantities import Numbers, Quantities
 from rollerrig.study.report import Picture, Section, Table
+from rollerrig.study.runs import control as runs
 from rollerrig.study.runs.control import (
     FAMILIES,
     MEASURED,
-    OUTPUT_STEP,
-    REFERENCES,
-    RIPPLE_CRITERION,
     RIPPLE_LIMIT,
-    TRACKING_CRITERION,
     TRACKING_LIMIT,
     USER,
     Family,
     Result,
-    against,
     references,
     run_variant,
 )
@@ -140,7 +136,7 @@ def failures_text(rank: Rank) -> str:
     """All parts of a curve that fail, where, and the largest error there; empty where none does."""
     text, parts = rank.family.text, []
     for one in rank.failures:
-        known = {"tracking": TRACKING_CRITERION, "ripple": RIPPLE_CRITERION}
+        known = {"tracking": runs.TRACKING_CRITERION, "ripple": runs.RIPPLE_CRITERION}
         cause = known.get(one.cause, f"{one.cause.replace('_', ' ')}, test ends early,")
         if one.throughout:
             where = f"throughout, {text(rank.points[0].value)} to {text(rank.points[-1].value)}"
@@ -286,12 +282,12 @@ class ControlStudy(Study[Found]):
 
     def collect(self, done: Done) -> Found | None:
         references, results = self._results(done)
-        if not references or references[0].curve != next(iter(REFERENCES)):
+        if not references or references[0].curve != next(iter(runs.REFERENCES)):
             return None
         shipped = done[_name(("references", references[0].curve, math.nan))]["course"]
         base, courses = shipped.isel(time=slice(None, None, 50)), {references[0].curve: shipped}
         references, results = (
-            [replace(r, numbers=against(r.numbers, base)) for r in rs] for rs in (references, results)
+            [replace(r, numbers=runs.against(r.numbers, base)) for r in rs] for rs in (references, results)
         )
         for key in self._worst(done):
             family = next(f for f in FAMILIES if f.name == key[0])
@@ -332,7 +328,7 @@ class ControlStudy(Study[Found]):
         shipped = percent(results.references[0].numbers["tracking_rms"])
         lines = [
             f"As shipped the wheels follow the virtual train within {shipped} RMS of its speed. A variant fails with a "
-            f"{TRACKING_CRITERION}, with a {RIPPLE_CRITERION}, or where the test ends early."
+            f"{runs.TRACKING_CRITERION}, with a {runs.RIPPLE_CRITERION}, or where the test ends early."
         ]
         failing: dict[str, list[Rank]] = {}
         for rank in (rank for rank in ranking(self.chosen, results.results) if rank.failures):
@@ -395,7 +391,9 @@ def study_case(case: Case, duration: float | None) -> Case:
     if case.brake is None and case.traction is None:
         raise missing("brake", "missing", "[brake] or [traction], the test that the controllers are compared in")
     length = case.time.duration if duration is None else min(duration, case.time.duration)
-    return case.with_changes({"time.duration": length, "time.output_step": max(OUTPUT_STEP, case.time.sampling_step)})
+    return case.with_changes(
+        {"time.duration": length, "time.output_step": max(runs.OUTPUT_STEP, case.time.sampling_step)}
+    )
 
 
 def _entry(result: Result) -> dict[str, Any]:

@@ -27,30 +27,8 @@ from rollerrig.study.frame import Study, dataset_rows
 from rollerrig.study.jobs import Done, Round
 from rollerrig.study.quantities import Numbers
 from rollerrig.study.report import VIEW, Block, Mark, Picture, Section, Table, Text
-from rollerrig.study.runs.paper import (
-    EXACT,
-    FRONT,
-    FULL,
-    MATERIALS,
-    NAMES,
-    OWN,
-    REAR,
-    RIG,
-    RUN_COLUMNS,
-    TABLE_PARTS,
-    VARIANTS,
-    VEHICLE,
-    PaperPlan,
-    Results,
-    around_onset,
-    frequency_rows,
-    numbers_of,
-    results_of,
-    rig_case,
-    rounds,
-    traction_case,
-    traction_columns,
-)
+from rollerrig.study.runs import paper as computed
+from rollerrig.study.runs.paper import EXACT, FRONT, FULL, MATERIALS, NAMES, OWN, REAR, RIG, VEHICLE, Results
 
 TEXT = tomllib.loads(files("rollerrig.study").joinpath("paper.toml").read_text(encoding="utf-8"))
 CAPTIONS: Mapping[str, str] = TEXT["captions"]
@@ -65,7 +43,7 @@ CRITICAL_KMH = 100.0
 class PaperStudy(Study[Results]):
     """Both studies of the paper."""
 
-    chosen: PaperPlan = FULL
+    chosen: computed.PaperPlan = FULL
 
     command = "paper"
     writes = ("data/*.nc", "data/*.csv", VIEW)
@@ -80,19 +58,19 @@ class PaperStudy(Study[Results]):
         return self.chosen.mark
 
     def cases(self) -> Mapping[str, Case]:
-        return {"figure 7 (steel)": rig_case("steel"), "figure 8": traction_case()}
+        return {"figure 7 (steel)": computed.rig_case("steel"), "figure 8": computed.traction_case()}
 
     def rounds(self, done: Done) -> Iterator[Round]:
-        return rounds(self.chosen, done)
+        return computed.rounds(self.chosen, done)
 
     def collect(self, done: Done) -> Results | None:
-        return results_of(self.chosen, done)
+        return computed.results_of(self.chosen, done)
 
     def sources(self, results: Results) -> Mapping[str, str]:
         return {"paper": PAPER.replace("Pugi, Sim", "Pugi: Sim").removesuffix(".")}
 
     def numbers(self, results: Results) -> dict[str, Any]:
-        return numbers_of(results)
+        return computed.numbers_of(results)
 
     def summary(self, results: Results, numbers: Numbers) -> list[str]:
         lines = [
@@ -118,12 +96,12 @@ class PaperStudy(Study[Results]):
         for variant, name in ((RIG, "figure_7_runs"), (VEHICLE, "figure_7b_vehicle_runs")):
             for m, one in results.runs_of(variant).items():
                 table = hunting_table(one.runs, one.disturbance)
-                found[f"data/{name}_{m}.csv"] = dataset_rows(table, RUN_COLUMNS, "speed")
+                found[f"data/{name}_{m}.csv"] = dataset_rows(table, computed.RUN_COLUMNS, "speed")
         if results.modes:
-            found["data/figure_7b_linear.csv"] = frequency_rows(results)
+            found["data/figure_7b_linear.csv"] = computed.frequency_rows(results)
         if results.traction is not None and results.theory is not None:
             found["data/traction.nc"] = results.traction
-            found["data/figure_8.csv"] = traction_columns(results.theory)
+            found["data/figure_8.csv"] = computed.traction_columns(results.theory)
         return found
 
     def shown(self, results: Results) -> Mapping[str, xr.Dataset]:
@@ -186,7 +164,7 @@ class PaperStudy(Study[Results]):
         """Critical speeds with the paper's own contact and with the exact one; nothing where none was computed."""
         called = {OWN: "the paper's: hertz, kalker saturated", EXACT: "exact: strips, table"}
         rows = []
-        for m, variant, contact in itertools.product(results.modes, VARIANTS, called):
+        for m, variant, contact in itertools.product(results.modes, computed.VARIANTS, called):
             if (place := (contact, m, variant)) in results.linear:
                 value, frequency = results.linear[place]
                 shown = f"{number(frequency, 3)} Hz" if math.isfinite(frequency) else ""
@@ -217,7 +195,7 @@ def _figures(results: Results) -> dict[str, Figure]:
         }
         found["figure_7a_ramp"] = ramp_over_speed({LABELS[m]: ramp for m, ramp in results.ramps.items()}, body, lines)
     for m, one in runs.items():
-        chosen = [(3.6 * run.speed, run.motion) for run in around_onset(one.runs, one.persists)]
+        chosen = [(3.6 * run.speed, run.motion) for run in computed.around_onset(one.runs, one.persists)]
         found[f"figure_7a_time_{m}"] = hunting_over_time(chosen, body, LABELS[m])
     if runs:
         tables = {LABELS[m]: hunting_table(one.runs, one.disturbance) for m, one in runs.items()}
@@ -229,7 +207,7 @@ def _figures(results: Results) -> dict[str, Figure]:
         both = {v: results.runs_of(v)[m] for v in (RIG, VEHICLE) if m in results.runs_of(v)}
         points = {v: hunting_table(one.runs, one.disturbance) for v, one in both.items()}
         found[f"figure_7b_{m}"] = hunting_frequencies(modes, points, LABELS[m])
-    rig = rig_case(MATERIALS[0]).support.data
+    rig = computed.rig_case(MATERIALS[0]).support.data
     assert isinstance(rig, Rig)
     for m, table in results.over_radius.items():
         found[f"radius_{m}"] = speeds.radius_picture("", table, rig.roller_radius, "").figure
@@ -275,7 +253,7 @@ def _critical_paragraphs(results: Results) -> Iterator[str]:
 
 def _rig_paragraphs(results: Results) -> Iterator[str]:
     """Order of the critical speeds and the split of the loss."""
-    bogie, vehicle = TABLE_PARTS
+    bogie, vehicle = computed.TABLE_PARTS
     for material, table in results.over_radius.items():
         apart = [table.kmh(bogie, radius) / table.kmh(vehicle, radius) - 1 for radius in table.radii]
         known = [100 * value for value in apart if math.isfinite(value)]

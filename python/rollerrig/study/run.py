@@ -18,15 +18,8 @@ from rollerrig.analysis.wheel_rail_forces import QUOTIENT_LIMIT, STATISTICS, cur
 from rollerrig.common.formatting import number
 from rollerrig.config import Case
 from rollerrig.config.schema.faults import fault_text
+from rollerrig.plot import wheel_rail_forces as figures
 from rollerrig.plot.run import energy_over_time, motion_over_time, sliding_over_time
-from rollerrig.plot.wheel_rail_forces import (
-    accelerations_along,
-    line_and_response,
-    quotient,
-    track_shifting,
-    wear,
-    wheel_forces,
-)
 from rollerrig.results import motion_table, summarise, wheel_table
 from rollerrig.results.summary import resolved
 from rollerrig.simulation.run import simulate
@@ -122,15 +115,27 @@ def safety_sections(assessment: Assessment, rows: Sequence[Row], along: xr.DataA
     nadal = f"Nadal, δ = {angle:.1f}°, μ = {forces.attrs['friction']:g}"
     limits = {nadal: float(forces["nadal_limit"]), "EN 14363": QUOTIENT_LIMIT}
     drawings = [
-        ("Wheel forces", wheel_forces(forces, along), "Wheel loads Q, and guiding forces Y on the rails or rollers."),
-        ("Y/Q", quotient(forces, along, limits), "Guiding force over wheel load, with its limits."),
-        ("Sum of guiding forces", track_shifting(forces, along), "Lateral force of each wheelset on the track."),
-        ("Wear number", wear(forces, along), "Work of the creep forces per metre of distance, all patches of a wheel."),
+        (
+            "Wheel forces",
+            figures.wheel_forces(forces, along),
+            "Wheel loads Q, and guiding forces Y on the rails or rollers.",
+        ),
+        ("Y/Q", figures.quotient(forces, along, limits), "Guiding force over wheel load, with its limits."),
+        (
+            "Sum of guiding forces",
+            figures.track_shifting(forces, along),
+            "Lateral force of each wheelset on the track.",
+        ),
+        (
+            "Wear number",
+            figures.wear(forces, along),
+            "Work of the creep forces per metre of distance, all patches of a wheel.",
+        ),
     ]
     framed = assessment.points["on_wheelsets"].to_numpy()
     for title, kept in (("Accelerations of the car body", ~framed), ("Accelerations of the frames", framed)):
         if kept.any():
-            figure = accelerations_along(assessment.points.isel(point=kept), along)
+            figure = figures.accelerations_along(assessment.points.isel(point=kept), along)
             drawings.append((title, figure, "At the centre of mass, and above the suspension."))
     for title, figure, text in drawings:
         found.append(Section(title, [Picture(title.lower().replace("/", "_over_").replace(" ", "_"), figure, text)]))
@@ -348,7 +353,7 @@ class RunStudy(Study[Results]):
         if run.sizes["time"] > 1:
             if curved(run) or irregular(run):
                 caption = "Alignment and irregularities of the track, and how the wheelsets follow them."
-                sections.insert(1, Section("Track", [Picture("track", line_and_response(run, along), caption)]))
+                sections.insert(1, Section("Track", [Picture("track", figures.line_and_response(run, along), caption)]))
             for title, (draw, text) in DRAWINGS.items():
                 sections.append(Section(title, [Picture(title.lower(), draw(run), text)]))
         counts, events = numbers["solver"].items(), numbers["contact"]

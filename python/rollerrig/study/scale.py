@@ -15,15 +15,7 @@ from typing import Any
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from rollerrig.analysis.scaled_model import (
-    at_times_of,
-    axle_torque,
-    fidelity,
-    linear_critical_speed_at_full_scale,
-    motor_limited,
-    relative,
-    run_numbers,
-)
+from rollerrig.analysis import scaled_model
 from rollerrig.analysis.slide_statistics import wheel_radius
 from rollerrig.common.formatting import number, percent
 from rollerrig.config import Case
@@ -88,7 +80,7 @@ def contact_at_rest_table(model: Case, at_full_scale: ContactAtRest, own: Contac
 
 def axle_columns(full: xr.Dataset, mapped: xr.Dataset) -> dict[str, ArrayLike]:
     """axles.csv: speeds at full scale, the model's at the same times."""
-    other = at_times_of(full, mapped)
+    other = scaled_model.at_times_of(full, mapped)
     run = full.isel(time=slice(0, other.sizes["time"]))
     both = {"full": run, "model": other}
     columns = {"time_s": run["time"], **{f"train_speed_{label}_mps": one["train_speed"] for label, one in both.items()}}
@@ -172,7 +164,8 @@ class ScaleStudy(Study[Scaled]):
 
     def rounds(self, done: Done) -> Iterator[Round]:
         yield {LABELS[name]: job(simulate, case) for name, case in self.variants.items()}
-        yield {_speed_of(name): job(linear_critical_speed_at_full_scale, case) for name, case in self.variants.items()}
+        speed = scaled_model.linear_critical_speed_at_full_scale
+        yield {_speed_of(name): job(speed, case) for name, case in self.variants.items()}
 
     def collect(self, done: Done) -> Scaled | None:
         runs = {name: done[LABELS[name]] for name in self.variants if LABELS[name] in done}
@@ -195,18 +188,19 @@ class ScaleStudy(Study[Scaled]):
     def numbers(self, results: Scaled) -> dict[str, Any]:
         record = self.model.similitude
         assert record is not None
-        compared = {
-            name: {**fidelity(results.full, run), "linear_critical_speed_relative": relative(results.critical, name)}
-            for name, run in results.mapped.items()
-        }
-        speeds = {name: 3.6 * results.critical.get(name, math.nan) for name in ("full", "model")}
+        compared = {name: scaled_model.fidelity(results.full, run) for name, run in results.mapped.items()}
+        for name, one in compared.items():
+            one["linear_critical_speed_relative"] = scaled_model.relative(results.critical, name)
+        full, model = (scaled_model.run_numbers(run) for run in (results.full, results.mapped["model"]))
+        full["linear_critical_speed_kmh"] = 3.6 * results.critical.get("full", math.nan)
+        model["linear_critical_speed_kmh"] = 3.6 * results.critical.get("model", math.nan)
         violated = self.quantities.below("violations.*")
         return {
             "case": self.full.name,
             "model": self.model.name,
             "similitude": record.model_dump(exclude={"case"}),
-            "full": {**run_numbers(results.full), "linear_critical_speed_kmh": speeds["full"]},
-            "model_mapped_back": {**run_numbers(results.mapped["model"]), "linear_critical_speed_kmh": speeds["model"]},
+            "full": full,
+            "model_mapped_back": model,
             "fidelity": compared.pop("model"),
             "error_budget": compared,
             "violations": [
@@ -214,7 +208,7 @@ class ScaleStudy(Study[Scaled]):
                 for one in results.violations
             ],
             "contact": dict(zip(("full", "model"), map(vars, results.contact), strict=True)),
-            "motor_limited_share": motor_limited(self.model, results.mapped["model"]),
+            "motor_limited_share": scaled_model.motor_limited(self.model, results.mapped["model"]),
         }
 
     def summary(self, results: Scaled, numbers: Numbers) -> list[str]:
@@ -265,8 +259,10 @@ class ScaleStudy(Study[Scaled]):
         pictures: list[tuple[str, str, Any, str]] = []
         if "train_speed" in results.full:
             radius = wheel_radius(results.full)
-            aligned = {LABELS[name]: at_times_of(results.full, run) for name, run in results.mapped.items()}
-            torques = figures.torques(runs, (axle_torque(runs[0]), axle_torque(runs[1])))
+            aligned = {
+                LABELS[name]: scaled_model.at_times_of(results.full, run) for name, run in results.mapped.items()
+            }
+            torques = figures.torques(runs, (scaled_model.axle_torque(runs[0]), scaled_model.axle_torque(runs[1])))
             pictures += [
                 ("Speeds", "speeds", figures.speeds(runs, radius), "Train and wheels; the train is virtual on either rig."),
                 ("Torque and contact", "torques", torques, "Both at full scale: what the model measures, mapped back."),

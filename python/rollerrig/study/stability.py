@@ -13,6 +13,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from rollerrig import plot
 from rollerrig.analysis import Diagram, LimitCycleSettings, limit_cycle_table, linear_critical_speed, stability
 from rollerrig.analysis.bifurcation import bifurcation
 from rollerrig.analysis.critical_speed import HIGHEST_KMH, LinearCriticalSpeed, scan_above
@@ -20,16 +21,6 @@ from rollerrig.analysis.limit_cycle_runs import settling_run
 from rollerrig.analysis.stability_sensitivity import stability_sensitivity
 from rollerrig.config import Case, Track
 from rollerrig.config.schema.contact import NORMAL_LAWS
-from rollerrig.plot import (
-    bifurcation_diagram,
-    damping_map,
-    damping_over_speed,
-    frequency_over_speed,
-    mode_shape,
-    mode_shapes,
-    root_locus,
-    tornado_diagram,
-)
 from rollerrig.plot.modes import shape_speed, shown_modes
 from rollerrig.results.termination import in_words
 from rollerrig.study import limit_cycles as cycles
@@ -105,12 +96,12 @@ def shape_blocks(modes: xr.Dataset) -> list[Block]:
     ]
     critical = modes.attrs["linear_critical_mode"] or modes.attrs["hunting_mode"]
     if critical and float(modes["frequency"].sel(mode=critical, speed=speed)) > 0.0:
-        figure = mode_shape(modes, critical, speed)
+        figure = plot.mode_shape(modes, critical, speed)
         blocks.append(Picture("critical_mode", figure, f"The mode '{critical}', from above and from behind."))
     suspension = [name for name in shown if name.startswith(SUSPENSION_WORDS)]
     if suspension:
         caption = "Modes of the suspension, each in the view that shows most of it."
-        blocks.append(Picture("mode_shapes", mode_shapes(modes, suspension, speed), caption))
+        blocks.append(Picture("mode_shapes", plot.mode_shapes(modes, suspension, speed), caption))
     scale = (
         "In the tables: displacement amplitudes in m and rad, scaled so that the largest is 1, and phase in degrees. Parts below "
         "0.02 are left out. All modes at all speeds are in shapes.csv."
@@ -444,7 +435,7 @@ class StabilityStudy(Study[Results]):
             "elements share change together. Small ones are in the table alone."
         )
         table = self.quantities.table(numbers["sensitivity"], "sensitivity.*", "All of them; values in SI.")
-        return [Picture("sensitivity", tornado_diagram(found), caption), table]
+        return [Picture("sensitivity", plot.tornado_diagram(found), caption), table]
 
     def _branch(self, branch: xr.Dataset, numbers: Numbers) -> list[Block]:
         said = branch_sentences(numbers["branch"], numbers["linear_critical_speed_kmh"])
@@ -452,7 +443,7 @@ class StabilityStudy(Study[Results]):
             "Limit cycles that begin at the linear critical speed, found as periodic solutions. Between two stable ones lies an "
             "unstable one: a disturbance beyond it goes to the one above. Branches that do not begin there are not found."
         )
-        drawn = Picture("branch", bifurcation_diagram(branch), caption)
+        drawn = Picture("branch", plot.bifurcation_diagram(branch), caption)
         table = self.quantities.table(
             numbers["branch"]["points"],
             "branch.points.*",
@@ -462,10 +453,10 @@ class StabilityStudy(Study[Results]):
 
     def _modes(self, modes: xr.Dataset, runs: xr.Dataset | None, numbers: Numbers) -> list[Block]:
         drawn = (
-            ("frequency", frequency_over_speed(modes, runs), "Frequency over speed, without heavily damped modes."),
-            ("damping", damping_over_speed(modes), "Damping ratio over speed; below zero a small disturbance grows."),
-            ("damping_map", damping_map(modes), "Damping of all oscillatory modes, with their frequency at the highest speed."),
-            ("root_locus", root_locus(modes), "Root locus: eigenvalues over speed, the modes of the first figure."),
+            ("frequency", plot.frequency_over_speed(modes, runs), "Frequency over speed, without heavily damped modes."),
+            ("damping", plot.damping_over_speed(modes), "Damping ratio over speed; below zero a small disturbance grows."),
+            ("damping_map", plot.damping_map(modes), "Damping of all oscillations, with their frequency at the highest speed."),
+            ("root_locus", plot.root_locus(modes), "Root locus: eigenvalues over speed, the modes of the first figure."),
         )  # fmt: skip
         names = ["crossings.*.speed_kmh", "mode", "crossings.*.frequency_hz", "grows"]
         found, where = numbers["crossings"], f"from {modes['speed'][0]:g} to {modes['speed'][-1]:g} km/h"

@@ -28,16 +28,8 @@ from rollerrig.study.jobs import Done, Job, Progress, Round
 from rollerrig.study.measures import MEASURES
 from rollerrig.study.quantities import Numbers
 from rollerrig.study.report import Block, Picture, Section, Table, Text
-from rollerrig.study.runs.sweep import (
-    FAILED,
-    Points,
-    Record,
-    Statistics,
-    number_of_cases,
-    statistics,
-    sweep_dataset,
-    sweep_rows,
-)
+from rollerrig.study.runs import sweep as runs
+from rollerrig.study.runs.sweep import FAILED, Points, Record, Statistics, statistics
 
 MOST_PICTURED = 12
 """Numbers that have pictures of their own; all are in the tables and files."""
@@ -113,7 +105,7 @@ class SweepStudy(Study[Sweep]):
 
     def __post_init__(self) -> None:
         """Refuse with a ConfigError values that do not fit their key, numbers that no measure has, too many cases."""
-        count, file = number_of_cases(self.whole.plan), self.whole.file
+        count, file = runs.number_of_cases(self.whole.plan), self.whole.file
         allowed = f"allowed: up to {MOST} cases, which are held in memory; several plans can share the work"
         if count > MOST_UNASKED and not self.many:
             allowed = f"allowed: up to {MOST_UNASKED} cases; more with --yes (many=True)"
@@ -189,7 +181,7 @@ class SweepStudy(Study[Sweep]):
         records: list[Record | None] = [done.get(_name(i)) for i in range(len(self.points))]
         if not any(records):
             return None
-        data = sweep_dataset(self.whole, self.points, records, self._units(records))
+        data = runs.sweep_dataset(self.whole, self.points, records, self._units(records))
         return Sweep(data, statistics(data, self.points))
 
     def _units(self, records: list[Record | None]) -> dict[str, tuple[str, str]]:
@@ -233,7 +225,7 @@ class SweepStudy(Study[Sweep]):
         return lines
 
     def files(self, results: Sweep, numbers: Numbers) -> Mapping[str, Any]:
-        return {"sweep.nc": results.data, "sweep.csv": sweep_rows(results.data, self.points)}
+        return {"sweep.nc": results.data, "sweep.csv": runs.sweep_rows(results.data, self.points)}
 
     def sections(self, results: Sweep, numbers: Numbers) -> list[Section]:
         data, found, points = results.data, results.statistics, self.points

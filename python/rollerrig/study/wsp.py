@@ -23,24 +23,10 @@ from rollerrig.study.frame import Content, Study
 from rollerrig.study.jobs import Done, Job, Round, job
 from rollerrig.study.quantities import Numbers, Quantities, Quantity
 from rollerrig.study.report import Block, Picture, Preformatted, Section, Table, Text
+from rollerrig.study.runs import wsp as runs
 from rollerrig.study.runs.adhesion import GROUPS, track_case, verdict_rows
 from rollerrig.study.runs.adhesion import verdict_of as group_verdict
-from rollerrig.study.runs.wsp import (
-    MEASURES,
-    SUPPORTS,
-    Judgement,
-    StopRecord,
-    StopTests,
-    Support,
-    check_case,
-    dry_case,
-    dry_name,
-    judgements,
-    signal_columns,
-    stop_case,
-    stop_record,
-    verdict_of,
-)
+from rollerrig.study.runs.wsp import MEASURES, SUPPORTS, Judgement, StopRecord, StopTests, Support
 
 Tests = Mapping[Support, StopTests]
 ON: Mapping[Support, str] = {"track": "track", "rig": "the rig"}
@@ -91,7 +77,7 @@ class WspStudy(Study[Results]):
 
     def __post_init__(self) -> None:
         """Refuse a case that has no slide protection to be tested on a rig, and stops that it cannot do."""
-        check_case(self.case, self.programme)
+        runs.check_case(self.case, self.programme)
 
     @property
     def title(self) -> str:
@@ -110,7 +96,7 @@ class WspStudy(Study[Results]):
     @cached_property
     def stop_cases(self) -> Mapping[str, Case]:
         """Name of the stop -> its case on the rig."""
-        return {stop.name: stop_case(self.case, self.programme, stop) for stop in self.stops}
+        return {stop.name: runs.stop_case(self.case, self.programme, stop) for stop in self.stops}
 
     # ------------------------------------------------------------------------------------------------------- jobs
 
@@ -123,12 +109,14 @@ class WspStudy(Study[Results]):
         for stop in self.stops:
             jobs: dict[str, Job] = {}
             for on in SUPPORTS if stop.stops else ():
-                dry = _on(dry_case(self.case, self.programme, stop), on)
-                jobs[f"{dry_name(self.case, stop)}, {on}"] = job(stop_record, dry, self.programme.flat, False)
+                dry = _on(runs.dry_case(self.case, self.programme, stop), on)
+                jobs[f"{runs.dry_name(self.case, stop)}, {on}"] = job(runs.stop_record, dry, self.programme.flat, False)
             cases = {f"{stop.name}, {on}": _on(self.stop_cases[stop.name], on) for on in SUPPORTS}
-            jobs |= start_jobs(cases, lambda one, k: job(stop_record, one, self.programme.flat, k == 0), self.count)
+            jobs |= start_jobs(
+                cases, lambda one, k: job(runs.stop_record, one, self.programme.flat, k == 0), self.count
+            )
             fine = {f"{name}{FINE}": finer(case) for name, case in cases.items() if not self.quick}
-            jobs |= start_jobs(fine, lambda one, _: job(stop_record, one, self.programme.flat, False), FINE_STARTS)
+            jobs |= start_jobs(fine, lambda one, _: job(runs.stop_record, one, self.programme.flat, False), FINE_STARTS)
             yield jobs
 
     def plan(self) -> dict[str, Any]:
@@ -151,14 +139,14 @@ class WspStudy(Study[Results]):
         needed, case = max(self.programme.starts, self.count), self.stop_cases[stop.name]
         tests: dict[Support, StopTests] = {}
         for on, records in made.items():
-            dry: StopRecord | None = done.get(f"{dry_name(self.case, stop)}, {on}") if stop.stops else None
+            dry: StopRecord | None = done.get(f"{runs.dry_name(self.case, stop)}, {on}") if stop.stops else None
             own = [one.test for one in records]
             tests[on] = StopTests(stop, on, case, needed, own, None if dry is None else dry.test, fine[on])
         judged = [
             one
             for on, other in zip(SUPPORTS, SUPPORTS[::-1], strict=True)
             if tests[on].tests
-            for one in judgements(self.programme, tests[on], tests[other])
+            for one in runs.judgements(self.programme, tests[on], tests[other])
         ]
         signals: dict[str, Mapping[str, Any]] = {
             on: next((one.signals for one in records if one.signals), {}) for on, records in made.items()
@@ -191,7 +179,7 @@ class WspStudy(Study[Results]):
         found: dict[str, Content] = {}
         for name, one in results.items():
             found[f"tests_{name}.csv"] = _test_rows(one.tests)
-            found[f"signals_{name}.csv"] = signal_columns(one.signals)
+            found[f"signals_{name}.csv"] = runs.signal_columns(one.signals)
         return found
 
     def sections(self, results: Results, numbers: Numbers) -> list[Section]:
@@ -234,7 +222,7 @@ def _stop_numbers(result: StopResult) -> dict[str, Any]:
 
 def _support_numbers(found: StopTests, judged: Sequence[Judgement]) -> dict[str, Any]:
     numbers: dict[str, Any] = {
-        "verdict": verdict_of([one for one in judged if one.support == found.support]),
+        "verdict": runs.verdict_of([one for one in judged if one.support == found.support]),
         "tests": len(found.tests),
         "stopped": sum(one.stopped for one in found.tests),
         "dry_distance_m": None if found.dry is None else found.dry.measures["distance_m"],

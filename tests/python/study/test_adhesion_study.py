@@ -270,7 +270,7 @@ def refined(
         return record(950.0 + sign * scatter.get(ensemble, 0.0), **{**measures, "dump_cycles": counted})
 
     with pytest.MonkeyPatch.context() as patch:  # what is not asked for here
-        patch.setattr("rollerrig.study.adhesion.test_record", lambda run, _: run)
+        patch.setattr("rollerrig.analysis.slide_statistics.test_record", lambda run, _: run)
         patch.setattr("rollerrig.study.adhesion.predicted_dead_time", lambda _: None)
         patch.setattr("rollerrig.study.ensemble.drawn", lambda case, _: case)
         for jobs in study.rounds(done):

@@ -366,7 +366,7 @@ def circle(_case: Case, point: Point, _known: object) -> dict[str, Any]:
 
 @pytest.mark.slow
 def test_cells_are_halved_where_regions_meet_and_nowhere_else(case: Case, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "run_point", circle)
+    monkeypatch.setattr(envelope_points, "run_point", circle)
     monkeypatch.setattr(module, "whole_run", lambda _case: xr.Dataset())  # of the examples
     grid = {"torques": [1e3 * t for t in range(1, 11)], "adhesions": [0.04 * m for m in range(1, 11)], "loads": [1.0]}
     coarse, fine = (envelope(case, **grid, refine=refine) for refine in (0, 2))

@@ -16,18 +16,7 @@ from rollerrig.analysis.control_loop import Wheel, wheel_of
 from rollerrig.analysis.slide_statistics import following, largest, slip, under_test, unwanted_ripple
 from rollerrig.assembly.actuators import assemble_with_actuators
 from rollerrig.config import Case, Rig
-from rollerrig.config.schema.rig_control import (
-    BandwidthEstimator,
-    Estimator,
-    ExactEstimator,
-    Feedback,
-    FilteredDerivative,
-    KalmanFilter,
-    NoFeedback,
-    Observer,
-    ProportionalIntegral,
-    SlidingMode,
-)
+from rollerrig.config.schema import rig_control as schema
 from rollerrig.results.dataset import COMPLETED
 from rollerrig.similitude.scale_case import factors_of, scaled_table
 from rollerrig.simulation.mechatronics import feedback_gains
@@ -82,7 +71,7 @@ class Family:
         return (f"{value:,.0f}".replace(",", "\u202f") if value >= 1000 else f"{value:.3g}") + unit
 
 
-def _of_kind(part: Literal["estimator", "feedback"], table: Estimator | Feedback) -> Vary:
+def _of_kind(part: Literal["estimator", "feedback"], table: schema.Estimator | schema.Feedback) -> Vary:
     """An estimator or a feedback: the case's numbers where its own kind has them, for the rest the defaults at its scale."""
 
     def changes(case: Case, _value: float) -> Changes:
@@ -97,20 +86,20 @@ def _of_kind(part: Literal["estimator", "feedback"], table: Estimator | Feedback
     return changes
 
 
-OBSERVER, PI, SLIDING_MODE = Observer(), ProportionalIntegral(), SlidingMode(kind="sliding_mode")
+OBSERVER, PI, SLIDING_MODE = schema.Observer(), schema.ProportionalIntegral(), schema.SlidingMode(kind="sliding_mode")
 
 LIMITED: dict[str, Vary] = {
     table.kind.replace("_", " "): _of_kind("estimator", table)
-    for table in (OBSERVER, FilteredDerivative(kind="filtered_derivative"), KalmanFilter(kind="kalman"))
+    for table in (OBSERVER, schema.FilteredDerivative(kind="filtered_derivative"), schema.KalmanFilter(kind="kalman"))
 }
 """Estimators of limited bandwidth."""
-ESTIMATORS: dict[str, Vary] = {**LIMITED, "exact": _of_kind("estimator", ExactEstimator(kind="exact"))}
+ESTIMATORS: dict[str, Vary] = {**LIMITED, "exact": _of_kind("estimator", schema.ExactEstimator(kind="exact"))}
 """Every kind of estimator that the case file knows."""
 
 FEEDBACKS: dict[str, Vary] = {
     "PI": _of_kind("feedback", PI),
     "sliding mode": _of_kind("feedback", SLIDING_MODE),
-    "no feedback": _of_kind("feedback", NoFeedback(kind="none")),
+    "no feedback": _of_kind("feedback", schema.NoFeedback(kind="none")),
 }
 
 USER = "user's controller"
@@ -185,7 +174,7 @@ REFERENCES: dict[str, Changes] = {
 def references(case: Case) -> dict[str, Changes]:
     """REFERENCES of a case; without the bandwidth of its estimator where that has none."""
     assert case.rig_control is not None
-    left_out = () if isinstance(case.rig_control.estimator, BandwidthEstimator) else tuple(_FAST_ESTIMATOR)
+    left_out = () if isinstance(case.rig_control.estimator, schema.BandwidthEstimator) else tuple(_FAST_ESTIMATOR)
     return {name: {k: v for k, v in changes.items() if k not in left_out} for name, changes in REFERENCES.items()}
 
 

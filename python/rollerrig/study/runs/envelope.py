@@ -17,17 +17,8 @@ import numpy as np
 import xarray as xr
 
 from rollerrig import __version__
-from rollerrig.analysis.rig_limits import (
-    LINES,
-    NUMBERS,
-    REGIONS,
-    Record,
-    RigLimits,
-    assess_limits,
-    closed_forms,
-    failed,
-    rig_limits,
-)
+from rollerrig.analysis import rig_limits
+from rollerrig.analysis.rig_limits import LINES, NUMBERS, REGIONS, Record, RigLimits
 from rollerrig.analysis.virtual_rail import Patch, grip_slip, patch_of, rail_shape
 from rollerrig.assembly.actuators import friction_brake
 from rollerrig.assembly.model import assemble
@@ -80,7 +71,7 @@ class Point(NamedTuple):
 
 def default_torques(case: Case) -> list[float]:
     """Beyond what rollers or their drives carry, in round steps; brakes for a case with [brake], otherwise traction."""
-    rig = rig_limits(case)
+    rig = rig_limits.rig_limits(case)
     raw = 1.3 * max(min(rig.contact(), rig.drive_grip()), 1e-6) / TORQUES
     power = 10.0 ** math.floor(math.log10(raw))
     step = min((1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0), key=lambda s: abs(s * power - raw)) * power
@@ -245,7 +236,7 @@ def find_on_track(case: Case) -> OnTrack:
     """Search on track for the load of a case."""
     model = assemble(case)
     try:
-        return OnTrack(tuple(load_transfer(model)), patch_of(model), rig_limits(case))
+        return OnTrack(tuple(load_transfer(model)), patch_of(model), rig_limits.rig_limits(case))
     except StartError:  # every run of this load fails with the same error, and records it
         return OnTrack()
 
@@ -259,9 +250,9 @@ def run_point(case: Case, point: Point, known: OnTrack, progress: Progress | Non
     try:
         run = whole_run(case, progress)
     except StartError as error:
-        return failed("no_start", str(error))
+        return rig_limits.failed("no_start", str(error))
     assert known.patch is not None  # or the run would not have started
-    return assess_limits(run, case, point.torque, grip_slip(case, known.patch, point.adhesion), known.limits)
+    return rig_limits.assess_limits(run, case, point.torque, grip_slip(case, known.patch, point.adhesion), known.limits)
 
 
 DIMENSIONS = ("load", "adhesion", "torque")
@@ -320,7 +311,7 @@ def _with_lines(found: xr.Dataset, case: Case) -> xr.Dataset:
     loads_n, contact = np.zeros(len(loads)), np.zeros((len(sides), len(loads)))
     for (s, side), (k, load) in itertools.product(enumerate(sides), enumerate(loads)):
         loaded = point_case(case, Point(load, -1.0 if side == "brake" else 1.0, float(adhesions[0])), 1.0)
-        forms = closed_forms(loaded, fine)
+        forms = rig_limits.closed_forms(loaded, fine)
         loads_n[k], contact[s, k] = forms["axle_load"], forms["contact_adhesion"]
         for name in forms.keys() & lines.keys():
             lines[name][s, k] = forms[name]

@@ -18,16 +18,8 @@ from typing import Any, Literal
 import numpy as np
 import xarray as xr
 
-from rollerrig.analysis.slide_statistics import (
-    LEAST_SPEED,
-    SLIP_EDGES,
-    TestRecord,
-    axle_load,
-    longest_flat,
-    test_record,
-    under_test,
-    wheel_radius,
-)
+from rollerrig.analysis import slide_statistics as slides
+from rollerrig.analysis.slide_statistics import SLIP_EDGES, TestRecord
 from rollerrig.analysis.virtual_rail import available_adhesion, patch_of
 from rollerrig.assembly.model import assemble
 from rollerrig.cases import wheelsets
@@ -163,11 +155,11 @@ def stop_record(case: Case, flat: FlatWear, keep: bool, progress: Progress | Non
     """
     begun = time.process_time()
     run = whole_run(case, progress=progress)
-    record = test_record(run, case)
+    record = slides.test_record(run, case)
     own = {
         "large_slip_share": float(record.slip_shares[np.flatnonzero(SLIP_EDGES[:-1] > LARGE_SLIP - 1e-9)].sum()),
         "adhesion_utilisation": adhesion_utilisation(run, case),
-        "flat_length_m": longest_flat(under_test(run), flat.wear, flat.width),
+        "flat_length_m": slides.longest_flat(slides.under_test(run), flat.wear, flat.width),
         "contact_lost_s": max((loss.longest_s for loss in contact_losses(run)), default=0.0),
         "build_up_s": build_up(run),
     }
@@ -189,10 +181,10 @@ def adhesion_utilisation(run: xr.Dataset, case: Case) -> float:
     for axle, place in places.items():
         one = run[["brake_torque", "creep_force"]].sel(axle=axle)
         at = clock if case.adhesion.over_time else way + place
-        braked = (abs(one["brake_torque"]).to_numpy() > 1.0) & (speed > LEAST_SPEED)
+        braked = (abs(one["brake_torque"]).to_numpy() > 1.0) & (speed > slides.LEAST_SPEED)
         if braked.any():
             used += float(np.abs(one["creep_force"].to_numpy()[braked]).sum())
-            offered += float(available_adhesion(case, patch, at[braked], speed[braked]).sum()) * axle_load(run)
+            offered += float(available_adhesion(case, patch, at[braked], speed[braked]).sum()) * slides.axle_load(run)
     return used / offered if offered > 0.0 else math.nan
 
 
@@ -214,7 +206,7 @@ def signals(run: xr.Dataset) -> dict[str, Array]:
     found = {"time_s": clock[kept], "train_speed_kmh": 3.6 * run["train_speed"].to_numpy()[kept]}
     for axle in run["axle"].to_numpy():
         one = run[["axle_speed", "cylinder_pressure"]].sel(axle=axle)
-        found[f"{axle}_speed_kmh"] = 3.6 * wheel_radius(run) * one["axle_speed"].to_numpy()[kept]
+        found[f"{axle}_speed_kmh"] = 3.6 * slides.wheel_radius(run) * one["axle_speed"].to_numpy()[kept]
         found[f"{axle}_pressure_bar"] = 1e-5 * one["cylinder_pressure"].to_numpy()[kept]
     return found
 
