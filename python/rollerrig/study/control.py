@@ -22,9 +22,8 @@ from rollerrig.plot import control as figures
 from rollerrig.simulation.controllers import users_controllers
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Round, job
-from rollerrig.study.loop_stability import loop_blocks, loop_jobs, loop_numbers
 from rollerrig.study.quantities import Numbers, Quantities
-from rollerrig.study.report import Picture, Section, Table
+from rollerrig.study.report import Block, Picture, Section, Table, Text
 from rollerrig.study.runs import control as runs
 from rollerrig.study.runs.control import (
     FAMILIES,
@@ -197,6 +196,25 @@ def family_picture(case: Case, family: Family, results: Sequence[Result]) -> Pic
     return Picture(family.name, picture, f"{family.title}. Dashed: {LIMITS}; dotted: the case as shipped.")
 
 
+def loop_blocks(loop: Numbers, points: list[dict[str, float]]) -> list[Block]:
+    """Text and figure of the report."""
+    shown = {key: number(value, 3) if isinstance(value, float) else "–" for key, value in loop.items()}
+    text = (
+        f"The feedback of one axle alone, in closed form, crosses over at {shown['crossover_hz']} Hz with a phase margin of "
+        f"{shown['phase_margin_deg']}°; its gains could be {shown['gain_margin']} times as large. As it is sampled, with "
+        "estimator and feed-forward, wheel and roller alone are unstable from "
+        f"{shown['unstable_from_factor_alone']} times on. In the vehicle the wheelsets oscillate on their springs along the "
+        f"track, and this decides: unstable from {shown['unstable_from_factor']} times on while the virtual wheel rolls on a dry "
+        f"rail, from {shown['unstable_from_factor_sliding']} times while it slides."
+    )
+    picture = figures.loop_growth({key: [point[key] for point in points] for key in points[0]})
+    caption = (
+        "Growth rate and frequency of the least damped motion above 10 Hz over the gains: computed with and without the vehicle, "
+        f"and measured in lightly excited runs on a dry rail. A failure is the size alone: {runs.RIPPLE_CRITERION}."
+    )
+    return [Text(text), Picture("loop_growth", picture, caption)]
+
+
 @dataclass(frozen=True)
 class Found:
     """Results of references and families, courses over time by label, points of the loop."""
@@ -265,7 +283,7 @@ class ControlStudy(Study[Found]):
         jobs = {_name(key): job(run_variant, case, key[0] == "references") for key, case in self.variants.items()}
         yield {
             **jobs,
-            **(loop_jobs(self.case) if self.loop else {}),
+            **(runs.loop_jobs(self.case) if self.loop else {}),
         }
         yield {f"course of {_name(key)}": job(run_variant, self.variants[key], True) for key in self._worst(done)}
 
@@ -321,7 +339,7 @@ class ControlStudy(Study[Found]):
                 }
                 for rank in ranking(self.chosen, results.results)
             ],
-            "loop": loop_numbers(self.case, results.loop) if results.loop else None,
+            "loop": runs.loop_numbers(self.case, results.loop) if results.loop else None,
         }
 
     def summary(self, results: Found, numbers: Numbers) -> list[str]:
