@@ -822,8 +822,7 @@ def compare(
         ConfigError: a vehicle or support is unknown or cannot be used.
     """
     from rollerrig.analysis import HuntingSettings
-    from rollerrig.study.compare import CompareStudy
-    from rollerrig.study.runs.compare import compared_cases
+    from rollerrig.study.compare import CompareStudy, compared_cases
 
     cases = compared_cases(vehicle, on, cut, allow_code=allow_code)
     parts = tuple(next(iter(cases.values())).vehicle.data.cut_names()[::-1])

@@ -1,26 +1,29 @@
 """What does the rig change? One vehicle on several supports, side by side.
 
-cases by support -> [CompareStudy] -> modes, critical speeds, effects of the rollers, forces, contact characteristics
+vehicle or case, supports by name -> [compared_cases] -> label -> Case -> [CompareStudy]
+    -> modes, critical speeds, effects of the rollers, forces, contact characteristics
 """
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
+import numpy as np
 import xarray as xr
-from matplotlib.figure import Figure
 
-from rollerrig.analysis import (
-    CriticalSpeedByDisturbance,
-    HuntingSettings,
-    LinearCriticalSpeed,
-    hunting_table,
-)
+from rollerrig.analysis import CriticalSpeedByDisturbance, HuntingSettings, LinearCriticalSpeed, hunting_table
 from rollerrig.analysis.control_loop import RollingState, rolling_state
 from rollerrig.analysis.critical_speed import RADII, RANGE_KMH, CriticalSpeedOverRadius, EffectSplit, scan_linear
-from rollerrig.cases import on_rig
-from rollerrig.config import Case, Rig
+from rollerrig.analysis.hunting import hunting_case
+from rollerrig.analysis.wheel_rail_forces import filtered, wheel_forces
+from rollerrig.cases import CATALOG_RIG, CATALOG_TRACK, leading_wheelset, on_rig, restrained_along_track, with_head_of
+from rollerrig.config import Case, ConfigError, ConfigProblem, Rig, Vehicle, load_any, load_support
+from rollerrig.config.errors import nearest
+from rollerrig.config.load.case import build_case
+from rollerrig.config.read import Document, catalog_names
+from rollerrig.config.write.toml import plain
 from rollerrig.contact_analysis import conicity_table, shift_table
 from rollerrig.plot import amplitude_over_speed
 from rollerrig.plot.compare import disturbed_over_time, modes_side_by_side
@@ -29,11 +32,143 @@ from rollerrig.plot.modes import hunting_frequencies
 from rollerrig.study import critical_speeds as speeds
 from rollerrig.study.assessment import Interval, change_in_words
 from rollerrig.study.frame import Study
-from rollerrig.study.jobs import Done, Round, job, whole_modes
+from rollerrig.study.jobs import Done, Progress, Round, job, whole_modes, whole_run
 from rollerrig.study.quantities import Numbers, Quantities
 from rollerrig.study.report import Block, Picture, Section, Table, Text
-from rollerrig.study.runs.compare import DISTURBED, disturbed, disturbed_numbers, wheel_numbers
 from rollerrig.study.stability import MODE_COLUMNS, mode_rows
+
+SHORTHANDS = {"rig": CATALOG_RIG, "track": CATALOG_TRACK}
+"""What `--on rig,track` means where VEHICLE is no case with a support of that kind."""
+
+MATERIAL, FRICTION = "steel", 0.3
+"""Contact of a vehicle that comes without a case."""
+
+
+def compared_cases(
+    vehicle: str, on: Sequence[str], cut: str | None = None, *, allow_code: bool = False
+) -> dict[str, Case]:
+    """One case per support: 'rig', 'track', names of the catalogue or files, each once; of a case its contact is kept.
+
+    Args:
+        vehicle: a vehicle of the catalogue or a file; or a case.
+        on: supports.
+        cut: part of the vehicle; of a case by default its own, of a vehicle all of it.
+        allow_code: whether controllers that a case names may lie outside its own folder.
+
+    Returns:
+        Label (as the user named the support, without folder and suffix) -> case at a constant speed, without torques and
+        disturbances; the vehicle is restrained along the track.
+
+    Raises:
+        ConfigError: all mistakes found.
+    """
+    base = _base(vehicle, allow_code)
+    name = base.vehicle.data.name if isinstance(base, Case) else base.name
+    cases = {}
+    for support in on:
+        label = Path(support).name.removesuffix(".toml")
+        cases[label] = restrained_along_track(_case(base, f"{name}_on_{label}", _support(support, base), cut, vehicle))
+    return cases
+
+
+def _base(source: str, allow_code: bool) -> Case | Vehicle:
+    names = (*catalog_names("vehicle"), *catalog_names("case"))
+    needed = "needed: a vehicle or a case, of the catalogue or a TOML file"
+    is_file = source.endswith(".toml") or "/" in source or Path(source).exists()
+    if not is_file and not any(source in catalog_names(kind) for kind in _KINDS):
+        allowed = f"{needed}; the catalogue has the vehicles {', '.join(catalog_names('vehicle'))} and the cases "
+        allowed += ", ".join(catalog_names("case"))
+        raise ConfigError([ConfigProblem(source, "", "no such file", allowed, nearest(source, names))])
+    kind, found = load_any(source, allow_code=allow_code)
+    if isinstance(found, Case | Vehicle):
+        return found
+    raise ConfigError([ConfigProblem(source, "", f"a {kind}, not a vehicle", needed)])
+
+
+_KINDS = ("vehicle", "support", "profile", "material", "case", "programme")
+
+
+def _support(name: str, base: Case | Vehicle) -> dict[str, Any]:
+    """Raw tables of a support; 'rig' and 'track' are the case's own, or its counterpart with the same head."""
+    own = base.support.data if isinstance(base, Case) else None
+    if name not in SHORTHANDS:
+        return dict(plain(load_support(name)))
+    if own is not None and own.kind == name:
+        return dict(plain(own))
+    found = load_support(SHORTHANDS[name])
+    return dict(plain(found if own is None else with_head_of(found, own)))
+
+
+def _case(base: Case | Vehicle, name: str, support: Mapping[str, Any], cut: str | None, source: str) -> Case:
+    if isinstance(base, Case):
+        raw = plain(base)
+        chosen = cut or base.vehicle.cut
+    else:
+        contact = {"material": MATERIAL, "friction": FRICTION}
+        raw = {"vehicle": {"data": plain(base)}, "contact": contact, "time": {"duration": 6.0}}
+        chosen = cut or "vehicle"
+    raw |= {"name": name, "description": name.partition("_on_")[0].replace("_", " ")}
+    raw["support"] = {"data": dict(support)}
+    raw["vehicle"]["cut"] = chosen
+    raw["motion"] = {"speed": "100 km/h"}
+    for key in ("axle_torque", "disturbance"):
+        raw.pop(key, None)
+    return build_case(Document(raw, source, Path()), allow_code=True)  # that of the case was asked for when it was read
+
+
+DISTURBED = {
+    "guiding_force": 1e-3,
+    "guiding_force_sum": 1e-3,
+    "longitudinal_creep_force": 1e-3,
+    "wheel_unloading": 1e2,
+    "derailment_quotient": 1.0,
+    "wear_number": 1.0,
+}
+"""Signal whose largest magnitude of the leading wheelset is reported of the disturbed run -> factor to its unit."""
+
+
+def disturbed(case: Case, speed: float, settings: HuntingSettings, progress: Progress | None = None) -> xr.Dataset:
+    """Filtered wheel-rail forces after a lateral offset at a speed [m/s], with the motion of the leading wheelset."""
+    run = whole_run(hunting_case(case, speed, settings), progress)
+    leading = leading_wheelset(case).name
+    motion, creep = run["lateral"].sel(body=leading, drop=True), run["longitudinal_creep_force"]
+    return (
+        filtered(wheel_forces(run))
+        .assign(lateral=motion, longitudinal_creep_force=creep)
+        .assign_attrs(status=run.attrs["status"], leading=leading, config_toml=run.attrs["config_toml"])
+    )
+
+
+def wheel_numbers(state: RollingState) -> dict[str, dict[str, float]]:
+    """Per wheel the numbers of `supports.*.wheels`."""
+    found = {}
+    for wheel in map(str, state.wheels["wheel"].to_numpy()):
+        own = state.wheels.sel(wheel=wheel)
+        outwards = -1.0 if wheel.endswith("left") else 1.0
+        found[wheel] = {
+            "vertical_force_kn": 1e-3 * float(own["vertical_force"]),
+            "lateral_force_kn": outwards * 1e-3 * float(own["lateral_force"]),
+            "longitudinal_creep_force_n": float(own["longitudinal_creep_force"]),
+            "patches": int(own["patch_count"]),
+            "approach_um": 1e6 * float(own["patch_approach"].max()),
+            "patch_ab_mm2": 1e6 * float((own["patch_a"] * own["patch_b"]).max()),
+            "creep_stiffness_mn": 1e-6 * state.creep_stiffness[wheel],
+        }
+    return found
+
+
+def disturbed_numbers(run: xr.Dataset) -> dict[str, float]:
+    """Largest magnitudes of the leading wheelset, by the names of DISTURBED."""
+    leading, found = str(run.attrs["leading"]), {}
+    for name, factor in DISTURBED.items():
+        values = run[name]
+        if "wheel" in values.dims:
+            values = values.sel(wheel=[f"{leading}_left", f"{leading}_right"])
+        if "wheelset" in values.dims:
+            values = values.sel(wheelset=leading)
+        found[name] = factor * float(np.abs(values).max())
+    return found
+
 
 LEAST_RUN_STEP = 20.0
 """Runs are made at speeds at least this far apart [km/h]; further runs narrow the critical speeds down."""
@@ -256,8 +391,7 @@ class CompareStudy(Study[Results]):
                 "Effects of the rollers", speeds.effects_blocks(results.effects, CAPTIONS["roller_effects"]) or missing
             ),
             Section("Wheel forces", self._forces(results, numbers) or missing),
-            Section("Contact characteristics", _characteristics(results, numbers) or missing),
-            Section("What was compared", [self._supports()]),
+            Section("Contact characteristics", self._characteristics(results, numbers) or missing),
         ]
 
     def _critical(self, results: Results) -> Table:
@@ -278,15 +412,15 @@ class CompareStudy(Study[Results]):
         tables = {
             label: hunting_table(found.runs, found.disturbance) for label, found in results.by_disturbance.items()
         }
-        figures: dict[str, Figure] = {}
+        blocks: list[Block] = []
         persists = any(bool((table["persists"] == 1).any()) for table in tables.values())
         if persists or any(modes.attrs["hunting_mode"] for modes in results.modes.values()):
-            figures["hunting"] = hunting_frequencies(results.modes, tables)
+            blocks.append(Picture("hunting", hunting_frequencies(results.modes, tables), CAPTIONS["hunting"]))
         if tables:
             top = self.speeds_kmh[-1] * 1.1
             lines = {f"linear, {label}": v for label in results.linear if (v := results.linear_kmh(label)) < top}
-            figures["amplitude"] = amplitude_over_speed(tables, lines)
-        return [Picture(name, figure, CAPTIONS[name]) for name, figure in figures.items()]
+            blocks.append(Picture("amplitude", amplitude_over_speed(tables, lines), CAPTIONS["amplitude"]))
+        return blocks
 
     def _radius(self, results: Results) -> list[Block]:
         if results.over_radius is None:
@@ -319,17 +453,16 @@ class CompareStudy(Study[Results]):
             blocks.append(QUANTITIES.table(entries, list(DISTURBED), caption, "on"))
         return blocks
 
-    def _supports(self) -> Table:
-        rows = []
-        for label, case in self.supports.items():
-            support = case.support.data
-            radius = support.roller_radius if isinstance(support, Rig) else math.inf
-            rows.append((label, support.name, support.description, speeds.support_words(radius), support.source))
-        first = next(iter(self.supports.values()))
-        caption = (
-            f"{first.vehicle.data.description}; {speeds.words(first.vehicle.cut)}, speed-controlled rollers and rails."
-        )
-        return Table(("label", "support", "description", "radius", "source"), rows, caption)
+    def _characteristics(self, results: Results, numbers: Numbers) -> list[Block]:
+        if not results.conicity:
+            return []
+        entries = {label: numbers["supports"][label] for label in results.conicity}
+        caption = "Equivalent conicity (EN 15302) over the amplitude; on rollers with the rollers' own radii."
+        figure = characteristics_figure(results.shifts, results.conicity)
+        return [
+            QUANTITIES.table(entries, [f"conicity_{mm:g}mm" for mm in AT_MM], caption, "on"),
+            Picture("characteristics", figure, CAPTIONS["characteristics"]),
+        ]
 
 
 CAPTIONS = {
@@ -347,18 +480,6 @@ CAPTIONS = {
     "roller in the same points; the rolling radii of the rollers differ.",
 }
 """Picture -> what it shows."""
-
-
-def _characteristics(results: Results, numbers: Numbers) -> list[Block]:
-    if not results.conicity:
-        return []
-    entries = {label: numbers["supports"][label] for label in results.conicity}
-    caption = "Equivalent conicity (EN 15302) over the amplitude; on rollers with the rollers' own radii."
-    figure = characteristics_figure(results.shifts, results.conicity)
-    return [
-        QUANTITIES.table(entries, [f"conicity_{mm:g}mm" for mm in AT_MM], caption, "on"),
-        Picture("characteristics", figure, CAPTIONS["characteristics"]),
-    ]
 
 
 def _rows(entries: Sequence[Mapping[str, Any]]) -> list[list[object]]:

@@ -17,9 +17,8 @@ from rollerrig.analysis.mode_table import Crossing
 from rollerrig.cli.app import build_app
 from rollerrig.config import ConfigError, Rig, Track, load_case, load_support
 from rollerrig.study.assessment import Interval, change_in_words
-from rollerrig.study.compare import QUANTITIES, CompareStudy
+from rollerrig.study.compare import QUANTITIES, CompareStudy, compared_cases
 from rollerrig.study.critical_speeds import radius_sentences, radius_table
-from rollerrig.study.runs.compare import compared_cases
 
 runner = CliRunner()
 BOGIE = "leading_bogie"
