@@ -41,7 +41,7 @@ from rollerrig.study.ensemble import FINER_STARTS, Estimate, distances, measure,
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Round, job
 from rollerrig.study.quantities import Numbers, Quantities
-from rollerrig.study.report import VIEW, Picture, Section, Table, Text
+from rollerrig.study.report import VIEW, Picture, Section, Table
 from rollerrig.study.runs import adhesion as runs
 from rollerrig.study.runs.adhesion import CAUSES, GROUPS, STEPS, VARIANTS, Row, track_case
 
@@ -56,11 +56,6 @@ and the most of an ensemble."""
 
 WHOLE = ("track", "rig", "rolling")
 """Ensembles whose first test is kept as a whole, to be drawn."""
-
-SECOND = "track, second"
-"""Another start on track, faster by PHASE_SPEED, kept as a whole: what it differs by is phase alone."""
-
-PHASE_SPEED = 3e-3  # [m/s]
 
 FINE = ", finer steps"
 """After the name of an ensemble: its first tests with finer steps and samples."""
@@ -119,7 +114,6 @@ class AdhesionStudy(Study[Runs]):
         names = ("rig", *runs.variants_of(self.case)) if self.error_budget else ("rig",)
         later = [f"{LATER}{delay}" for delay in ensemble.dead_times(self.case, self.predicted)]
         whole = {name: job(simulate, self._case(name)) for name in WHOLE if name == "track" or name in names}
-        whole[SECOND] = job(simulate, self._case(SECOND))
         fine = [] if self.quick else [f"{name}{FINE}" for name in ("track", *names) if name in ("track", "rig", *STEPS)]
         tests = self._tests(("track", *names, *later), 0, count)
         yield {**whole, **self._tests(("track", "rig"), 0, FIRST_STARTS)}
@@ -153,10 +147,8 @@ class AdhesionStudy(Study[Runs]):
             return ensemble.finer(self._case(name.removesuffix(FINE)))
         if name.startswith(LATER):
             return ensemble.later_protection(track_case(self.case), float(name.removeprefix(LATER)))
-        if name in ("track", SECOND):
-            shift = PHASE_SPEED if name == SECOND else 0.0
-            track = track_case(self.case)
-            return track.with_changes({"motion.speed": f"{track.motion.speed + shift!r} m/s"}) if shift else track
+        if name == "track":
+            return track_case(self.case)
         return self.case if name == "rig" else runs.variant(self.case, name)
 
     def _records(self, done: Done, names: Sequence[str]) -> dict[str, list[TestRecord]]:
@@ -172,7 +164,7 @@ class AdhesionStudy(Study[Runs]):
         records = {name: found for name, found in self._records(done, (*names, *fine)).items() if found}
         delays = ensemble.dead_times(self.case, self.predicted)
         later = self._records(done, [f"{LATER}{delay}" for delay in delays])
-        whole = {name: done[name] for name in (*WHOLE, SECOND) if name in done}
+        whole = {name: done[name] for name in WHOLE if name in done}
         return Runs(whole, records, {delay: found for delay in delays if (found := later[f"{LATER}{delay}"])})
 
     def statuses(self, results: Runs) -> Sequence[str]:
@@ -186,7 +178,7 @@ class AdhesionStudy(Study[Runs]):
         return runs.verdict_rows(self.case, (tests[0], tests[1]), (fine[0], fine[1]))
 
     def numbers(self, results: Runs) -> dict[str, Any]:
-        records, whole, rows = results.records, results.whole, self.rows(results)
+        records, rows = results.records, self.rows(results)
         variants = [name for name in runs.variants_of(self.case) if name in records]
         shares = _shares(records)
         peak = slipperiest_peak(self.case, patch_of(assemble(self.case)), self.case.motion.speed)
@@ -203,9 +195,7 @@ class AdhesionStudy(Study[Runs]):
             "causes": {name: {"share": share.mean, "standard_error": share.standard_error, **vars(share.interval),
                               "within_its_error": runs.is_within_error(share)} for name, share in shares.items()},
             "dead_time": self._dead_time_numbers(results),
-            "point_by_point": {name: slides.point_by_point(whole["track"], whole[name])
-                               for name in ("rig", SECOND) if name in whole},
-            "tracking_by_own_motion": slides.by_own_motion(whole["rig"]),
+            "tracking_by_own_motion": slides.by_own_motion(results.whole["rig"]),
         }  # fmt: skip
 
     def _dead_time_numbers(self, results: Runs) -> dict[str, Any]:
@@ -260,7 +250,7 @@ class AdhesionStudy(Study[Runs]):
     def sections(self, results: Runs, numbers: Numbers) -> list[Section]:
         lines = [(SHOWN[r.verdict], r.group, r.text, r.value_text, r.target_text, r.origin) for r in self.rows(results)]
         header = ("", "", "what", "mean of all starts (95 % interval)", "target", "where the target comes from")
-        sections = [Section("Assessment", [Table(header, lines), Text(PHASE)])]
+        sections = [Section("Assessment", [Table(header, lines)])]
         if numbers["causes"]:
             sections.append(_causes(numbers))
         if numbers["dead_time"]:
@@ -344,15 +334,11 @@ def _starts_needed(rows: Sequence[Row]) -> Iterator[str]:
 
 def findings(numbers: Numbers) -> Iterator[str]:
     """Sentences after the assessment."""
+    fine = f"contain what a quarter of step and samples changes in {numbers['fine_starts']} of them"
     yield (
         f"The protection's limit cycle has another phase in every test: rig and track are compared by means over "
-        f"{numbers['starts']} starts each, which draw adhesion, pads, load, speed and demand by [ensemble], with intervals of "
-        "95 %, and not point by point"
-        + (
-            f"; the intervals contain what a quarter of step and samples changes in {numbers['fine_starts']} of them."
-            if numbers["fine_starts"]
-            else "; what step and samples change is not in them."
-        )
+        f"{numbers['starts']} starts each, drawn by [ensemble], not point by point; their intervals of 95 % "
+        f"{fine if numbers['fine_starts'] else 'do not contain what step and samples change'}."
     )
     row = numbers["verdicts"].get("regrip_adhesion")
     if row is not None and row["verdict"] == "not met":
@@ -423,11 +409,6 @@ def _dead_time_line(found: Numbers) -> str:
 
 # --------------------------------------------------------------------------------------------------- tables and figures
 
-PHASE = (
-    "Both are first tests of their ensembles. From the first slides on their limit cycles have different phases: what differs at "
-    "one instant is no error of the rig, and the assessment does not use it."
-)
-
 
 def _causes(numbers: Numbers) -> Section:
     causes = {CAUSES.get(name, name): one for name, one in numbers["causes"].items()}
@@ -476,26 +457,16 @@ def _numbers(numbers: Numbers) -> Section:
         both = [numbers[on].get(name) for on in ("track", "rig")]
         factor = quantity.in_shown_unit(1.0)
         rows.append((quantity.heading, *("–" if one is None else with_error(one, factor) for one in both)))
-    names = ("wheel_speed_rms", "wheel_speed_largest", "slip_difference_rms")
-    labels = {"rig": "the rig", SECOND: "another start on the same track"}
-    points = {labels[name]: one for name, one in numbers["point_by_point"].items()}
-    caption = (
-        "Against the first test on track at the same time, point by point: mostly phase, as the second line shows."
-    )
-    table = Table(("", "track", "rig"), rows, "Means of all starts ± standard error.")
-    return Section("Numbers", [table, QUANTITIES.table(points, names, caption, "run")])
+    return Section("Numbers", [Table(("", "track", "rig"), rows, "Means of all starts ± standard error.")])
 
 
 def _signals(case: Case, whole: Mapping[str, xr.Dataset]) -> Iterator[Picture]:
-    """Signals of the first tests."""
+    """Signals of the first tests; from the first slides on their limit cycles have different phases."""
     track, rig, ideal = whole["track"], whole["rig"], whole.get("rolling")
     radius = slides.wheel_radius(rig)
     yield Picture("speeds", figures.speeds(track, rig, radius), "Train and wheels: rig, virtual train, track.")
-    track, rig, ideal = (
-        slides.under_test(track),
-        slides.under_test(rig),
-        None if ideal is None else slides.under_test(ideal),
-    )
+    track, rig = slides.under_test(track), slides.under_test(rig)
+    ideal = None if ideal is None else slides.under_test(ideal)
     both = {"rig": rig, "track": track}
     yield Picture("first_slide", figures.first_slide(track, rig, radius), "Slip, and the response to it.")
     if case.brake is not None:
@@ -514,7 +485,3 @@ def _signals(case: Case, whole: Mapping[str, xr.Dataset]) -> Iterator[Picture]:
         "turn by it (D14)."
     )
     yield Picture("sliding", figures.sliding(rig, ideal, radius), sliding)
-    text = (
-        "Rig less track at the same time. Once the wheels slide, the wheels' lines show two phases of one limit cycle."
-    )
-    yield Picture("differences", figures.errors(track, rig, radius), text)

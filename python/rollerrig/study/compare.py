@@ -430,7 +430,6 @@ class CompareStudy(Study[Results]):
         marked = rig.roller_radius if isinstance(rig, Rig) else math.nan
         return [
             speeds.radius_table(results.over_radius, caption),
-            *(Text(line) for line in speeds.radius_sentences(results.over_radius)),
             speeds.radius_picture("radius", results.over_radius, marked, CAPTIONS["radius"]),
         ]
 

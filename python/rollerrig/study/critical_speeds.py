@@ -235,22 +235,6 @@ def radius_table(table: CriticalSpeedOverRadius, caption: str) -> Table:
     return Table(header, rows, caption)
 
 
-def radius_sentences(table: CriticalSpeedOverRadius) -> list[str]:
-    """The order of the critical speeds, a sentence per part."""
-    texts = []
-    for part in table.parts:
-        known = {radius: v for radius in table.radii if math.isfinite(v := table.kmh(part, radius))}
-        if len(known) < 2:
-            texts.append(f"{words(part).capitalize()}: no critical speeds in the range to be compared.")
-            continue
-        ends = " and ".join(f"{known[r]:.1f} km/h on {support_words(r)}" for r in (min(known), max(known)))
-        order = "the critical speed is not monotonic in the radius"
-        if table.rises_with_radius(part):
-            order = "the critical speed falls with the radius, and all are below that of the track"
-        texts.append(f"{words(part).capitalize()}: {ends}; {order}.")
-    return texts
-
-
 def effects_table(split: EffectSplit, caption: str) -> Table:
     """The split of the loss."""
     off, alone = split.switched_off, split.alone

@@ -129,7 +129,10 @@ class PaperStudy(Study[Results]):
             *pictures("figure_7b_steel", "figure_7b_paper"),
         ]
         rig: list[Block] = [
-            *map(Text, _rig_paragraphs(results)),
+            *(
+                Text(f"{NAMES[m].capitalize()}, bogie. {speeds.effects_sentence(one)}")
+                for m, one in results.effects.items()
+            ),
             *(speeds.radius_table(one, TEXT["radii"].format(NAMES[m])) for m, one in results.over_radius.items()),
             *pictures("radius_steel", "radius_paper"),
             *(speeds.effects_table(one, TEXT["effects"].format(NAMES[m])) for m, one in results.effects.items()),
@@ -249,21 +252,6 @@ def _critical_paragraphs(results: Results) -> Iterator[str]:
         ramp = results.ramps.get(material)
         end = 3.6 * end_of_hunting(ramp, "front_frame") if ramp is not None else math.nan
         yield text + (f" On the ramp down, the hunting ends at {end:z.0f} km/h." if math.isfinite(end) else "")
-
-
-def _rig_paragraphs(results: Results) -> Iterator[str]:
-    """Order of the critical speeds and the split of the loss."""
-    bogie, vehicle = computed.TABLE_PARTS
-    for material, table in results.over_radius.items():
-        apart = [table.kmh(bogie, radius) / table.kmh(vehicle, radius) - 1 for radius in table.radii]
-        known = [100 * value for value in apart if math.isfinite(value)]
-        text = f"{NAMES[material].capitalize()}. {' '.join(speeds.radius_sentences(table))}"
-        if known:
-            ends = f"{min(known):+z.1f} to {max(known):+z.1f} %"
-            text += f" The bogie with fixed car body differs by {ends} from the whole vehicle."
-        yield text
-    for material, split in results.effects.items():
-        yield f"{NAMES[material].capitalize()}, bogie. {speeds.effects_sentence(split)}"
 
 
 def _rig_and_rails(results: Results) -> Iterator[Row]:

@@ -243,11 +243,7 @@ def _as_dict(one: Difference) -> dict[str, Any]:
 
 
 CLAIMS = (
-    "Intervals are of 95 %, of the mean difference over tests that draw alike by [ensemble] of each case, and contain what a "
-    "quarter of step and samples changes in two of them. Of a hundred criteria in which the systems do not differ, about five "
-    "come out as decided.",
-    f"The number of tests is that with which a t-test of paired differences finds a difference of the size found here with a "
-    f"probability of {100 * POWER:g} %; none where finer steps change as much as the systems differ.",
+    "Of a hundred criteria in which the systems do not differ, about five come out as decided, by intervals of 95 %.",
     "Which system is better is said by one criterion at a time: a shorter distance may take more air.",
 )
 

@@ -185,7 +185,7 @@ class WspStudy(Study[Results]):
     def sections(self, results: Results, numbers: Numbers) -> list[Section]:
         programme = Preformatted(f"The whole programme: {self.programme.name}", to_toml(self.programme))
         return [
-            Section("Assessment", [_overview(self.programme, numbers), _sums(numbers)]),
+            Section("Assessment", [_overview(self.programme, numbers)]),
             Section("Criteria", [_criteria_table(numbers)]),
             Section("Stops", [*_stop_tables(numbers), *_pictures(results, numbers)]),
             *(_stop_section(name, one, numbers["stops"][name]) for name, one in results.items()),
@@ -263,15 +263,8 @@ NOT_QUOTED = (
 )
 CLAIMS = (
     NOT_QUOTED,
-    "K_wet is 100 / (100 + increase over dry in %), both of the way after the brake's build-up: each distance is less by the "
-    "first speed times the equivalent time of the dry stop's build-up, the integral of 1 - p / p_max. Distances themselves are "
-    "from the demand to motion.stop_speed, at which the train counts as stationary; below 2 m/s no slip and no lock is counted.",
-    "The length of a flat is an estimate of its order, from the energy dissipated under a locked wheel, (H1) and (H2) of "
-    "docs/theory/wheel_flats.md; on the rig it is that of the train which the rig stands for, whose wheels would slide.",
-    "Intervals are of 95 %, of the mean over starts that draw adhesion, pads, load, speed and demand by [ensemble] of the case, "
-    "and contain what a quarter of step and samples changes in two of them. Beyond those distributions they say nothing of "
-    "another vehicle, rail or day.",
-    "Eight tests out of eight within a limit say with 95 % that at least 69 % of all such tests are.",
+    "The length of a flat is an estimate of its order; on the rig it is that of the train which the rig stands for. What each "
+    "number means, and what intervals contain: docs/studies/wsp.md.",
 )
 
 
@@ -375,14 +368,6 @@ def _overview(programme: Programme, numbers: Numbers) -> Table:
         rows.append((*words, name.replace("_", " "), text, SHOWN[same["tracking"]], SHOWN[same["fidelity"]]))
     header = ("on track", "on the rig", "stop", "", "rig follows its virtual axles", "rig as the track")
     return Table(header, rows, "All criteria of each stop; and the assessment of the rig itself.")
-
-
-def _sums(numbers: Numbers) -> Table:
-    names = [q.key for q in QUANTITIES.below("sums.*") if q.name != "*"]
-    entries: dict[str, Numbers] = {
-        on: {name: numbers["sums"][on][name.rpartition(".")[2]] for name in names} for on in SUPPORTS
-    }
-    return QUANTITIES.table(entries, names, "All stops: sums of means; worst of all tests.", "")
 
 
 def _criteria_table(numbers: Numbers) -> Table:
