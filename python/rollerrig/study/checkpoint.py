@@ -218,7 +218,7 @@ def _refuse_another(
 ) -> None:
     if found is None or not {"study", "version", "plan"} <= found.keys() or not isinstance(found["plan"], dict):
         needed = "needed: the finished jobs of a study; choose another --out or delete the file"
-        raise ConfigError([ConfigProblem(str(path), "", _FOREIGN, needed)])
+        raise ConfigError.of(str(path), "", _FOREIGN, needed)
     before, after = ({"study": one["study"], "version": one["version"], **one["plan"]} for one in (found, wanted))
     problems = [
         ConfigProblem(str(path), key, f"{show_value(b)} there, {show_value(a)} now", _CURE)

@@ -19,7 +19,7 @@ from rollerrig.analysis.critical_speed import RADII, RANGE_KMH, CriticalSpeedOve
 from rollerrig.analysis.hunting import hunting_case
 from rollerrig.analysis.wheel_rail_forces import filtered, wheel_forces
 from rollerrig.cases import CATALOG_RIG, CATALOG_TRACK, leading_wheelset, on_rig, restrained_along_track, with_head_of
-from rollerrig.config import Case, ConfigError, ConfigProblem, Rig, Vehicle, load_any, load_support
+from rollerrig.config import Case, ConfigError, Rig, Vehicle, load_any, load_support
 from rollerrig.config.errors import nearest
 from rollerrig.config.load.case import build_case
 from rollerrig.config.read import Document, catalog_names
@@ -78,11 +78,11 @@ def _base(source: str, allow_code: bool) -> Case | Vehicle:
     if not is_file and not any(source in catalog_names(kind) for kind in _KINDS):
         allowed = f"{needed}; the catalogue has the vehicles {', '.join(catalog_names('vehicle'))} and the cases "
         allowed += ", ".join(catalog_names("case"))
-        raise ConfigError([ConfigProblem(source, "", "no such file", allowed, nearest(source, names))])
+        raise ConfigError.of(source, "", "no such file", allowed, nearest(source, names))
     kind, found = load_any(source, allow_code=allow_code)
     if isinstance(found, Case | Vehicle):
         return found
-    raise ConfigError([ConfigProblem(source, "", f"a {kind}, not a vehicle", needed)])
+    raise ConfigError.of(source, "", f"a {kind}, not a vehicle", needed)
 
 
 _KINDS = ("vehicle", "support", "profile", "material", "case", "programme")

@@ -16,8 +16,8 @@ from typing import Any
 import xarray as xr
 
 from rollerrig.common.formatting import number, percent
-from rollerrig.config import Case, ConfigError, ConfigProblem, Rig
-from rollerrig.config.errors import nearest
+from rollerrig.config import Case, ConfigError, ConfigProblem
+from rollerrig.config.errors import nearest, one_of
 from rollerrig.plot import control as figures
 from rollerrig.simulation.controllers import users_controllers
 from rollerrig.study.frame import Study
@@ -25,17 +25,8 @@ from rollerrig.study.jobs import Done, Round, job
 from rollerrig.study.quantities import Numbers, Quantities
 from rollerrig.study.report import Block, Picture, Section, Table, Text
 from rollerrig.study.runs import control as runs
-from rollerrig.study.runs.control import (
-    FAMILIES,
-    MEASURED,
-    RIPPLE_LIMIT,
-    TRACKING_LIMIT,
-    USER,
-    Family,
-    Result,
-    references,
-    run_variant,
-)
+from rollerrig.study.runs.adhesion import track_case
+from rollerrig.study.runs.control import FAMILIES, MEASURED, RIPPLE_LIMIT, TRACKING_LIMIT, Family, Result, run_variant
 
 QUANTITIES = Quantities("control")
 
@@ -247,14 +238,11 @@ class ControlStudy(Study[Found]):
 
     def __post_init__(self) -> None:
         """Refuse with a ConfigError an unknown family, and a user's controller that cannot be used."""
-        known = [family.name for family in FAMILIES]
-        problems = []
-        for name in (name for name in self.families if name not in known):
-            guess = nearest(name, tuple(known))
-            allowed = f"allowed: {', '.join(known)}" + (f"; did you mean {guess!r}?" if guess else "")
-            problems.append(ConfigProblem(self.case.name, "families", repr(name), allowed))
-        if problems:
-            raise ConfigError(problems)
+        known = tuple(family.name for family in FAMILIES)
+        unknown = [name for name in self.families if name not in known]
+        if unknown:
+            problem = (self.case.name, "families")
+            raise ConfigError([ConfigProblem(*problem, repr(n), one_of(known), nearest(n, known)) for n in unknown])
         if self.user is not None:
             users_controllers(self.case.with_changes({"rig_control.user": self.user}), {})
 
@@ -269,8 +257,10 @@ class ControlStudy(Study[Found]):
     @cached_property
     def variants(self) -> dict[tuple[str, str, float], Case]:
         """Family, curve and value of each variant -> its case; those of 'references' have no value."""
-        own: dict[str, Any] = {USER: {"rig_control.user": self.user}} if self.user else {}
-        shipped = {("references", label, math.nan): changes for label, changes in (references(self.case) | own).items()}
+        own: dict[str, Any] = {runs.USER: {"rig_control.user": self.user}} if self.user else {}
+        shipped = {
+            ("references", label, math.nan): changes for label, changes in (runs.references(self.case) | own).items()
+        }
         varied = {
             (family.name, label, float(value)): family.changes(self.case, curve, value)
             for family in self.chosen
@@ -396,22 +386,15 @@ def study_case(case: Case, duration: float | None) -> Case:
     Raises:
         ConfigError: it has no rig controller, or nothing that it could follow.
     """
-
-    def missing(key: str, value: str, needed: str) -> ConfigError:
-        return ConfigError([ConfigProblem(case.name, key, value, f"needed: {needed}")])
-
-    if not isinstance(case.support.data, Rig) or case.rig_control is None:
-        raise missing("rig_control", "missing", "a case on rollers with [rig_control], the controller to be compared")
+    track_case(case)
+    assert case.rig_control is not None
     if not case.rig_control.is_ours:
-        needed = "the built-in controller in the case; give your own class with --controller, beside it"
+        needed = "needed: the built-in controller in the case; give your own class with --controller, beside it"
         key = "user" if case.rig_control.user is not None else "fmu"
-        raise missing(f"rig_control.{key}", repr(getattr(case.rig_control, key)), needed)
-    if case.brake is None and case.traction is None:
-        raise missing("brake", "missing", "[brake] or [traction], the test that the controllers are compared in")
+        raise ConfigError.of(case.name, f"rig_control.{key}", repr(getattr(case.rig_control, key)), needed)
     length = case.time.duration if duration is None else min(duration, case.time.duration)
-    return case.with_changes(
-        {"time.duration": length, "time.output_step": max(runs.OUTPUT_STEP, case.time.sampling_step)}
-    )
+    step = max(runs.OUTPUT_STEP, case.time.sampling_step)
+    return case.with_changes({"time.duration": length, "time.output_step": step})
 
 
 def _entry(result: Result) -> dict[str, Any]:

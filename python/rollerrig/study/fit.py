@@ -46,7 +46,7 @@ def records(whole: WholeFit, files: Sequence[str | Path | logs.Log]) -> tuple[Re
     asked, problems, found = whole.plan.log, list[ConfigProblem](), list[Record]()
     if not files or (len(asked) > 1 and len(files) != len(asked)):
         needed = f"needed: {f'as many logs as tables [[log]], {len(asked)}' if files else 'at least one log'}"
-        raise ConfigError([ConfigProblem(whole.file, "log", f"{len(files)} logs", needed)])
+        raise ConfigError.of(whole.file, "log", f"{len(files)} logs", needed)
     for place, file in enumerate(files):
         k = place if len(asked) > 1 else 0
         table = file if isinstance(file, logs.Log) else logs.read_log(file)
@@ -65,7 +65,7 @@ def records(whole: WholeFit, files: Sequence[str | Path | logs.Log]) -> tuple[Re
 
 
 def _refuse(file: str, key: str, value: str, allowed: str, hint: str = "") -> NoReturn:
-    raise ConfigError([ConfigProblem(file, key, value, allowed, hint)])
+    raise ConfigError.of(file, key, value, allowed, hint)
 
 
 @dataclass(frozen=True)

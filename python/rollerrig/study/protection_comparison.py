@@ -18,7 +18,7 @@ import numpy as np
 from scipy.stats import nct, t
 
 from rollerrig.common.formatting import number
-from rollerrig.config import CRITERIA, Case, ConfigError, ConfigProblem, Programme
+from rollerrig.config import CRITERIA, Case, ConfigError, Programme
 from rollerrig.plot.wsp import Ends, means_with_intervals
 from rollerrig.study.ensemble import CONFIDENCE, Estimate, difference, stepped
 from rollerrig.study.frame import Content, Study
@@ -109,12 +109,12 @@ class ProtectionComparison(Study[Mapping[System, Results]]):
         one, two = self.case.time.sampling_step, self.against.time.sampling_step
         if one != two:
             allowed = f"allowed: {one:g} s, as in {self.case.name}: systems of different rates are not compared"
-            raise ConfigError([ConfigProblem(self.against.name, "time.sampling_step", f"{two:g} s", allowed)])
+            raise ConfigError.of(self.against.name, "time.sampling_step", f"{two:g} s", allowed)
         if not self.changes:
             needed = (
                 f"needed: a system that differs from {self.case.name}, such as another threshold in [slide_protection]"
             )
-            raise ConfigError([ConfigProblem(self.against.name, "", "the same case", needed)])
+            raise ConfigError.of(self.against.name, "", "the same case", needed)
         for study in self.studies.values():
             study.__post_init__()
 

@@ -14,7 +14,7 @@ from rollerrig.analysis.linear_bench import LinearBench
 from rollerrig.analysis.linear_system import LinearSystem, margins_of
 from rollerrig.analysis.measured_response import MeasuredResponse, measured_response
 from rollerrig.common.arrays import Array, Complex
-from rollerrig.config import Case, ConfigError, ConfigProblem
+from rollerrig.config import Case, ConfigError
 from rollerrig.plot.control import bode_figure, nyquist_figure, poles_and_zeros_figure
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Progress, Round, job
@@ -112,9 +112,9 @@ class ResponseStudy(Study[dict[str, AtSpeed]]):
         if not 0.0 < low < high or high > most:
             half = f", half the sampling frequency being {most:g} Hz" if self.case.sampled else ""
             allowed = f"allowed: from low to high, both positive{half}"
-            raise ConfigError([ConfigProblem(self.case.name, "frequencies", f"{low:g} to {high:g} Hz", allowed)])
+            raise ConfigError.of(self.case.name, "frequencies", f"{low:g} to {high:g} Hz", allowed)
         if not (math.isfinite(self.amplitude) and self.amplitude > 0.0):
-            raise ConfigError([ConfigProblem(self.case.name, "amplitude", f"{self.amplitude:g}", "allowed: positive")])
+            raise ConfigError.of(self.case.name, "amplitude", f"{self.amplitude:g}", "allowed: positive")
 
     def rounds(self, done: Done) -> Iterator[Round]:
         yield {f"{speed:g} km/h": job(at_speed, self, speed) for speed in self.speeds_kmh}

@@ -110,7 +110,7 @@ class SweepStudy(Study[Sweep]):
         if count > MOST_UNASKED and not self.many:
             allowed = f"allowed: up to {MOST_UNASKED} cases; more with --yes (many=True)"
         if count > (MOST if self.many else MOST_UNASKED):
-            raise ConfigError([ConfigProblem(file, "design", f"{count} cases", allowed)])
+            raise ConfigError.of(file, "design", f"{count} cases", allowed)
         if problems := self._check_kept():
             raise ConfigError(problems)
 
@@ -263,7 +263,7 @@ def sweep_study(case: Case, vary: Mapping[str, Any], measure: Any, design: Any, 
     if plan is None:
         raise ConfigError(problems)
     if compute is None and not plan.measure:
-        raise ConfigError([ConfigProblem("sweep", "measure", "missing", one_of(tuple(MEASURES)))])
+        raise ConfigError.of("sweep", "measure", "missing", one_of(tuple(MEASURES)))
     return SweepStudy(plan_of_case(plan, case, "sweep"), many, compute)
 
 

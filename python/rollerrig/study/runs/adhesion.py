@@ -22,7 +22,7 @@ import numpy as np
 from rollerrig.analysis.slide_statistics import OSCILLATES, TestRecord
 from rollerrig.cases import on_track
 from rollerrig.common.formatting import number
-from rollerrig.config import Case, ConfigError, ConfigProblem, Rig
+from rollerrig.config import Case, ConfigError, Rig
 from rollerrig.config.schema.rig_control import EstimatedTorque, ExactEstimator, LeadCommand
 from rollerrig.study.assessment import NOT_DECIDED, Outcome, outcome, overall
 from rollerrig.study.ensemble import SEED, Estimate, difference, distances, measure, relative, stepped, values_of
@@ -47,10 +47,10 @@ def track_case(case: Case) -> Case:
     """
     if not isinstance(case.support.data, Rig) or case.rig_control is None:
         needed = "needed: a case on rollers with [rig_control], which reproduces a track"
-        raise ConfigError([ConfigProblem(case.name, "rig_control", "missing", needed)])
+        raise ConfigError.of(case.name, "rig_control", "missing", needed)
     if case.brake is None and case.traction is None:
         needed = "needed: [brake] or [traction], the test that is done on rail and rig"
-        raise ConfigError([ConfigProblem(case.name, "brake", "missing", needed)])
+        raise ConfigError.of(case.name, "brake", "missing", needed)
     return on_track(case).model_copy(update={"name": f"{case.name}_track"})
 
 

@@ -217,7 +217,7 @@ class _Reader:
     def problem(self, key: str, value: object, allowed: str) -> ConfigError:
         """One mistake."""
         shown = value if isinstance(value, str) else show_value(value)
-        return ConfigError([ConfigProblem(self._file, f"{self._at}.{key}", shown, allowed)])
+        return ConfigError.of(self._file, f"{self._at}.{key}", shown, allowed)
 
     def one(self, key: str, value: Any) -> Any:
         """A value that the key may have; words and lists as they are."""

@@ -46,7 +46,7 @@ def check_case(case: Case, programme: Programme) -> None:
     for name in ("brake", "slide_protection"):
         if getattr(case, name) is None:
             needed = f"needed: [{name}]; a programme for wheel slide protection tests what it does to a braked axle"
-            raise ConfigError([ConfigProblem(case.name, name, "missing", needed)])
+            raise ConfigError.of(case.name, name, "missing", needed)
     train = case.train.axles
     along = train.positions if train else sorted(body.position[0] for body in wheelsets(case))
     least = min((b - a for a, b in zip(along, along[1:], strict=False)), default=0.0)
@@ -57,7 +57,7 @@ def check_case(case: Case, programme: Programme) -> None:
             raise ConfigError([problem])
         if isinstance(stop, PatchStop) and not stop.length < least:
             allowed = f"allowed: less than the least spacing of the axles, {least:g} m, so that one axle at a time is on a patch"
-            raise ConfigError([ConfigProblem(programme.name, f"stop.{stop.name}.length", f"{stop.length:g}", allowed)])
+            raise ConfigError.of(programme.name, f"stop.{stop.name}.length", f"{stop.length:g}", allowed)
         check_ensemble(stop_case(case, programme, stop))
 
 
