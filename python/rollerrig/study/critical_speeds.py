@@ -7,20 +7,8 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from rollerrig.analysis import CriticalSpeedByDisturbance, HuntingSettings, LinearCriticalSpeed
-from rollerrig.analysis.critical_speed import (
-    EFFECTS,
-    RANGE_KMH,
-    TRACK,
-    CriticalSpeedOverRadius,
-    EffectSplit,
-    bracket,
-    critical_speed_over_radius,
-    effect_cases,
-    radius_cases,
-    rounds_by_disturbance,
-    scan_linear,
-)
+from rollerrig.analysis import CriticalSpeedByDisturbance, HuntingSettings, LinearCriticalSpeed, critical_speed
+from rollerrig.analysis.critical_speed import EFFECTS, RANGE_KMH, TRACK, CriticalSpeedOverRadius, EffectSplit
 from rollerrig.analysis.hunting import HuntingRun, hunting_run
 from rollerrig.config import Case
 from rollerrig.plot.compare import critical_over_radius, effect_bars
@@ -52,7 +40,7 @@ def disturbance_rounds(
 ) -> Iterator[Round]:
     """Rounds of runs from a disturbance, until each critical speed is bracketed to a width."""
     runs: dict[str, list[HuntingRun]] = {label: [] for label in cases}
-    for wanted in rounds_by_disturbance(speeds_kmh, width_kmh, runs, settings.disturbance):
+    for wanted in critical_speed.rounds_by_disturbance(speeds_kmh, width_kmh, runs, settings.disturbance):
         yield {_run_name(label, v): job(hunting_run, (cases[label], v, settings)) for label, v in wanted}
         for label, speed in wanted:
             runs[label].append(done[_run_name(label, speed)])
@@ -61,7 +49,7 @@ def disturbance_rounds(
 def brackets(labels: Sequence[str], settings: HuntingSettings, done: Done) -> dict[str, CriticalSpeedByDisturbance]:
     """Label -> critical speed by disturbance, of the labels that have runs."""
     runs = {label: [run for name, run in done.items() if name.startswith(f"run {label}, ")] for label in labels}
-    return {label: bracket(found, settings.disturbance) for label, found in runs.items() if found}
+    return {label: critical_speed.bracket(found, settings.disturbance) for label, found in runs.items() if found}
 
 
 def _run_name(label: str, speed: float) -> str:
@@ -130,9 +118,9 @@ def roller_jobs(
 ) -> dict[str, Job]:
     """Linear critical speeds in a range, over the rollers' radius and with effects switched off."""
     speeds = [v / 3.6 for v in speeds_kmh]
-    cases = {_place_name(label, *place): case for place, case in radius_cases(rig, parts, radii).items()}
-    cases |= {_effects_name(label, on): case for on, case in effect_cases(rig).items()}
-    return {name: job(scan_linear, (case, speeds)) for name, case in cases.items()}
+    cases = {_place_name(label, *place): case for place, case in critical_speed.radius_cases(rig, parts, radii).items()}
+    cases |= {_effects_name(label, on): case for on, case in critical_speed.effect_cases(rig).items()}
+    return {name: job(critical_speed.scan_linear, (case, speeds)) for name, case in cases.items()}
 
 
 def over_radius(
@@ -141,7 +129,7 @@ def over_radius(
     """Table from the results of `roller_jobs`; None if there are none yet."""
     places = [(part, radius) for part in parts for radius in (*sorted(radii), TRACK)]
     found = {place: done[name] for place in places if (name := _place_name(label, *place)) in done}
-    return critical_speed_over_radius(places, found) if found else None
+    return critical_speed.critical_speed_over_radius(places, found) if found else None
 
 
 def effect_split(done: Done, label: str = "") -> EffectSplit | None:

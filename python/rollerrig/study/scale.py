@@ -15,25 +15,16 @@ from typing import Any
 import xarray as xr
 from numpy.typing import ArrayLike
 
+from rollerrig import similitude
 from rollerrig.analysis import scaled_model
 from rollerrig.analysis.slide_statistics import wheel_radius
 from rollerrig.common.formatting import number, percent
 from rollerrig.config import Case
+from rollerrig.config.schema.case import ScaledFrom
 from rollerrig.config.write.toml import to_short_toml
 from rollerrig.plot import scaled as figures
 from rollerrig.results import COMPLETED
-from rollerrig.similitude import (
-    FACTORS,
-    STRATEGIES,
-    ContactAtRest,
-    Requirement,
-    Similitude,
-    contact_at_rest,
-    factors_of,
-    map_back,
-    requirements,
-    scale_case,
-)
+from rollerrig.similitude import ContactAtRest, Requirement, Similitude, factors_of
 from rollerrig.simulation.run import simulate
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Round, job
@@ -50,7 +41,7 @@ def model_summary(model: Case, found: Sequence[Requirement]) -> list[str]:
     """The model and its violations, a line each."""
     record = model.similitude
     assert record is not None
-    strategy = STRATEGIES[record.strategy]
+    strategy = similitude.STRATEGIES[record.strategy]
     kept = ", ".join(record.keep) or "nothing: ideal similitude"
     violated = [one for one in found if not one.met]
     return [
@@ -154,10 +145,14 @@ class ScaleStudy(Study[Scaled]):
         return self.variants["model"]
 
     @property
+    def record(self) -> ScaledFrom:
+        """What the model's case says of its scaling."""
+        assert self.model.similitude is not None
+        return self.model.similitude
+
+    @property
     def title(self) -> str:
-        record = self.model.similitude
-        assert record is not None
-        return f"{self.full.name} at full scale, and by a 1:{record.length:g} model"
+        return f"{self.full.name} at full scale, and by a 1:{self.record.length:g} model"
 
     def cases(self) -> Mapping[str, Case]:
         return {"the model's case, at its own scale": self.model}
@@ -174,10 +169,10 @@ class ScaleStudy(Study[Scaled]):
         full = runs.pop("full")
         return Scaled(
             full,
-            {name: map_back(run) for name, run in runs.items()},
+            {name: similitude.map_back(run) for name, run in runs.items()},
             {name: done[_speed_of(name)] for name in self.variants if _speed_of(name) in done},
-            requirements(self.full, self.model),
-            (contact_at_rest(self.full), contact_at_rest(self.model)),
+            similitude.requirements(self.full, self.model),
+            (similitude.contact_at_rest(self.full), similitude.contact_at_rest(self.model)),
         )
 
     def statuses(self, results: Scaled) -> Sequence[str]:
@@ -186,8 +181,6 @@ class ScaleStudy(Study[Scaled]):
     # --------------------------------------------------------------------------------------------------- numbers
 
     def numbers(self, results: Scaled) -> dict[str, Any]:
-        record = self.model.similitude
-        assert record is not None
         compared = {name: scaled_model.fidelity(results.full, run) for name, run in results.mapped.items()}
         for name, one in compared.items():
             one["linear_critical_speed_relative"] = scaled_model.relative(results.critical, name)
@@ -198,7 +191,7 @@ class ScaleStudy(Study[Scaled]):
         return {
             "case": self.full.name,
             "model": self.model.name,
-            "similitude": record.model_dump(exclude={"case"}),
+            "similitude": self.record.model_dump(exclude={"case"}),
             "full": full,
             "model_mapped_back": model,
             "fidelity": compared.pop("model"),
@@ -236,13 +229,14 @@ class ScaleStudy(Study[Scaled]):
             for one in results.violations
         ]  # fmt: skip
         header = ("requirement", "quantity of the model", "needed", "is", "unit", "deviation", "effect on results")
-        factors, record = factors_of(self.model), self.model.similitude
-        assert record is not None
-        scaled = [[name, number(factors.factor(unit)), unit] for name, unit in FACTORS]
-        similitude = Table(("quantity", "full scale over model", "unit"), scaled, STRATEGIES[record.strategy].title)
+        factors = factors_of(self.model)
+        scaled = [[name, number(factors.factor(unit)), unit] for name, unit in similitude.FACTORS]
+        scaling = Table(
+            ("quantity", "full scale over model", "unit"), scaled, similitude.STRATEGIES[self.record.strategy].title
+        )
         less = self.quantities.list_table({"model less full scale": numbers["fidelity"]}, compared)
         sections = [
-            Section("Similitude", [similitude, Table(header, violations, "requirements, met or violated")]),
+            Section("Similitude", [scaling, Table(header, violations, "requirements, met or violated")]),
             Section("Contact at rest", [contact_at_rest_table(self.model, *results.contact)]),
             Section("Numbers", [self.quantities.list_table(runs, shown), less]),
         ]
@@ -293,13 +287,15 @@ def scale_study(
     """
 
     def model(kept: tuple[str, ...], own: Mapping[str, object] | None) -> Case:
-        return scale_case(full, factors, strategy=strategy, keep=kept, changes=own)
+        return similitude.scale_case(full, factors, strategy=strategy, keep=kept, changes=own)
 
     variants = {"full": full, "model": model(keep, changes)}
     if error_budget:
         variants["ideal"] = model((), None)
         alone = {name: model((name,), None) for name in keep}
-        variants |= {name: one for name, one in alone.items() if any(not r.met for r in requirements(full, one))}
+        variants |= {
+            name: one for name, one in alone.items() if any(not r.met for r in similitude.requirements(full, one))
+        }
         if changes:
             variants["own"] = model((), changes)
     return ScaleStudy(variants)

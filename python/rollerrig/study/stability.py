@@ -90,8 +90,8 @@ def shape_blocks(modes: xr.Dataset) -> list[Block]:
     blocks: list[Block] = [
         Text(
             f"All at {speed:g} km/h, the speed of the table nearest to the linear critical one, or the highest. Displacements "
-            f"are not to scale; outlines are schematic: {_colours(modes)}, dashed in their design position. x points forward, "
-            "y to the left."
+            f"are not to scale; outlines are schematic, dashed in their design position: wheelset red, bogie blue, car body "
+            "green. x points forward, y to the left."
         )
     ]
     critical = modes.attrs["linear_critical_mode"] or modes.attrs["hunting_mode"]
@@ -108,15 +108,6 @@ def shape_blocks(modes: xr.Dataset) -> list[Block]:
     )
     ordered = sorted(shown, key=lambda name: not name.startswith("hunting"))
     return [*blocks, Text(scale), *(_shape_table(modes.sel(speed=speed, mode=name)) for name in ordered)]
-
-
-def _colours(modes: xr.Dataset) -> str:
-    """Which outline is what: 'wheelsets red, bogies blue, car body green', of the bodies that there are."""
-    count = [str(role) for role in modes["role"].to_numpy()]
-    wheelsets, bogies = count.count("wheelsets"), count.count("bogie")
-    words = [("wheelset red", "wheelsets red", wheelsets), ("bogie blue", "bogies blue", bogies)]
-    words.append(("car body green", "car bodies green", len(count) - wheelsets - bogies))
-    return ", ".join(one if number == 1 else many for one, many, number in words if number)
 
 
 def _shape_table(mode: xr.Dataset) -> Table:
@@ -393,15 +384,10 @@ class StabilityStudy(Study[Results]):
             data = modes.merge(limit_cycle_table(results.diagram), combine_attrs="drop_conflicts")
         found = {"stability.nc": data, "modes.csv": mode_rows(modes)}
         found["shapes.csv"] = dataset_rows(modes, SHAPE_COLUMNS, "speed", "mode", "body", "direction")
-        if results.diagram is not None:
-            points = numbers["limit_cycles"]["points"]
-            found["limit_cycles.csv"] = self.quantities.csv(points, "limit_cycles.points.*")
-        if results.contact:
-            found["contact_effects.csv"] = self.quantities.csv(numbers["contact_effects"], "contact_effects.*")
-        if results.branch is not None:
-            found["branch.csv"] = self.quantities.csv(numbers["branch"]["points"], "branch.points.*")
-        if results.sensitivity is not None:
-            found["sensitivity.csv"] = self.quantities.csv(numbers["sensitivity"], "sensitivity.*")
+        tables = {name: numbers[name] for name in ("contact_effects", "sensitivity") if name in numbers}
+        tables |= {f"{name}.points": numbers[name]["points"] for name in ("limit_cycles", "branch") if name in numbers}
+        for key, rows in tables.items():
+            found[f"{key.removesuffix('.points')}.csv"] = self.quantities.csv(rows, f"{key}.*")
         return found
 
     # ---------------------------------------------------------------------------------------------------- report
@@ -438,7 +424,6 @@ class StabilityStudy(Study[Results]):
         return [Picture("sensitivity", plot.tornado_diagram(found), caption), table]
 
     def _branch(self, branch: xr.Dataset, numbers: Numbers) -> list[Block]:
-        said = branch_sentences(numbers["branch"], numbers["linear_critical_speed_kmh"])
         caption = (
             "Limit cycles that begin at the linear critical speed, found as periodic solutions. Between two stable ones lies an "
             "unstable one: a disturbance beyond it goes to the one above. Branches that do not begin there are not found."
@@ -449,7 +434,7 @@ class StabilityStudy(Study[Results]):
             "branch.points.*",
             "Largest magnitude of a Floquet multiplier: what is left of a small deviation after one period.",
         )
-        return [*(Text(one) for one in said), drawn, table]
+        return [drawn, table]
 
     def _modes(self, modes: xr.Dataset, runs: xr.Dataset | None, numbers: Numbers) -> list[Block]:
         drawn = (

@@ -14,13 +14,7 @@ from typing import Any
 
 import xarray as xr
 
-from rollerrig.analysis import (
-    CriticalSpeedByDisturbance,
-    HuntingSettings,
-    RampSettings,
-    hunting_table,
-    ramp_run,
-)
+from rollerrig.analysis import CriticalSpeedByDisturbance, HuntingSettings, RampSettings, hunting_table, ramp_run
 from rollerrig.analysis.control_loop import ContactState, contact_state
 from rollerrig.analysis.critical_speed import RADII, CriticalSpeedOverRadius, EffectSplit, scan_linear
 from rollerrig.analysis.hunting import HuntingRun
