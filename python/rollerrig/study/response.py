@@ -78,9 +78,6 @@ def pole_rows(results: Mapping[str, AtSpeed]) -> Rows:
     return rows
 
 
-POLES = "poles (crosses) and zeros (circles) by growth rate and frequency."
-
-
 @dataclass(frozen=True)
 class ResponseStudy(Study[dict[str, AtSpeed]]):
     """Responses from some commands to some outputs at some speeds; attributes as the arguments of `rollerrig.response`."""
@@ -207,7 +204,11 @@ class ResponseStudy(Study[dict[str, AtSpeed]]):
                 Picture(f"bode_{number}", bode_figure(lines, points, unit), f"{name}: magnitude and phase."),
                 self.quantities.table(numbers["channels"][name], "channels.*.*", "Bandwidth and margins.", "at"),
                 Picture(f"nyquist_{number}", nyquist_figure(lines, unit), f"{name} in the complex plane."),
-                Picture(f"poles_{number}", poles_and_zeros_figure(poles, zeros), f"{name}: {POLES}"),
+                Picture(
+                    f"poles_{number}",
+                    poles_and_zeros_figure(poles, zeros),
+                    f"{name}: poles (crosses) and zeros (circles).",
+                ),
             ]
             sections.append(Section(name, blocks))
         note = "Of a case with samples, poles are ln(z) over the sampling step. Those of all motions are in poles.csv."

@@ -30,15 +30,11 @@ from rollerrig.study.report import VIEW, Block, Picture, Section, Table, Text
 
 SAFETY = Quantities("running_safety")
 
-SIGNS = (
+EXPLAINED = (
     "Forces are those of the wheel on the rail or roller: Y outwards, Q downwards, ΣY of a wheelset to the left. Each quantity "
-    "is shown where its outer percentiles are largest; running_safety.csv has all wheels, wheelsets and points."
-)
-
-
-QUASI_STATIC = (
+    "is shown where its outer percentiles are largest; running_safety.csv has all wheels, wheelsets and points.",
     "Quasi-static values are medians in sections of constant curvature, cant and speed; a vehicle is in a section while all its "
-    "wheelsets are. Test zones are those of EN 14363 by the radius."
+    "wheelsets are. Test zones are those of EN 14363 by the radius.",
 )
 
 
@@ -103,10 +99,9 @@ def _weighted(assessment: Assessment) -> dict[str, dict[str, float]] | None:
 
 def safety_sections(assessment: Assessment, rows: Sequence[Row], along: xr.DataArray) -> list[Section]:
     """Sections of the report: the most critical place of each quantity, and the quantities along time or distance."""
-    notes = [Text(note) for note in (*assessment.notes, *vibrations(assessment))]
+    texts = [Text(text) for text in (*EXPLAINED, *assessment.notes, *vibrations(assessment))]
     by_section = {row.section: [other for other in rows if other.section == row.section] for row in rows}
     tables = [_most_critical(some, name if len(by_section) > 1 else "") for name, some in by_section.items()]
-    texts = [Text(SIGNS), Text(QUASI_STATIC), *notes]
     found = [Section("Wheel-rail forces and running safety", [*tables, *texts])]
     if along.sizes["time"] < 2:
         return found

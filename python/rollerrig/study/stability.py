@@ -30,6 +30,7 @@ from rollerrig.study.limit_cycles import cycle_chains, cycle_diagram
 from rollerrig.study.quantities import Numbers
 from rollerrig.study.report import VIEW, Block, Picture, Section, Table, Text
 
+TABLES = ("modes", "shapes", "limit_cycles", "contact_effects", "branch", "sensitivity")
 BRANCH, SENSITIVITY = "branch of limit cycles", "sensitivity of the linear critical speed"
 
 SUSPENSION_WORDS = ("car body", "bogie", "bogies", "front bogie", "rear bogie")
@@ -276,16 +277,7 @@ class StabilityStudy(Study[Results]):
         "saturation beyond its slope.",
         "Rollers or rails are speed-controlled at each speed; torques keep their value at time 0.",
     )
-    writes = (
-        "stability.nc",
-        "modes.csv",
-        "shapes.csv",
-        "limit_cycles.csv",
-        "contact_effects.csv",
-        "branch.csv",
-        "sensitivity.csv",
-        VIEW,
-    )
+    writes = ("stability.nc", *(f"{name}.csv" for name in TABLES), VIEW)
     formats = ("svg",)
 
     @property

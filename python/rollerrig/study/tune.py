@@ -12,6 +12,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -210,7 +211,8 @@ class TuneStudy(Study[Tuned]):
 
         half, rng = self.candidates // 2, np.random.default_rng(self.seed)
         first = qmc.LatinHypercube(len(self.axes), seed=rng).random(self.candidates - half)
-        shipped = {"place": [], "changes": {}, "values": [_value(self.case, axis.key) for axis in self.axes]}
+        own = [attrgetter(axis.key)(self.case) for axis in self.axes]  # None: it follows from others
+        shipped = {"place": [], "changes": {}, "values": [None if value is None else float(value) for value in own]}
         yield {"margins 1": job(margins_of, self.test, {SHIPPED: shipped, **self._candidates(first, 0)})}
         yield self._runs(done["margins 1"])
         found = self._collected(done)
@@ -369,14 +371,6 @@ class TuneStudy(Study[Tuned]):
         picture = Picture("front", front_picture(shown, results.front, SHIPPED, results.chosen), caption)
         table = Table([str(name).replace("_", " ") for name in header], cells, "All candidates.")
         return [Section("Tracking error against torque ripple", [picture, table])]
-
-
-def _value(case: Case, key: str) -> float | None:
-    """The number at a dotted key; None: the case has none."""
-    value: Any = case
-    for part in key.split("."):
-        value = getattr(value, part)
-    return None if value is None else float(value)
 
 
 def verdict(change: Estimate) -> str:

@@ -18,7 +18,7 @@ from rollerrig.config.schema.programme import BrakedRun
 from rollerrig.config.write.toml import to_toml
 from rollerrig.plot.wsp import Ends, means_with_intervals, slip_grid, stop_over_time
 from rollerrig.study.assessment import SHOWN
-from rollerrig.study.ensemble import finer, start_jobs, start_name, started
+from rollerrig.study.ensemble import finer, start_jobs, start_name, started, with_interval
 from rollerrig.study.frame import Content, Study
 from rollerrig.study.jobs import Done, Job, Round, job
 from rollerrig.study.quantities import Numbers, Quantities, Quantity
@@ -340,9 +340,7 @@ def value_text(name: str, one: Numbers) -> str:
     if one["mean"] is None:
         return "–"
     _, factor, unit = quantity_of(name)
-    text = number(factor * one["mean"], 3)
-    if one["low"] is not None and one["high"] is not None and one["low"] != one["high"]:
-        text += f" ({number(factor * one['low'], 3)} … {number(factor * one['high'], 3)})"
+    text = with_interval(one, factor)
     if CRITERIA[name].every and one["worst"] is not None:  # type: ignore[index]
         text += f", worst {number(factor * one['worst'], 3)}"
     return f"{text} {unit}".rstrip()
@@ -401,13 +399,7 @@ def _stop_tables(numbers: Numbers) -> Iterator[Table]:
 
 
 def _ends_text(name: str, one: Numbers) -> str:
-    factor = QUANTITIES[f"stops.*.*.{name}.mean"].in_shown_unit(1.0)
-    if one["mean"] is None:
-        return "–"
-    mean = number(factor * one["mean"])
-    if one["low"] is None or one["high"] is None or one["low"] == one["high"]:
-        return mean
-    return f"{mean} ± {number(0.5 * factor * (one['high'] - one['low']), 2)}"
+    return with_interval(one, QUANTITIES[f"stops.*.*.{name}.mean"].in_shown_unit(1.0))
 
 
 def _pictures(results: Results, numbers: Numbers) -> Iterator[Block]:
@@ -446,7 +438,7 @@ def _stop_section(name: str, one: StopResult, own: Numbers) -> Section:
         for key in MEASURED
     ]
     count = [own[on]["tests"] for on in SUPPORTS]
-    caption = f"Means of {count[0]} and {count[1]} tests ± half an interval of 95 %."
+    caption = f"Means of {count[0]} and {count[1]} tests, with intervals of 95 %."
     blocks: list[Block] = [Table(("", *SUPPORTS), rows, caption)]
     title = name.replace("_", " ")
     if all(one.signals[on] for on in SUPPORTS):

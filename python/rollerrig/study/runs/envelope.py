@@ -9,8 +9,9 @@ is what is asked for, so that the map describes the rig.
 
 import itertools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from operator import itemgetter
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -267,23 +268,21 @@ def map_dataset(
 ) -> xr.Dataset:
     """The map of the records that there are; see `envelope`."""
     shape = (len(loads), len(adhesions), len(torques))
-    texts = {name: np.full(shape, "", dtype=object) for name in ("region", "limits", "status")}
-    numbers = {name: np.full(shape, np.nan) for name in NUMBERS}
-    for place in np.ndindex(*shape):
-        record = done.get(Point(loads[place[0]], torques[place[2]], adhesions[place[1]]))
-        if record is None:
-            continue
-        texts["region"][place], texts["status"][place] = record["region"], record["status"]
-        texts["limits"][place] = ", ".join(f"{name} {since:.3g} s" for name, since in record["limits"].items())
-        for name, values in numbers.items():
-            values[place] = np.nan if record[name] is None else record[name]
+    records = [done.get(Point(load, t, adhesion)) for load, adhesion, t in itertools.product(loads, adhesions, torques)]
+
+    def over_map(read: Callable[[Record], Any], missing: Any) -> Any:
+        return np.array([missing if one is None else read(one) for one in records]).reshape(shape)
+
+    texts = {name: over_map(itemgetter(name), "") for name in ("region", "status")}
+    texts["limits"] = over_map(lambda one: ", ".join(f"{n} {since:.3g} s" for n, since in one["limits"].items()), "")
+    numbers = {name: over_map(itemgetter(name), None).astype(float) for name in NUMBERS}
     meanings = {
         "region": "; ".join(f"{name}: {meaning}" for name, meaning in REGIONS.items()),
         "limits": "limits reached and when, the first one first",
         "status": "status of the run",
     }
     variables: dict[str, Any] = {
-        **{name: (DIMENSIONS, texts[name].astype(str), {"long_name": text}) for name, text in meanings.items()},
+        **{name: (DIMENSIONS, texts[name], {"long_name": text}) for name, text in meanings.items()},
         **{name: variable(DIMENSIONS, numbers[name], u, m) for name, (u, m) in NUMBERS.items()},
     }
     coordinates = {
