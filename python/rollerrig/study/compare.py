@@ -342,7 +342,8 @@ class CompareStudy(Study[Results]):
             scan, found = results.linear[label], results.by_disturbance.get(label)
             cell = speeds.linear_cell(scan)
             text = f"On {label}: linear critical speed {cell}{' km/h' if scan.onset and cell[0].isdigit() else ''}"
-            lines.append(text + (f", by disturbance {speeds.between(found)}." if found else "."))
+            by = self._by_disturbance(results, label)
+            lines.append(text + (f", by disturbance {by}." if found else "."))
             if found and found.ended_early:
                 lines.append(f"On {label}: {speeds.ended_early_sentence(found)}")
         *others, last = self.supports
@@ -394,6 +395,12 @@ class CompareStudy(Study[Results]):
             Section("Contact characteristics", self._characteristics(results, numbers) or missing),
         ]
 
+    def _by_disturbance(self, results: Results, label: str) -> str:
+        if label not in results.by_disturbance:
+            return "not computed"
+        found = results.by_disturbance_kmh(label)
+        return found.text("km/h", 1) if found.known else "not found: no run was decided"
+
     def _critical(self, results: Results) -> Table:
         rows = []
         for label in self.supports:
@@ -402,9 +409,7 @@ class CompareStudy(Study[Results]):
             cycle = next((run for run in found.runs if run.persists), None) if found else None
             amplitude = f"{1e3 * cycle.final.amplitude:.2f} mm, {cycle.final.frequency:.2f} Hz" if cycle else "–"
             mode = (f"{onset.frequency:.2f}", onset.name) if onset else ("–", "–")
-            rows.append(
-                (label, speeds.linear_cell(scan), *mode, speeds.between(found) if found else "not computed", amplitude)
-            )
+            rows.append((label, speeds.linear_cell(scan), *mode, self._by_disturbance(results, label), amplitude))
         header = ("on", "linear critical speed [km/h]", "frequency [Hz]", "mode", "by disturbance", "limit cycle there")
         return Table(header, rows)
 

@@ -78,18 +78,6 @@ def disturbance_numbers(found: CriticalSpeedByDisturbance) -> dict[str, Any]:
     }
 
 
-def between(found: CriticalSpeedByDisturbance) -> str:
-    """The critical speed by disturbance in words."""
-    decays, persists = 3.6 * found.decays, 3.6 * found.persists
-    if math.isfinite(persists) and math.isfinite(decays):
-        return f"between {decays:.1f} and {persists:.1f} km/h"
-    if math.isfinite(persists) and found.ended_early and found.ended_early[0].speed < found.persists:
-        return f"at or below {persists:.1f} km/h, or not at all: runs below were not decided"
-    if math.isfinite(persists):
-        return f"at or below {persists:.1f} km/h"
-    return f"above {decays:.1f} km/h" if math.isfinite(decays) else "not found: no run was decided"
-
-
 def ended_early(runs: Sequence[tuple[float, str]], count: int) -> str:
     """Which runs of `count` did not come to their end, by speed [m/s] and message, and how the slowest ended; '' if all did."""
     if not runs:
