@@ -379,8 +379,7 @@ class CompareStudy(Study[Results]):
     def sections(self, results: Results, numbers: Numbers) -> list[Section]:
         size, duration = 1e3 * self.hunting.disturbance, self.hunting.duration
         definition = (
-            f"By disturbance: runs of {duration:g} s after a lateral offset of {size:g} mm of the leading wheelset. The linear "
-            "critical speed is that of small motions."
+            f"By disturbance: runs of {duration:g} s after a lateral offset of {size:g} mm of the leading wheelset."
         )
         modes = modes_side_by_side(results.modes) if results.modes else None
         missing: list[Block] = [Text("Not computed.")]
