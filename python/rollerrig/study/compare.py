@@ -75,7 +75,8 @@ def _base(source: str, allow_code: bool) -> Case | Vehicle:
     names = (*catalog_names("vehicle"), *catalog_names("case"))
     needed = "needed: a vehicle or a case, of the catalogue or a TOML file"
     is_file = source.endswith(".toml") or "/" in source or Path(source).exists()
-    if not is_file and not any(source in catalog_names(kind) for kind in _KINDS):
+    kinds = ("vehicle", "support", "profile", "material", "case", "programme")
+    if not is_file and not any(source in catalog_names(kind) for kind in kinds):
         allowed = f"{needed}; the catalogue has the vehicles {', '.join(catalog_names('vehicle'))} and the cases "
         allowed += ", ".join(catalog_names("case"))
         raise ConfigError.of(source, "", "no such file", allowed, nearest(source, names))
@@ -83,9 +84,6 @@ def _base(source: str, allow_code: bool) -> Case | Vehicle:
     if isinstance(found, Case | Vehicle):
         return found
     raise ConfigError.of(source, "", f"a {kind}, not a vehicle", needed)
-
-
-_KINDS = ("vehicle", "support", "profile", "material", "case", "programme")
 
 
 def _support(name: str, base: Case | Vehicle) -> dict[str, Any]:

@@ -268,9 +268,5 @@ def effects_blocks(split: EffectSplit | None, caption: str) -> list[Block]:
     if split is None:
         return []
     table = "Linear critical speed, track less rig, split by switching the four effects of a roller (contact.roller_effects)."
-    interaction = (
-        "The effects interact: the loss by one of them depends on which others are on. It is therefore found from both ends, and "
-        "the interaction is stated. With all four off the rig is the track of the same head."
-    )
     picture = effects_picture("roller_effects", split, caption)
-    return [Text(effects_sentence(split)), picture, effects_table(split, table), Text(interaction)]
+    return [Text(effects_sentence(split)), picture, effects_table(split, table)]

@@ -322,10 +322,8 @@ class LateralStudy(Study[Found]):
 
     def _guidance_blocks(self, results: Found, numbers: Numbers) -> list[Block]:
         text = (
-            "On a wheel that slides along the track at a speed v_s far above its lateral speed v_y, friction opposes the "
-            "sliding: F_y = −F v_y/v_s, viscous and weak, where a rolling wheel has f₂₂/V. Kalker's theory saturated by its "
-            "length keeps the direction of the linear force, so that its slope is near f₂₂/f₁₁; the exact theory and FASTSIM "
-            "turn to Coulomb's. The parts of spin on left and right cancel in an axle."
+            "Friction opposes sliding: F_y = −F v_y/v_s, viscous and weak, of a wheel that slides along the track far faster "
+            "than across it; docs/theory/rig_control.md, (Q6)."
         )
         found = {key: self.guidance_of(results.runs[key]) for key in numbers["guidance"]}
         if not found:

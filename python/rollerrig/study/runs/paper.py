@@ -265,16 +265,12 @@ def _hunting_checks(found: Results) -> Iterator[Check]:
     """Figure 7: energy of runs and ramps, and the order of the critical speeds where both are known."""
     for material in MATERIALS:
         own, ramp = found.runs_of(RIG).get(material), found.ramps.get(material)
-        audits = {
-            f"energy of the runs at constant speed, {material}: the worst": [one.motion for one in own.runs]
-            if own
-            else [],
-            f"energy of the ramp, {material}": [] if ramp is None else [ramp],
-        }
+        steady = [one.motion for one in own.runs] if own else []
+        audits = {"runs at constant speed, {}: the worst": steady, "ramp, {}": [] if ramp is None else [ramp]}
         for name, runs in audits.items():
             if runs:
                 worst = max(float(run.attrs["energy_relative_residual"]) for run in runs)
-                yield Check(name, worst, 0.0, 1e-5, HUNTING_REASON)
+                yield Check(f"energy of the {name.format(material)}", worst, 0.0, 1e-5, HUNTING_REASON)
     for material, variant in itertools.product(MATERIALS, (RIG, VEHICLE)):
         by, linear = found.by_disturbance(material, variant), found.linear_kmh(material, variant)
         if by.known and math.isfinite(linear):
