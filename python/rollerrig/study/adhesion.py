@@ -107,8 +107,6 @@ class AdhesionStudy(Study[Runs]):
         """Equivalent dead time in closed form."""
         return predicted_dead_time(self.case) if self.error_budget else None
 
-    # ------------------------------------------------------------------------------------------------------- jobs
-
     def rounds(self, done: Done) -> Iterator[Round]:
         count = QUICK_STARTS if self.quick else STARTS
         names = ("rig", *runs.variants_of(self.case)) if self.error_budget else ("rig",)
@@ -169,8 +167,6 @@ class AdhesionStudy(Study[Runs]):
 
     def statuses(self, results: Runs) -> Sequence[str]:
         return [record.status for name in ("track", "rig") for record in results.records[name]]
-
-    # ---------------------------------------------------------------------------------------------------- numbers
 
     def rows(self, results: Runs) -> list[Row]:
         """Rows of the assessment."""
@@ -308,9 +304,6 @@ def _axle_columns(track: xr.Dataset, rig: xr.Dataset) -> dict[str, ArrayLike]:
     return {name: column.to_numpy()[:count] for name, column in columns.items()}
 
 
-# ------------------------------------------------------------------------------------------------------------ sentences
-
-
 def _verdict_lines(rows: Sequence[Row]) -> Iterator[str]:
     """The outcome of each group, and what is not met or not decided."""
     for group, title in GROUPS.items():
@@ -405,9 +398,6 @@ def _dead_time_line(found: Numbers) -> str:
         most = max(0.0, *(float(delay) for delay in found["track"]))
         text += f"; measured: none, no dead time from 0 to {most:g} ms gives the track the rig's distance"
     return f"{text}."
-
-
-# --------------------------------------------------------------------------------------------------- tables and figures
 
 
 def _causes(numbers: Numbers) -> Section:

@@ -156,9 +156,6 @@ def _lines(path: Path, folder: Path | None = None) -> Iterator[dict[str, Any] | 
         yield value if isinstance(value, dict) else None
 
 
-# -------------------------------------------------------------------------------------------------------- results
-
-
 def _stem(job: str) -> str:
     """Stem of the files of a job: the same whenever and wherever it is done; two jobs that are nearly named alike differ."""
     return f"{re.sub(r'[^a-z0-9]+', '_', job.lower())[:40]}_{hashlib.sha256(job.encode()).hexdigest()[:8]}"
@@ -208,9 +205,6 @@ def _decoded(folder: Path, value: dict[str, Any]) -> Any:
             raise ValueError(f"{value['$class']} is no result")
         return kind(**value["fields"])
     return value
-
-
-# ----------------------------------------------------------------------------------------------------------- plans
 
 
 def _refuse_another(

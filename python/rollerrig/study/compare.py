@@ -301,8 +301,6 @@ class CompareStudy(Study[Results]):
         speed = self._disturbed_kmh(done) if ran else math.nan
         return Results(modes, linear, states, shifts, conicity, over_radius, effects, runs, ran, speed)
 
-    # --------------------------------------------------------------------------------------------------- numbers
-
     def numbers(self, results: Results) -> dict[str, Any]:
         first = next(iter(self.supports.values()))
         return {
@@ -371,8 +369,6 @@ class CompareStudy(Study[Results]):
             **{f"disturbed_{label}.nc": run for label, run in results.disturbed.items()},
         }  # fmt: skip
         return {name: content for name, content in found.items() if not isinstance(content, list) or len(content) > 1}
-
-    # ---------------------------------------------------------------------------------------------------- report
 
     def sections(self, results: Results, numbers: Numbers) -> list[Section]:
         size, duration = 1e3 * self.hunting.disturbance, self.hunting.duration
@@ -486,9 +482,6 @@ CAPTIONS = {
 def _rows(entries: Sequence[Mapping[str, Any]]) -> list[list[object]]:
     """Entries of the summary as rows of a CSV file, header first."""
     return [list(entries[0]), *(list(entry.values()) for entry in entries)] if entries else []
-
-
-# ---------------------------------------------------------------------------------------------------- cases and jobs
 
 
 def run_speeds(speeds_kmh: Sequence[float]) -> list[float]:

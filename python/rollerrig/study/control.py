@@ -246,8 +246,6 @@ class ControlStudy(Study[Found]):
         if self.user is not None:
             users_controllers(self.case.with_changes({"rig_control.user": self.user}), {})
 
-    # ------------------------------------------------------------------------------------------------------ jobs
-
     @cached_property
     def chosen(self) -> list[Family]:
         """The families that are run."""
@@ -308,8 +306,6 @@ class ControlStudy(Study[Found]):
             courses,
             sorted((done[n] for n in done if n.startswith("gains times ")), key=lambda point: point["factor"]),
         )
-
-    # --------------------------------------------------------------------------------------------------- numbers
 
     def numbers(self, results: Found) -> dict[str, Any]:
         return {
@@ -375,9 +371,6 @@ class ControlStudy(Study[Found]):
             for f in self.chosen
             if any(r.family == f.name for r in results.results)
         ]
-
-
-# ------------------------------------------------------------------------------------------------------------- cases
 
 
 def study_case(case: Case, duration: float | None) -> Case:

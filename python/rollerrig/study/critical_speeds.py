@@ -28,9 +28,6 @@ def words(name: str) -> str:
     return name.replace("_", " ")
 
 
-# -------------------------------------------------------------------------------------------------- by disturbance
-
-
 def disturbance_rounds(
     cases: Mapping[str, Case],
     speeds_kmh: Mapping[str, Sequence[float]],
@@ -96,9 +93,6 @@ def ended_early_sentence(found: CriticalSpeedByDisturbance) -> str:
     """The same of the runs from a disturbance."""
     runs = [(run.speed, str(run.motion.attrs["status_message"])) for run in found.ended_early]
     return ended_early(runs, len(found.runs))
-
-
-# --------------------------------------------------------------------------------------- rollers' radius and effects
 
 
 def roller_jobs(

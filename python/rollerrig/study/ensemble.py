@@ -266,8 +266,6 @@ def measured_dead_time(rig: Estimate, track: Mapping[float, Estimate]) -> Estima
     return Estimate(found, math.hypot(*errors) / abs(slope), min(rig.freedom, track[low].freedom, track[high].freedom))
 
 
-# ------------------------------------------------------------------------------------ cases that share their starts
-
 Starting = Callable[[Case, int], Sequence[Case]]
 """Case, number -> so many cases that differ in their start alone, the case itself first."""
 

@@ -132,8 +132,6 @@ class EnvelopeStudy(Study[Envelope]):
         object.__setattr__(self, "torques", self.torques or tuple(computed.default_torques(self.case)))
         computed.check(self.case, self.torques, self.adhesions, self.loads, self.duration, self.refine)
 
-    # ------------------------------------------------------------------------------------------------------ jobs
-
     @cached_property
     def lattice(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
         """Torques and adhesions with all that refining may add."""
@@ -186,8 +184,6 @@ class EnvelopeStudy(Study[Envelope]):
         places = {region: point for region, point in computed.middles(found).items() if _example(region, point) in done}
         examples = {region: (point, done[_example(region, point)]) for region, point in places.items()}
         return Envelope(found, examples) if found.attrs["runs"] else None
-
-    # --------------------------------------------------------------------------------------------------- numbers
 
     def numbers(self, results: Envelope) -> dict[str, Any]:
         found = results.map
@@ -263,18 +259,12 @@ class EnvelopeStudy(Study[Envelope]):
         return blocks
 
 
-# -------------------------------------------------------------------------------------------------------------- jobs
-
-
 def _name(point: Point) -> str:
     return f"load {point.load!r}, torque {point.torque!r} N m, adhesion {point.adhesion!r}"
 
 
 def _example(region: str, point: Point) -> str:
     return f"example of {region}: {_name(point)}"
-
-
-# ------------------------------------------------------------------------------------------------- numbers and tables
 
 
 def _vehicle_reproduced(found: xr.Dataset, side: str, torque: float) -> bool | None:

@@ -255,8 +255,6 @@ class FitStudy(Study[Fit]):
                 compared.append(Compared(name, record, one, v, e, one.counted(v - one.measured)))
         return Fit(best, tuple(compared), tuple(sorted(float(found.estimate.cost) for found in done.values())))
 
-    # --------------------------------------------------------------------------------------------------- numbers
-
     def numbers(self, results: Fit) -> dict[str, Any]:
         found, fitted = results.found.estimate, [one.channel.fitted for one in results.compared]
         names = list(found.values)
@@ -336,8 +334,6 @@ class FitStudy(Study[Fit]):
                 f"{numbers['searches_at_the_same_end']} of {numbers['searches']} searches ended at this place."
             )
         return lines
-
-    # ----------------------------------------------------------------------------------------------------- files
 
     def files(self, results: Fit, numbers: Numbers) -> Mapping[str, Content]:
         names = ("key", "unit", "value", "standard_error", "lower", "upper", "start", "least", "most")

@@ -275,8 +275,6 @@ class LateralStudy(Study[Found]):
     def statuses(self, results: Found) -> Sequence[str]:
         return [run.attrs["status"] for run in results.runs.values()]
 
-    # --------------------------------------------------------------------------------------------------- numbers
-
     def numbers(self, results: Found) -> dict[str, Any]:
         begin = _slide(results.runs)
         names = [q.name for q in self.quantities.below("guidance.*")]

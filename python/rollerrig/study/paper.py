@@ -108,8 +108,6 @@ class PaperStudy(Study[Results]):
         run = results.traction
         return {} if run is None else {"the bogie on free rollers under traction, figure 8": run}
 
-    # ---------------------------------------------------------------------------------------------------- report
-
     def sections(self, results: Results, numbers: Numbers) -> list[Section]:
         drawn = {name: Picture(name, figure, CAPTIONS[name]) for name, figure in _figures(results).items()}
 
@@ -180,8 +178,6 @@ class PaperStudy(Study[Results]):
         return [Table(header, rows, caption)] if rows else []
 
 
-# -------------------------------------------------------------------------------------------------------------- figures
-
 LABELS = {"steel": "Steel", "paper": "Paper's material, G = 10 GPa"}
 
 
@@ -222,8 +218,6 @@ def _figures(results: Results) -> dict[str, Figure]:
         found["figure_8b"] = traction_forces(results.theory, wheels)
     return found
 
-
-# ------------------------------------------------------------------------------------------------------------ sentences
 
 Row = Sequence[str]
 

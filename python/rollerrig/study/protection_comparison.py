@@ -165,8 +165,6 @@ class ProtectionComparison(Study[Mapping[System, Results]]):
     def statuses(self, results: Mapping[System, Results]) -> list[str]:
         return [status for system, study in self.studies.items() for status in study.statuses(results[system])]
 
-    # ---------------------------------------------------------------------------------------------------- numbers
-
     def numbers(self, results: Mapping[System, Results]) -> dict[str, Any]:
         stops: dict[str, Any] = {}
         for stop in results["first"]:

@@ -51,8 +51,6 @@ class Quantities:
         """Key -> meaning and unit, for summary.json and the reference page."""
         return {quantity.key: quantity.description for quantity in (*self._all, *COMMON)}
 
-    # ------------------------------------------------------------------------------------------------ tables
-
     def table(
         self,
         entries: Mapping[str, Numbers] | Sequence[Numbers],

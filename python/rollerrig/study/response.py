@@ -119,8 +119,6 @@ class ResponseStudy(Study[dict[str, AtSpeed]]):
     def collect(self, done: Done) -> dict[str, AtSpeed] | None:
         return dict(done) or None
 
-    # --------------------------------------------------------------------------------------------------- numbers
-
     @property
     def _grid(self) -> Array:
         return np.geomspace(*self.frequencies, self.points)
@@ -175,8 +173,6 @@ class ResponseStudy(Study[dict[str, AtSpeed]]):
         all_measured = ((label, one) for label, found in results.items() for one in found.measured.values())
         ended = [f"A measurement ended early at {label}: {one.ended}" for label, one in all_measured if one.ended]
         return [*sentences, *ended]
-
-    # --------------------------------------------------------------------------------------------------- files
 
     def files(self, results: dict[str, AtSpeed], numbers: Numbers) -> Mapping[str, Any]:
         return {

@@ -178,8 +178,6 @@ class ScaleStudy(Study[Scaled]):
     def statuses(self, results: Scaled) -> Sequence[str]:
         return [run.attrs["status"] for run in (results.full, results.mapped["model"])]
 
-    # --------------------------------------------------------------------------------------------------- numbers
-
     def numbers(self, results: Scaled) -> dict[str, Any]:
         compared = {name: scaled_model.fidelity(results.full, run) for name, run in results.mapped.items()}
         for name, one in compared.items():
@@ -266,9 +264,6 @@ class ScaleStudy(Study[Scaled]):
         if _moves_sideways(numbers):
             pictures.append(("Lateral motion", "lateral", figures.lateral(runs), "Wheelsets, positive to the left."))
         return pictures
-
-
-# ------------------------------------------------------------------------------------------------------ cases and texts
 
 
 def scale_study(

@@ -313,8 +313,6 @@ class StabilityStudy(Study[Results]):
             diagram = found if found.up or found.down else None
         return Results(done["modes"], above, diagram, contact, done.get(BRANCH), done.get(SENSITIVITY))
 
-    # --------------------------------------------------------------------------------------------------- numbers
-
     def numbers(self, results: Results) -> dict[str, Any]:
         attributes = results.modes.attrs
         oscillates = results.modes["frequency"] > 0.05
@@ -381,8 +379,6 @@ class StabilityStudy(Study[Results]):
         for key, rows in tables.items():
             found[f"{key.removesuffix('.points')}.csv"] = self.quantities.csv(rows, f"{key}.*")
         return found
-
-    # ---------------------------------------------------------------------------------------------------- report
 
     def sections(self, results: Results, numbers: Numbers) -> list[Section]:
         runs = None if results.diagram is None else limit_cycle_table(results.diagram)

@@ -156,8 +156,6 @@ class SweepStudy(Study[Sweep]):
         name = {} if self.compute is None else {"compute": f"{self.compute.__module__}:{self.compute.__qualname__}"}
         return {"plan": own, **name, "case": tomllib.loads(self.whole.case.to_toml())}
 
-    # ------------------------------------------------------------------------------------------------------ jobs
-
     def rounds(self, done: Done) -> Iterator[Round]:
         packed = pickle.dumps((self.whole.case, self.whole.plan.measure, self.compute))
         yield {_name(i): Job(run_case, (packed, changes), lost_case) for i, changes in enumerate(self.points.changes())}
@@ -194,8 +192,6 @@ class SweepStudy(Study[Sweep]):
             for name in (record or {}).get("numbers", {}):
                 found.setdefault(name, ("", name.replace("_", " ")))
         return found
-
-    # --------------------------------------------------------------------------------------------------- numbers
 
     def numbers(self, results: Sweep) -> dict[str, Any]:
         data = results.data
@@ -307,9 +303,6 @@ def _span(ends: Mapping[str, float | None]) -> float:
 
 def _name(number: int) -> str:
     return f"case {number}"
-
-
-# -------------------------------------------------------------------------------------------------------------- jobs
 
 
 @lru_cache(maxsize=4)

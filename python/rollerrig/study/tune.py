@@ -204,8 +204,6 @@ class TuneStudy(Study[Tuned]):
         """The free keys with their ranges."""
         return free_axes(self.case, self.free)
 
-    # ------------------------------------------------------------------------------------------------------ jobs
-
     def rounds(self, done: Done) -> Iterator[Round]:
         from scipy.stats import qmc  # slow to load
 
@@ -273,8 +271,6 @@ class TuneStudy(Study[Tuned]):
             return "not run"
         return "" if all(value > 0.0 for of in OBJECTIVES for value in point.of(of)) else "test ended early"
 
-    # --------------------------------------------------------------------------------------------------- numbers
-
     def numbers(self, results: Tuned) -> dict[str, Any]:
         points: dict[str, dict[str, Any]] = {}
         for name, one in results.points.items():
@@ -325,8 +321,6 @@ class TuneStudy(Study[Tuned]):
             for of, one in numbers["changes"].items()
             if None not in one.values()
         ]
-
-    # ----------------------------------------------------------------------------------------------------- files
 
     def files(self, results: Tuned, numbers: Numbers) -> Mapping[str, Content]:
         found: dict[str, Content] = {"candidates.csv": self._rows(numbers)}

@@ -98,8 +98,6 @@ class WspStudy(Study[Results]):
         """Name of the stop -> its case on the rig."""
         return {stop.name: runs.stop_case(self.case, self.programme, stop) for stop in self.stops}
 
-    # ------------------------------------------------------------------------------------------------------- jobs
-
     @property
     def round_ends(self) -> tuple[float, ...]:  # type: ignore[override]
         """A round per stop."""
@@ -156,8 +154,6 @@ class WspStudy(Study[Results]):
     def statuses(self, results: Results) -> Sequence[str]:
         return [record.status for one in results.values() for tests in one.tests.values() for record in tests.tests]
 
-    # ---------------------------------------------------------------------------------------------------- numbers
-
     def numbers(self, results: Results) -> dict[str, Any]:
         return {
             "case": self.case.name,
@@ -196,9 +192,6 @@ class WspStudy(Study[Results]):
 
 def _on(case: Case, support: Support) -> Case:
     return track_case(case) if support == "track" else case
-
-
-# ------------------------------------------------------------------------------------------------------ numbers and rows
 
 
 def _stop_numbers(result: StopResult) -> dict[str, Any]:
@@ -254,8 +247,6 @@ def _test_rows(tests: Tests) -> list[list[object]]:
         rows += [[on, k + 1, one.status, *(column[k] for column in columns)] for k, one in enumerate(found.tests)]
     return rows
 
-
-# ------------------------------------------------------------------------------------------------------------ sentences
 
 NOT_QUOTED = (
     "Stops and limits are those of the programme file. EN 15595 and UIC 541-05 are not quoted: an outcome here is no approval, "
@@ -351,9 +342,6 @@ def limit_text(name: str, one: Numbers) -> str:
     _, factor, unit = quantity_of(name)
     each = " in each test" if CRITERIA[name].every else ""  # type: ignore[index]
     return f"{one['kind']} {number(factor * one['limit'], 3)} {unit}".rstrip() + each
-
-
-# --------------------------------------------------------------------------------------------------- tables and figures
 
 
 def _overview(programme: Programme, numbers: Numbers) -> Table:

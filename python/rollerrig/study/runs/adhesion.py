@@ -252,9 +252,6 @@ def verdict_of(rows: Sequence[Row], group: Group) -> Outcome:
     return overall(row.verdict for row in rows if row.group == group) or NOT_DECIDED
 
 
-# --------------------------------------------------------------------------------------------------------- rows
-
-
 def _all_of(group: Group, key: str, text: str, met: Sequence[bool], origin: str, **more: Any) -> Row:
     """A gate that is met where all of these are."""
     share, shown = Estimate(sum(met) / len(met), 0.0, math.inf), f"{sum(met)} of {len(met)}"

@@ -331,8 +331,6 @@ MEASURED = {"tracking": ("tracking_rms", TRACKING_LIMIT), "ripple": ("ripple_nm"
 """Cause -> the number that decides it, and its limit."""
 
 
-# ------------------------------------------------------------------------------------- stability of the loop
-
 FACTORS = tuple(float(f) for f in np.geomspace(1.0, 256.0, 25))
 """On the gains of the PI controller, in the runs that measure its stability."""
 

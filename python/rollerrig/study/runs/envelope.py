@@ -221,9 +221,6 @@ def between(values: Sequence[float], parts: int) -> tuple[float, ...]:
     return (*(float(f"{value:.9g}") for value in found), values[-1])
 
 
-# -------------------------------------------------------------------------------------------------------------- jobs
-
-
 @dataclass(frozen=True)
 class OnTrack:
     """What the virtual train takes from the vehicle on track: the same for all runs of a load; None: no equilibrium."""

@@ -89,9 +89,6 @@ class Record:
     a_over_b: float | None = None
 
 
-# ------------------------------------------------------------------------------------------------- what the model gives
-
-
 class UnusableRunError(RuntimeError):
     """A run that left the validity of its model."""
 
@@ -184,9 +181,6 @@ MODELS: Mapping[str, Model] = {
     "creep": Model(("creepage", "1"), lambda _: {"traction_coefficient": "1"}, _creep_values),
 }
 """Kind of a log -> what it is compared with."""
-
-
-# -------------------------------------------------------------------------------------------------------------- search
 
 
 @dataclass(frozen=True, eq=False)

@@ -57,9 +57,6 @@ FRONT, REAR = "wheelset_1_right", "wheelset_2_right"
 """The wheels of the paper's figure 8."""
 
 
-# ------------------------------------------------------------------------------------------------------------- the plan
-
-
 @dataclass(frozen=True)
 class PaperPlan:
     """Speeds and lengths of what is computed.
@@ -123,8 +120,6 @@ def traction_case(contact: str = OWN) -> Case:
     return load_case("bogie_rollers_traction").with_changes(CONTACTS[contact])
 
 
-# ----------------------------------------------------------------------------------------------------------------- jobs
-
 ALL = tuple(itertools.product(CONTACTS, MATERIALS, VARIANTS))
 RUNS = tuple(key for key in ALL if key[2] in (RIG, VEHICLE))
 """Contact, material and variant of the runs from a disturbance."""
@@ -157,8 +152,6 @@ def rounds(plan: PaperPlan, done: Done) -> Iterator[Round]:
         yield {**further, **more}
         further = {}
 
-
-# -------------------------------------------------------------------------------------------------------------- results
 
 Place = tuple[str, str, str]
 """Contact, material, variant."""
@@ -246,8 +239,6 @@ def results_of(plan: PaperPlan, done: Done) -> Results:
     return found
 
 
-# --------------------------------------------------------------------------------------------------------------- checks
-
 ORDER_REASON = "above the linear critical speed every disturbance grows; linear speed to 0.1 km/h"
 HUNTING_REASON = "of the energy turned over; the runs are integrated to a relative tolerance of 1e-4 per step"
 SPIN_REASON = "relative to the largest torque; the patches' mean radius is used, spin moments on the cone are left out"
@@ -327,8 +318,6 @@ def around_onset(runs: list[HuntingRun], onset: float, count: int = 6) -> list[H
     unique = {run.speed: run for run in picked}
     return [unique[speed] for speed in sorted(unique)][:count]
 
-
-# ----------------------------------------------------------------------------------------------------- numbers and files
 
 ENDS = (
     ("sliding_mmps", "sliding", 1e3),

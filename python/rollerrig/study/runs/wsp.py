@@ -325,9 +325,6 @@ def verdict_of(found: Sequence[Judgement]) -> Outcome | None:
     return overall(one.verdict for one in found)
 
 
-# ----------------------------------------------------------------------------------------------------- what is a bad run
-
-
 def faults(found: StopTests) -> Iterator[str]:
     """Why nothing can be decided from these tests, whatever is judged."""
     tests, count = found.tests, len(found.tests)
