@@ -412,14 +412,9 @@ def _causes(numbers: Numbers) -> Section:
     rows = [(text, *(with_error(one[name]) for name in ("distance_relative", *VARIANT))) for text, one in found.items()]
     header = ("run", "distance over track, less 1", "tracking RMS", "mean slip", "dump cycles", "air [l]")
     more = "Each of the lines after the first takes one more imperfection away; ± standard error."
-    return Section(
-        "Why rig and track differ",
-        [
-            Picture("causes", cause_bars(bars), caption),
-            QUANTITIES.table(causes, names, "Shares of the distance on track.", "cause"),
-            Table(header, rows, more),
-        ],
-    )
+    shares = QUANTITIES.table(causes, names, "Shares of the distance on track.", "cause")
+    blocks = [Picture("causes", cause_bars(bars), caption), shares, Table(header, rows, more)]
+    return Section("Why rig and track differ", blocks)
 
 
 def _dead_time(numbers: Numbers) -> Section:

@@ -236,7 +236,6 @@ class EnvelopeStudy(Study[Envelope]):
             for load in found["load"].to_numpy()
         ]  # fmt: skip
         method = METHOD.format(duration=self.duration, speed=found.attrs["speed_kmh"])
-        counts = [[meaning, numbers["regions"][name]] for name, meaning in REGIONS.items()]
         forms = [(key.removeprefix("line_").replace("_", " "), what) for key, what in LINES.items()]
         lines = Table(("line", "meaning"), forms)
         return [
@@ -244,7 +243,6 @@ class EnvelopeStudy(Study[Envelope]):
             Section("Torque that is reproduced", [reach_table(found)]),
             Section("Closed forms", [Text(CLOSED_FORMS), lines, deviations_table(found)]),
             Section("Runs over time", self._examples(results.examples)),
-            Section("Runs by region", [Table(("region", "runs"), counts)]),
         ]
 
     def _examples(self, examples: Mapping[str, tuple[Point, xr.Dataset]]) -> list[Block]:

@@ -232,18 +232,15 @@ class ScaleStudy(Study[Scaled]):
         scaling = Table(
             ("quantity", "full scale over model", "unit"), scaled, similitude.STRATEGIES[self.record.strategy].title
         )
-        less = self.quantities.list_table({"model less full scale": numbers["fidelity"]}, compared)
         sections = [
             Section("Similitude", [scaling, Table(header, violations, "requirements, met or violated")]),
             Section("Contact at rest", [contact_at_rest_table(self.model, *results.contact)]),
-            Section("Numbers", [self.quantities.list_table(runs, shown), less]),
+            Section("Numbers", [self.quantities.list_table(runs, shown)]),
         ]
         sections += [Section(title, [Picture(*picture)]) for title, *picture in self._pictures(results, numbers)]
-        if numbers["error_budget"]:
-            entries = {LABELS[n]: one for n, one in {"model": numbers["fidelity"], **numbers["error_budget"]}.items()}
-            budget = self.quantities.table(entries, compared, "against full scale", "model")
-            sections.append(Section("Error budget of the model", [budget]))
-        return sections
+        entries = {LABELS[n]: one for n, one in {"model": numbers["fidelity"], **numbers["error_budget"]}.items()}
+        budget = self.quantities.table(entries, compared, "against full scale", "model")
+        return [*sections, Section("Error budget of the model", [budget])]
 
     def _pictures(self, results: Scaled, numbers: Numbers) -> list[tuple[str, str, Any, str]]:
         """Title of the section, and what a Picture takes."""

@@ -17,7 +17,7 @@ from rollerrig.config import CRITERIA, Case, Programme
 from rollerrig.config.schema.programme import BrakedRun
 from rollerrig.config.write.toml import to_toml
 from rollerrig.plot.wsp import Ends, means_with_intervals, slip_grid, stop_over_time
-from rollerrig.study.assessment import SHOWN
+from rollerrig.study.assessment import SHOWN, overall
 from rollerrig.study.ensemble import finer, start_jobs, start_name, started, with_interval
 from rollerrig.study.frame import Content, Study
 from rollerrig.study.jobs import Done, Job, Round, job
@@ -215,7 +215,7 @@ def _stop_numbers(result: StopResult) -> dict[str, Any]:
 
 def _support_numbers(found: StopTests, judged: Sequence[Judgement]) -> dict[str, Any]:
     numbers: dict[str, Any] = {
-        "verdict": runs.verdict_of([one for one in judged if one.support == found.support]),
+        "verdict": overall(one.verdict for one in judged if one.support == found.support),
         "tests": len(found.tests),
         "stopped": sum(one.stopped for one in found.tests),
         "dry_distance_m": None if found.dry is None else found.dry.measures["distance_m"],

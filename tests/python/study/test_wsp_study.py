@@ -22,6 +22,7 @@ from rollerrig.config.load.resolve import resolve_programme
 from rollerrig.config.read import Document
 from rollerrig.config.schema.programme import CriterionName
 from rollerrig.results.run_info import RunInfo
+from rollerrig.study.assessment import overall
 from rollerrig.study.frame import Outcome
 from rollerrig.study.jobs import whole_run
 from rollerrig.study.runs.adhesion import track_case
@@ -36,7 +37,6 @@ from rollerrig.study.runs.wsp import (
     dry_case,
     judgements,
     stop_case,
-    verdict_of,
 )
 from rollerrig.study.wsp import MEASURED, QUANTITIES, Results, WspStudy, label
 
@@ -283,7 +283,7 @@ def test_a_good_stop_meets_every_criterion(on: Support) -> None:
     found = judged(made(), on)
     assert len(found) == len(CRITERIA)
     assert words(found) == {"met"}
-    assert verdict_of(list(found.values())) == "met"
+    assert overall(one.verdict for one in found.values()) == "met"
 
 
 @pytest.mark.parametrize("name", LIMITS)
@@ -294,7 +294,7 @@ def test_each_criterion_is_not_met_beyond_its_limit_and_undecided_across_it(name
     beyond = 0.9 if CRITERIA[name].least and name != "k_wet" else 1.1
     bad = judged(made(**{changed: beyond * limit}))
     assert bad[name].verdict == "not met"
-    assert verdict_of(list(bad.values())) == "not met"
+    assert overall(one.verdict for one in bad.values()) == "not met"
     across = judged(made(scatter=0.02, **{changed: limit}))
     assert across[name].verdict == ("not met" if CRITERIA[name].every else "not decided")
 
@@ -427,7 +427,7 @@ def test_a_drag_braking_need_not_stop_and_is_judged_by_what_it_has() -> None:
 
 
 def test_without_limits_nothing_is_judged() -> None:
-    assert verdict_of([]) is None
+    assert overall([]) is None
 
 
 @pytest.mark.slow

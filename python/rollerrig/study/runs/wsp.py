@@ -31,7 +31,7 @@ from rollerrig.config.write.toml import plain
 from rollerrig.results.run_info import RunInfo
 from rollerrig.results.summary import LONGEST_SPELL, contact_losses
 from rollerrig.simulation.run import ENERGY_WARNING
-from rollerrig.study.assessment import NOT_DECIDED, Outcome, outcome, overall
+from rollerrig.study.assessment import NOT_DECIDED, Outcome, outcome
 from rollerrig.study.ensemble import Estimate, check_ensemble, estimate, stepped, values_of
 from rollerrig.study.jobs import Progress, whole_run
 from rollerrig.study.runs.adhesion import track_case, verdict_rows
@@ -318,11 +318,6 @@ def judgements(programme: Programme, found: StopTests, other: StopTests) -> list
         mean = found.estimate(name).times(factor)
         judged.append(Judgement(found.stop.name, found.support, limit, mean, worst, (*common, *own)))
     return judged
-
-
-def verdict_of(found: Sequence[Judgement]) -> Outcome | None:
-    """Outcome of several criteria: met where all are, not met where one is not, else not decided; None: nothing was judged."""
-    return overall(one.verdict for one in found)
 
 
 def faults(found: StopTests) -> Iterator[str]:
