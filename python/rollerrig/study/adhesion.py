@@ -41,7 +41,7 @@ from rollerrig.study.ensemble import FINER_STARTS, Estimate, distances, measure,
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Round, job
 from rollerrig.study.quantities import Numbers, Quantities
-from rollerrig.study.report import VIEW, Picture, Section, Table
+from rollerrig.study.report import VIEW, Block, Picture, Section, Table
 from rollerrig.study.runs import adhesion as runs
 from rollerrig.study.runs.adhesion import CAUSES, GROUPS, STEPS, VARIANTS, Row, track_case
 
@@ -413,7 +413,7 @@ def _causes(numbers: Numbers) -> Section:
     header = ("run", "distance over track, less 1", "tracking RMS", "mean slip", "dump cycles", "air [l]")
     more = "Each of the lines after the first takes one more imperfection away; ± standard error."
     shares = QUANTITIES.table(causes, names, "Shares of the distance on track.", "cause")
-    blocks = [Picture("causes", cause_bars(bars), caption), shares, Table(header, rows, more)]
+    blocks: list[Block] = [Picture("causes", cause_bars(bars), caption), shares, Table(header, rows, more)]
     return Section("Why rig and track differ", blocks)
 
 
