@@ -470,7 +470,6 @@ def control(
     families: Annotated[Sequence[str], Option(commas=True, meaning=_FAMILIES)] = (),
     controller: str | None = None,
     loop: bool = True,
-    lags: bool = True,
     processes: Processes = 1,
     progress: Progress | None = None,
 ) -> Outcome[Any]:
@@ -482,7 +481,6 @@ def control(
         families: what is varied, by name; none: everything.
         controller: your own controller to compare: 'file.py:Class' or 'module:Class'.
         loop: also find the gains at which the loop becomes unstable, computed and measured.
-        lags: also compare ways to compensate the lags, in tests of the case's own length.
         processes: runs at a time; more than 1 asks a script for `if __name__ == "__main__":`.
         progress: called with the fraction done and a short text.
 
@@ -491,9 +489,7 @@ def control(
     """
     from rollerrig.study.control import ControlStudy, study_case
 
-    whole = _case(case)
-    length = whole.time.duration if lags else 0.0
-    study = ControlStudy(study_case(whole, duration), tuple(families), controller, loop, length)
+    study = ControlStudy(study_case(_case(case), duration), tuple(families), controller, loop)
     return _outcome(study, processes, progress)
 
 
@@ -788,8 +784,7 @@ def fit(
     from rollerrig.config.load.fit import load_fit
     from rollerrig.config.read import Document
     from rollerrig.results.logs import log_of
-    from rollerrig.study.fit import FitStudy
-    from rollerrig.study.runs.fit_logs import records
+    from rollerrig.study.fit import FitStudy, records
 
     source = Document(dict(plan), "plan", Path()) if isinstance(plan, Mapping) else str(plan)
     whole = load_fit(source, allow_code=allow_code, changes=changes)
@@ -830,8 +825,7 @@ def compare(
         ConfigError: a vehicle or support is unknown or cannot be used.
     """
     from rollerrig.analysis import HuntingSettings
-    from rollerrig.study.compare import CompareStudy
-    from rollerrig.study.runs.compare import compared_cases
+    from rollerrig.study.compare import CompareStudy, compared_cases
 
     cases = compared_cases(vehicle, on, cut, allow_code=allow_code)
     parts = tuple(next(iter(cases.values())).vehicle.data.cut_names()[::-1])

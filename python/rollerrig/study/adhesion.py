@@ -24,18 +24,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
+from rollerrig.analysis import slide_statistics as slides
 from rollerrig.analysis.equivalent_dead_time import DeadTime, predicted_dead_time
-from rollerrig.analysis.slide_statistics import (
-    SLIP_EDGES,
-    TestRecord,
-    axle_load,
-    by_own_motion,
-    idle_valves,
-    point_by_point,
-    test_record,
-    under_test,
-    wheel_radius,
-)
+from rollerrig.analysis.slide_statistics import TestRecord
 from rollerrig.analysis.virtual_rail import patch_of, slipperiest_peak
 from rollerrig.assembly.model import assemble
 from rollerrig.common.formatting import number, percent
@@ -44,51 +35,15 @@ from rollerrig.plot import adhesion as figures
 from rollerrig.plot.adhesion import cause_bars, dead_time_curve, slip_histogram
 from rollerrig.results import COMPLETED
 from rollerrig.simulation.run import simulate
+from rollerrig.study import ensemble
 from rollerrig.study.assessment import NOT_DECIDED, SHOWN
-from rollerrig.study.ensemble import (
-    FINER_STARTS,
-    Estimate,
-    check_ensemble,
-    dead_times,
-    difference,
-    distances,
-    finer,
-    later_protection,
-    measure,
-    measured_dead_time,
-    recorded,
-    relative,
-    start_jobs,
-    start_name,
-    started,
-    stepped,
-    with_error,
-)
+from rollerrig.study.ensemble import FINER_STARTS, Estimate, distances, measure, started, with_error
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Round, job
 from rollerrig.study.quantities import Numbers, Quantities
-from rollerrig.study.report import VIEW, Picture, Section, Table, Text
-from rollerrig.study.runs.adhesion import (
-    CAUSES,
-    GROUPS,
-    LARGEST_ERROR,
-    STEPS,
-    TOGETHER,
-    VARIANTS,
-    Row,
-    cause_shares,
-    is_within_error,
-    law_case,
-    law_names,
-    law_numbers,
-    law_table,
-    to_refine,
-    track_case,
-    variant,
-    variants_of,
-    verdict_of,
-    verdict_rows,
-)
+from rollerrig.study.report import VIEW, Block, Picture, Section, Table
+from rollerrig.study.runs import adhesion as runs
+from rollerrig.study.runs.adhesion import CAUSES, GROUPS, STEPS, VARIANTS, Row, track_case
 
 QUANTITIES = Quantities("adhesion")
 RUN, RIG = ([q.key.split(".")[1] for q in QUANTITIES.below(on) if q.key.endswith(".mean")] for on in ("*", "rig"))
@@ -101,11 +56,6 @@ and the most of an ensemble."""
 
 WHOLE = ("track", "rig", "rolling")
 """Ensembles whose first test is kept as a whole, to be drawn."""
-
-SECOND = "track, second"
-"""Another start on track, faster by PHASE_SPEED, kept as a whole: what it differs by is phase alone."""
-
-PHASE_SPEED = 3e-3  # [m/s]
 
 FINE = ", finer steps"
 """After the name of an ensemble: its first tests with finer steps and samples."""
@@ -120,7 +70,7 @@ class Runs:
 
     Attributes:
         whole: first tests as a whole, by name: track, rig, rolling and a second start on track.
-        records: by name of the ensemble: track, rig, the variants of the rig, both with other creep laws.
+        records: by name of the ensemble: track, rig, the variants of the rig.
         later: additional dead time of the protection [s] -> ensemble on track.
     """
 
@@ -147,7 +97,7 @@ class AdhesionStudy(Study[Runs]):
 
     def __post_init__(self) -> None:
         """Refuse a case that is not that of a rig which reproduces a test on track."""
-        check_ensemble(track_case(self.case))
+        ensemble.check_ensemble(track_case(self.case))
 
     def cases(self) -> Mapping[str, Case]:
         return {"rig": self.case, "track": track_case(self.case)}
@@ -157,17 +107,13 @@ class AdhesionStudy(Study[Runs]):
         """Equivalent dead time in closed form."""
         return predicted_dead_time(self.case) if self.error_budget else None
 
-    # ------------------------------------------------------------------------------------------------------- jobs
-
     def rounds(self, done: Done) -> Iterator[Round]:
         count = QUICK_STARTS if self.quick else STARTS
-        names = ("rig", *variants_of(self.case)) if self.error_budget else ("rig",)
-        later = [f"{LATER}{delay}" for delay in dead_times(self.case, self.predicted)]
+        names = ("rig", *runs.variants_of(self.case)) if self.error_budget else ("rig",)
+        later = [f"{LATER}{delay}" for delay in ensemble.dead_times(self.case, self.predicted)]
         whole = {name: job(simulate, self._case(name)) for name in WHOLE if name == "track" or name in names}
-        whole[SECOND] = job(simulate, self._case(SECOND))
-        laws = law_names(self.case) if self.error_budget else ()
         fine = [] if self.quick else [f"{name}{FINE}" for name in ("track", *names) if name in ("track", "rig", *STEPS)]
-        tests = self._tests(("track", *names, *later, *laws), 0, count)
+        tests = self._tests(("track", *names, *later), 0, count)
         yield {**whole, **self._tests(("track", "rig"), 0, FIRST_STARTS)}
         yield {**tests, **self._tests(fine, 0, FINER_STARTS)}
         while not self.quick and (found := self.collect(done)) is not None and (more := self._more_starts(found)):
@@ -183,58 +129,53 @@ class AdhesionStudy(Study[Runs]):
         if needed and count["rig"] == STARTS:
             return self._tests(("track", "rig"), STARTS, math.ceil(max(needed)))
         found: Round = {}
-        for pair in to_refine(cause_shares(results.records)):
+        for pair in runs.to_refine(runs.cause_shares(results.records)):
             if (begin := min(count[name] for name in pair)) < MOST_STARTS:
                 found = {**found, **self._tests(pair, begin, begin + MORE_STARTS)}
         return found
 
     def _tests(self, names: Sequence[str], begin: int, end: int) -> Round:
         """Ensembles from one start to another; the first start of some is run as a whole."""
-        jobs = start_jobs({name: self._case(name) for name in names}, lambda one, _: job(recorded, one), end, begin)
-        return {name: one for name, one in jobs.items() if name not in [start_name(whole, 0) for whole in WHOLE]}
+        cases = {name: self._case(name) for name in names}
+        jobs = ensemble.start_jobs(cases, lambda one, _: job(ensemble.recorded, one), end, begin)
+        return {name: one for name, one in jobs.items() if name not in [ensemble.start_name(one, 0) for one in WHOLE]}
 
     def _case(self, name: str) -> Case:
         if name.endswith(FINE):
-            return finer(self._case(name.removesuffix(FINE)))
+            return ensemble.finer(self._case(name.removesuffix(FINE)))
         if name.startswith(LATER):
-            return later_protection(track_case(self.case), float(name.removeprefix(LATER)))
-        if name in ("track", SECOND):
-            shift = PHASE_SPEED if name == SECOND else 0.0
-            track = track_case(self.case)
-            return track.with_changes({"motion.speed": f"{track.motion.speed + shift!r} m/s"}) if shift else track
-        if (with_law := law_case(self.case, name)) is not None:
-            return with_law
-        return self.case if name == "rig" else variant(self.case, name)
+            return ensemble.later_protection(track_case(self.case), float(name.removeprefix(LATER)))
+        if name == "track":
+            return track_case(self.case)
+        return self.case if name == "rig" else runs.variant(self.case, name)
 
     def _records(self, done: Done, names: Sequence[str]) -> dict[str, list[TestRecord]]:
         """What there is of each ensemble, in the order of the starts, up to the first one that is missing."""
-        whole = {name: [test_record(done[name], self._case(name))] for name in WHOLE if name in done}
+        whole = {name: [slides.test_record(done[name], self._case(name))] for name in WHOLE if name in done}
         return {name: started(done, name, whole.get(name, ())) for name in ("track", *names)}
 
     def collect(self, done: Done) -> Runs | None:
         if "track" not in done or "rig" not in done:
             return None
-        names = ("rig", *variants_of(self.case), *law_names(self.case))
+        names = ("rig", *runs.variants_of(self.case))
         fine = [f"{name}{FINE}" for name in ("track", "rig", *STEPS)]
         records = {name: found for name, found in self._records(done, (*names, *fine)).items() if found}
-        delays = dead_times(self.case, self.predicted)
+        delays = ensemble.dead_times(self.case, self.predicted)
         later = self._records(done, [f"{LATER}{delay}" for delay in delays])
-        whole = {name: done[name] for name in (*WHOLE, SECOND) if name in done}
+        whole = {name: done[name] for name in WHOLE if name in done}
         return Runs(whole, records, {delay: found for delay in delays if (found := later[f"{LATER}{delay}"])})
 
     def statuses(self, results: Runs) -> Sequence[str]:
         return [record.status for name in ("track", "rig") for record in results.records[name]]
 
-    # ---------------------------------------------------------------------------------------------------- numbers
-
     def rows(self, results: Runs) -> list[Row]:
         """Rows of the assessment."""
         tests, fine = ([results.records.get(f"{on}{end}", ()) for on in ("track", "rig")] for end in ("", FINE))
-        return verdict_rows(self.case, (tests[0], tests[1]), (fine[0], fine[1]))
+        return runs.verdict_rows(self.case, (tests[0], tests[1]), (fine[0], fine[1]))
 
     def numbers(self, results: Runs) -> dict[str, Any]:
-        records, whole, rows = results.records, results.whole, self.rows(results)
-        variants = [name for name in variants_of(self.case) if name in records]
+        records, rows = results.records, self.rows(results)
+        variants = [name for name in runs.variants_of(self.case) if name in records]
         shares = _shares(records)
         peak = slipperiest_peak(self.case, patch_of(assemble(self.case)), self.case.motion.speed)
         return {
@@ -242,17 +183,15 @@ class AdhesionStudy(Study[Runs]):
             "starts": min(len(records["track"]), len(records["rig"])),
             "fine_starts": len(records.get(f"rig{FINE}", ())),
             "creep_peak": dict(zip(("slip", "adhesion"), peak, strict=True)),
-            "verdict": {group: verdict_of(rows, group) for group in GROUPS},
+            "verdict": {group: runs.verdict_of(rows, group) for group in GROUPS},
             "verdicts": {row.key: row.as_dict() for row in rows},
             "track": _run_numbers(records["track"], RUN),
             "rig": _run_numbers(records["rig"], [*RUN, *RIG]),
             "variants": {name: _variant_numbers(records["track"], records[name]) for name in variants},
             "causes": {name: {"share": share.mean, "standard_error": share.standard_error, **vars(share.interval),
-                              "within_its_error": is_within_error(share)} for name, share in shares.items()},
-            "creep_laws": law_numbers(self.case, records),
+                              "within_its_error": runs.is_within_error(share)} for name, share in shares.items()},
             "dead_time": self._dead_time_numbers(results),
-            "point_by_point": {name: point_by_point(whole["track"], whole[name]) for name in ("rig", SECOND) if name in whole},
-            "tracking_by_own_motion": by_own_motion(whole["rig"]),
+            "tracking_by_own_motion": slides.by_own_motion(results.whole["rig"]),
         }  # fmt: skip
 
     def _dead_time_numbers(self, results: Runs) -> dict[str, Any]:
@@ -270,8 +209,9 @@ class AdhesionStudy(Study[Runs]):
             delays = sorted(results.later)
             own, *curve = distances((records["rig"], records["track"], *(results.later[d] for d in delays)))
             tracks = {0.0: curve[0], **dict(zip(delays, curve[1:], strict=True))}
-            measured = measured_dead_time(
-                difference(own, curve[0]), {d: difference(way, curve[0]) for d, way in tracks.items()}
+            measured = ensemble.measured_dead_time(
+                ensemble.difference(own, curve[0]),
+                {d: ensemble.difference(way, curve[0]) for d, way in tracks.items()},
             )
             found |= {"measured_s": measured.mean, "standard_error_s": measured.standard_error}
             found |= {"low_s": measured.interval.low, "high_s": measured.interval.high}
@@ -291,7 +231,7 @@ class AdhesionStudy(Study[Runs]):
         return [
             *_verdict_lines(rows),
             *(_starts_needed(rows) if enough else ()),
-            *idle_valves(self.case),
+            *slides.idle_valves(self.case),
             *findings(numbers),
             *lines,
         ]
@@ -306,16 +246,14 @@ class AdhesionStudy(Study[Runs]):
     def sections(self, results: Runs, numbers: Numbers) -> list[Section]:
         lines = [(SHOWN[r.verdict], r.group, r.text, r.value_text, r.target_text, r.origin) for r in self.rows(results)]
         header = ("", "", "what", "mean of all starts (95 % interval)", "target", "where the target comes from")
-        sections = [Section("Assessment", [Table(header, lines), Text(PHASE)])]
+        sections = [Section("Assessment", [Table(header, lines)])]
         if numbers["causes"]:
             sections.append(_causes(numbers))
         if numbers["dead_time"]:
             sections.append(_dead_time(numbers))
-        if numbers["creep_laws"]:
-            sections.append(Section("Creep laws", [law_table(numbers["creep_laws"])]))
         shares = {on: np.mean([one.slip_shares for one in results.records[on]], axis=0) for on in ("track", "rig")}
         caption = "Part of the time that the axles spent at a slip, mean of all starts, while brake or traction act."
-        histogram = Picture("slip_histogram", slip_histogram(SLIP_EDGES, shares), caption)
+        histogram = Picture("slip_histogram", slip_histogram(slides.SLIP_EDGES, shares), caption)
         pictures = _signals(self.case, results.whole)
         return [
             *sections,
@@ -338,19 +276,19 @@ def _run_numbers(records: Sequence[TestRecord], names: Sequence[str]) -> dict[st
 def _variant_numbers(track: Sequence[TestRecord], records: Sequence[TestRecord]) -> dict[str, Any]:
     on_track, own = distances((track, records))
     found = {name: measure(records, name).as_dict() for name in VARIANT}
-    return {"tests": len(records), "distance_relative": relative(own, on_track).as_dict(), **found}
+    return {"tests": len(records), "distance_relative": ensemble.relative(own, on_track).as_dict(), **found}
 
 
 def _shares(records: Mapping[str, Sequence[TestRecord]]) -> dict[str, Estimate]:
     """Shares of the causes, with what finer steps change in their intervals; empty where an ensemble is missing."""
-    shares = cause_shares(records) or {}
+    shares = runs.cause_shares(records) or {}
     names = ("track", "rig", *STEPS)
     fine = {name: records.get(f"{name}{FINE}", ()) for name in names}
     count = min(len(one) for one in fine.values())
     if not (shares and count):
         return shares
-    close, coarse = (cause_shares({name: own[name][:count] for name in names}) or {} for own in (fine, records))
-    return {name: stepped(one, coarse[name], close[name]) for name, one in shares.items()}
+    close, coarse = (runs.cause_shares({name: own[name][:count] for name in names}) or {} for own in (fine, records))
+    return {name: ensemble.stepped(one, coarse[name], close[name]) for name, one in shares.items()}
 
 
 def _axle_columns(track: xr.Dataset, rig: xr.Dataset) -> dict[str, ArrayLike]:
@@ -366,13 +304,10 @@ def _axle_columns(track: xr.Dataset, rig: xr.Dataset) -> dict[str, ArrayLike]:
     return {name: column.to_numpy()[:count] for name, column in columns.items()}
 
 
-# ------------------------------------------------------------------------------------------------------------ sentences
-
-
 def _verdict_lines(rows: Sequence[Row]) -> Iterator[str]:
     """The outcome of each group, and what is not met or not decided."""
     for group, title in GROUPS.items():
-        own, word = [row for row in rows if row.group == group], verdict_of(rows, group)
+        own, word = [row for row in rows if row.group == group], runs.verdict_of(rows, group)
         met = sum(row.verdict == "met" for row in own)
         open_ones = sorted((row for row in own if row.verdict != "met"), key=lambda row: row.verdict != "not met")
         yield f"{title}: {word.upper() if word == 'not met' else word}; {met} of {len(own)} targets met." + "".join(
@@ -392,15 +327,11 @@ def _starts_needed(rows: Sequence[Row]) -> Iterator[str]:
 
 def findings(numbers: Numbers) -> Iterator[str]:
     """Sentences after the assessment."""
+    fine = f"contain what a quarter of step and samples changes in {numbers['fine_starts']} of them"
     yield (
         f"The protection's limit cycle has another phase in every test: rig and track are compared by means over "
-        f"{numbers['starts']} starts each, which draw adhesion, pads, load, speed and demand by [ensemble], with intervals of "
-        "95 %, and not point by point"
-        + (
-            f"; the intervals contain what a quarter of step and samples changes in {numbers['fine_starts']} of them."
-            if numbers["fine_starts"]
-            else "; what step and samples change is not in them."
-        )
+        f"{numbers['starts']} starts each, drawn by [ensemble], not point by point; their intervals of 95 % "
+        f"{fine if numbers['fine_starts'] else 'do not contain what step and samples change'}."
     )
     row = numbers["verdicts"].get("regrip_adhesion")
     if row is not None and row["verdict"] == "not met":
@@ -430,10 +361,11 @@ def _cause_lines(numbers: Numbers) -> Iterator[str]:
     hidden = [name for name in CAUSES if causes[name]["within_its_error"]]
     text = ", ".join(f"{CAUSES[name]} {_share_text(causes[name])}" for name in known) or "none is larger than its error"
     text += f"; not distinguishable from zero: {', '.join(CAUSES[name] for name in hidden)}" if hidden else ""
-    yield f"Causes of the difference of {_share_text(causes[TOGETHER])} in distance: {text}."
+    yield f"Causes of the difference of {_share_text(causes[runs.TOGETHER])} in distance: {text}."
     rough = max(one["standard_error"] or 0.0 for one in causes.values())
-    if rough >= LARGEST_ERROR:
-        yield f"The shares are rough: standard errors up to {percent(rough)} of the distance, aimed at {percent(LARGEST_ERROR)}."
+    if rough >= runs.LARGEST_ERROR:
+        aim = percent(runs.LARGEST_ERROR)
+        yield f"The shares are rough: standard errors up to {percent(rough)} of the distance, aimed at {aim}."
     sliding = causes["rolling"]
     ends = f"between {percent(sliding['low'], signed=True)} and {percent(sliding['high'], signed=True)}"
     yield (
@@ -468,14 +400,6 @@ def _dead_time_line(found: Numbers) -> str:
     return f"{text}."
 
 
-# --------------------------------------------------------------------------------------------------- tables and figures
-
-PHASE = (
-    "Both are first tests of their ensembles. From the first slides on their limit cycles have different phases: what differs at "
-    "one instant is no error of the rig, and the assessment does not use it."
-)
-
-
 def _causes(numbers: Numbers) -> Section:
     causes = {CAUSES.get(name, name): one for name, one in numbers["causes"].items()}
     bars = {text: (one["share"], one["standard_error"] or 0.0, one["within_its_error"]) for text, one in causes.items()}
@@ -488,14 +412,9 @@ def _causes(numbers: Numbers) -> Section:
     rows = [(text, *(with_error(one[name]) for name in ("distance_relative", *VARIANT))) for text, one in found.items()]
     header = ("run", "distance over track, less 1", "tracking RMS", "mean slip", "dump cycles", "air [l]")
     more = "Each of the lines after the first takes one more imperfection away; ± standard error."
-    return Section(
-        "Why rig and track differ",
-        [
-            Picture("causes", cause_bars(bars), caption),
-            QUANTITIES.table(causes, names, "Shares of the distance on track.", "cause"),
-            Table(header, rows, more),
-        ],
-    )
+    shares = QUANTITIES.table(causes, names, "Shares of the distance on track.", "cause")
+    blocks: list[Block] = [Picture("causes", cause_bars(bars), caption), shares, Table(header, rows, more)]
+    return Section("Why rig and track differ", blocks)
 
 
 def _dead_time(numbers: Numbers) -> Section:
@@ -523,22 +442,16 @@ def _numbers(numbers: Numbers) -> Section:
         both = [numbers[on].get(name) for on in ("track", "rig")]
         factor = quantity.in_shown_unit(1.0)
         rows.append((quantity.heading, *("–" if one is None else with_error(one, factor) for one in both)))
-    names = ("wheel_speed_rms", "wheel_speed_largest", "slip_difference_rms")
-    labels = {"rig": "the rig", SECOND: "another start on the same track"}
-    points = {labels[name]: one for name, one in numbers["point_by_point"].items()}
-    caption = (
-        "Against the first test on track at the same time, point by point: mostly phase, as the second line shows."
-    )
-    table = Table(("", "track", "rig"), rows, "Means of all starts ± standard error.")
-    return Section("Numbers", [table, QUANTITIES.table(points, names, caption, "run")])
+    return Section("Numbers", [Table(("", "track", "rig"), rows, "Means of all starts ± standard error.")])
 
 
 def _signals(case: Case, whole: Mapping[str, xr.Dataset]) -> Iterator[Picture]:
-    """Signals of the first tests."""
+    """Signals of the first tests; from the first slides on their limit cycles have different phases."""
     track, rig, ideal = whole["track"], whole["rig"], whole.get("rolling")
-    radius = wheel_radius(rig)
+    radius = slides.wheel_radius(rig)
     yield Picture("speeds", figures.speeds(track, rig, radius), "Train and wheels: rig, virtual train, track.")
-    track, rig, ideal = under_test(track), under_test(rig), None if ideal is None else under_test(ideal)
+    track, rig = slides.under_test(track), slides.under_test(rig)
+    ideal = None if ideal is None else slides.under_test(ideal)
     both = {"rig": rig, "track": track}
     yield Picture("first_slide", figures.first_slide(track, rig, radius), "Slip, and the response to it.")
     if case.brake is not None:
@@ -547,7 +460,7 @@ def _signals(case: Case, whole: Mapping[str, xr.Dataset]) -> Iterator[Picture]:
     if case.traction is not None:
         text = "Torque of the motors, and the part of the demand that is left."
         yield Picture("traction", figures.axles_over_time(both, figures.TRACTION, 4.4), text)
-    used = ("creep force\nover static load [-]", "creep_force", 1.0 / axle_load(rig))
+    used = ("creep force\nover static load [-]", "creep_force", 1.0 / slides.axle_load(rig))
     yield Picture("adhesion", figures.axles_over_time(both, [used], 3.2), "Force on each axle over its static load.")
     rollers = figures.axles_over_time({"rig": rig}, figures.ROLLERS, 2.8)
     yield Picture("roller_drives", rollers, "Torque of the roller drives, positive forward.")
@@ -557,7 +470,3 @@ def _signals(case: Case, whole: Mapping[str, xr.Dataset]) -> Iterator[Picture]:
         "turn by it (D14)."
     )
     yield Picture("sliding", figures.sliding(rig, ideal, radius), sliding)
-    text = (
-        "Rig less track at the same time. Once the wheels slide, the wheels' lines show two phases of one limit cycle."
-    )
-    yield Picture("differences", figures.errors(track, rig, radius), text)

@@ -66,12 +66,6 @@ class Interval:
             return True
         return False if self.high < low or self.low > high else None
 
-    def below(self, other: "Interval") -> bool | None:
-        """Whether the quantity is the smaller one; None: not decided, since the intervals overlap."""
-        if self.high <= other.low:
-            return True
-        return False if self.low >= other.high else None
-
     def distance(self, value: float) -> "Interval":
         """How far the quantity is from a value."""
         ends = sorted((abs(self.low - value), abs(self.high - value)))

@@ -31,11 +31,6 @@ class Chart:
     head: dict[str, Any]
     numbers: str
 
-    @property
-    def identity(self) -> str:
-        """Identity of its element in the page."""
-        return str(self.head["id"])
-
 
 def chart_of(figure: Figure, name: str, mark: str = "") -> Chart | None:
     """The figure as a chart, with a mark across; None where it is no history of lines over one abscissa."""

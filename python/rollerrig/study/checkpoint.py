@@ -156,9 +156,6 @@ def _lines(path: Path, folder: Path | None = None) -> Iterator[dict[str, Any] | 
         yield value if isinstance(value, dict) else None
 
 
-# -------------------------------------------------------------------------------------------------------- results
-
-
 def _stem(job: str) -> str:
     """Stem of the files of a job: the same whenever and wherever it is done; two jobs that are nearly named alike differ."""
     return f"{re.sub(r'[^a-z0-9]+', '_', job.lower())[:40]}_{hashlib.sha256(job.encode()).hexdigest()[:8]}"
@@ -210,15 +207,12 @@ def _decoded(folder: Path, value: dict[str, Any]) -> Any:
     return value
 
 
-# ----------------------------------------------------------------------------------------------------------- plans
-
-
 def _refuse_another(
     path: Path, found: dict[str, Any] | None, wanted: Mapping[str, Any], irrelevant: Sequence[str]
 ) -> None:
     if found is None or not {"study", "version", "plan"} <= found.keys() or not isinstance(found["plan"], dict):
         needed = "needed: the finished jobs of a study; choose another --out or delete the file"
-        raise ConfigError([ConfigProblem(str(path), "", _FOREIGN, needed)])
+        raise ConfigError.of(str(path), "", _FOREIGN, needed)
     before, after = ({"study": one["study"], "version": one["version"], **one["plan"]} for one in (found, wanted))
     problems = [
         ConfigProblem(str(path), key, f"{show_value(b)} there, {show_value(a)} now", _CURE)

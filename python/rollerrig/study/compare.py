@@ -1,26 +1,29 @@
 """What does the rig change? One vehicle on several supports, side by side.
 
-cases by support -> [CompareStudy] -> modes, critical speeds, effects of the rollers, forces, contact characteristics
+vehicle or case, supports by name -> [compared_cases] -> label -> Case -> [CompareStudy]
+    -> modes, critical speeds, effects of the rollers, forces, contact characteristics
 """
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from pathlib import Path
 from typing import Any
 
+import numpy as np
 import xarray as xr
-from matplotlib.figure import Figure
 
-from rollerrig.analysis import (
-    CriticalSpeedByDisturbance,
-    HuntingSettings,
-    LinearCriticalSpeed,
-    hunting_table,
-)
+from rollerrig.analysis import CriticalSpeedByDisturbance, HuntingSettings, LinearCriticalSpeed, hunting_table
 from rollerrig.analysis.control_loop import RollingState, rolling_state
 from rollerrig.analysis.critical_speed import RADII, RANGE_KMH, CriticalSpeedOverRadius, EffectSplit, scan_linear
-from rollerrig.cases import on_rig
-from rollerrig.config import Case, Rig
+from rollerrig.analysis.hunting import hunting_case
+from rollerrig.analysis.wheel_rail_forces import filtered, wheel_forces
+from rollerrig.cases import CATALOG_RIG, CATALOG_TRACK, leading_wheelset, on_rig, restrained_along_track, with_head_of
+from rollerrig.config import Case, ConfigError, Rig, Vehicle, load_any, load_support
+from rollerrig.config.errors import nearest
+from rollerrig.config.load.case import build_case
+from rollerrig.config.read import Document, catalog_names
+from rollerrig.config.write.toml import plain
 from rollerrig.contact_analysis import conicity_table, shift_table
 from rollerrig.plot import amplitude_over_speed
 from rollerrig.plot.compare import disturbed_over_time, modes_side_by_side
@@ -29,11 +32,141 @@ from rollerrig.plot.modes import hunting_frequencies
 from rollerrig.study import critical_speeds as speeds
 from rollerrig.study.assessment import Interval, change_in_words
 from rollerrig.study.frame import Study
-from rollerrig.study.jobs import Done, Round, job, whole_modes
+from rollerrig.study.jobs import Done, Progress, Round, job, whole_modes, whole_run
 from rollerrig.study.quantities import Numbers, Quantities
 from rollerrig.study.report import Block, Picture, Section, Table, Text
-from rollerrig.study.runs.compare import DISTURBED, disturbed, disturbed_numbers, wheel_numbers
 from rollerrig.study.stability import MODE_COLUMNS, mode_rows
+
+SHORTHANDS = {"rig": CATALOG_RIG, "track": CATALOG_TRACK}
+"""What `--on rig,track` means where VEHICLE is no case with a support of that kind."""
+
+MATERIAL, FRICTION = "steel", 0.3
+"""Contact of a vehicle that comes without a case."""
+
+
+def compared_cases(
+    vehicle: str, on: Sequence[str], cut: str | None = None, *, allow_code: bool = False
+) -> dict[str, Case]:
+    """One case per support: 'rig', 'track', names of the catalogue or files, each once; of a case its contact is kept.
+
+    Args:
+        vehicle: a vehicle of the catalogue or a file; or a case.
+        on: supports.
+        cut: part of the vehicle; of a case by default its own, of a vehicle all of it.
+        allow_code: whether controllers that a case names may lie outside its own folder.
+
+    Returns:
+        Label (as the user named the support, without folder and suffix) -> case at a constant speed, without torques and
+        disturbances; the vehicle is restrained along the track.
+
+    Raises:
+        ConfigError: all mistakes found.
+    """
+    base = _base(vehicle, allow_code)
+    name = base.vehicle.data.name if isinstance(base, Case) else base.name
+    cases = {}
+    for support in on:
+        label = Path(support).name.removesuffix(".toml")
+        cases[label] = restrained_along_track(_case(base, f"{name}_on_{label}", _support(support, base), cut, vehicle))
+    return cases
+
+
+def _base(source: str, allow_code: bool) -> Case | Vehicle:
+    names = (*catalog_names("vehicle"), *catalog_names("case"))
+    needed = "needed: a vehicle or a case, of the catalogue or a TOML file"
+    is_file = source.endswith(".toml") or "/" in source or Path(source).exists()
+    kinds = ("vehicle", "support", "profile", "material", "case", "programme")
+    if not is_file and not any(source in catalog_names(kind) for kind in kinds):
+        allowed = f"{needed}; the catalogue has the vehicles {', '.join(catalog_names('vehicle'))} and the cases "
+        allowed += ", ".join(catalog_names("case"))
+        raise ConfigError.of(source, "", "no such file", allowed, nearest(source, names))
+    kind, found = load_any(source, allow_code=allow_code)
+    if isinstance(found, Case | Vehicle):
+        return found
+    raise ConfigError.of(source, "", f"a {kind}, not a vehicle", needed)
+
+
+def _support(name: str, base: Case | Vehicle) -> dict[str, Any]:
+    """Raw tables of a support; 'rig' and 'track' are the case's own, or its counterpart with the same head."""
+    own = base.support.data if isinstance(base, Case) else None
+    if name not in SHORTHANDS:
+        return dict(plain(load_support(name)))
+    if own is not None and own.kind == name:
+        return dict(plain(own))
+    found = load_support(SHORTHANDS[name])
+    return dict(plain(found if own is None else with_head_of(found, own)))
+
+
+def _case(base: Case | Vehicle, name: str, support: Mapping[str, Any], cut: str | None, source: str) -> Case:
+    if isinstance(base, Case):
+        raw = plain(base)
+        chosen = cut or base.vehicle.cut
+    else:
+        contact = {"material": MATERIAL, "friction": FRICTION}
+        raw = {"vehicle": {"data": plain(base)}, "contact": contact, "time": {"duration": 6.0}}
+        chosen = cut or "vehicle"
+    raw |= {"name": name, "description": name.partition("_on_")[0].replace("_", " ")}
+    raw["support"] = {"data": dict(support)}
+    raw["vehicle"]["cut"] = chosen
+    raw["motion"] = {"speed": "100 km/h"}
+    for key in ("axle_torque", "disturbance"):
+        raw.pop(key, None)
+    return build_case(Document(raw, source, Path()), allow_code=True)  # that of the case was asked for when it was read
+
+
+DISTURBED = {
+    "guiding_force": 1e-3,
+    "guiding_force_sum": 1e-3,
+    "longitudinal_creep_force": 1e-3,
+    "wheel_unloading": 1e2,
+    "derailment_quotient": 1.0,
+    "wear_number": 1.0,
+}
+"""Signal whose largest magnitude of the leading wheelset is reported of the disturbed run -> factor to its unit."""
+
+
+def disturbed(case: Case, speed: float, settings: HuntingSettings, progress: Progress | None = None) -> xr.Dataset:
+    """Filtered wheel-rail forces after a lateral offset at a speed [m/s], with the motion of the leading wheelset."""
+    run = whole_run(hunting_case(case, speed, settings), progress)
+    leading = leading_wheelset(case).name
+    motion, creep = run["lateral"].sel(body=leading, drop=True), run["longitudinal_creep_force"]
+    return (
+        filtered(wheel_forces(run))
+        .assign(lateral=motion, longitudinal_creep_force=creep)
+        .assign_attrs(status=run.attrs["status"], leading=leading, config_toml=run.attrs["config_toml"])
+    )
+
+
+def wheel_numbers(state: RollingState) -> dict[str, dict[str, float]]:
+    """Per wheel the numbers of `supports.*.wheels`."""
+    found = {}
+    for wheel in map(str, state.wheels["wheel"].to_numpy()):
+        own = state.wheels.sel(wheel=wheel)
+        outwards = -1.0 if wheel.endswith("left") else 1.0
+        found[wheel] = {
+            "vertical_force_kn": 1e-3 * float(own["vertical_force"]),
+            "lateral_force_kn": outwards * 1e-3 * float(own["lateral_force"]),
+            "longitudinal_creep_force_n": float(own["longitudinal_creep_force"]),
+            "patches": int(own["patch_count"]),
+            "approach_um": 1e6 * float(own["patch_approach"].max()),
+            "patch_ab_mm2": 1e6 * float((own["patch_a"] * own["patch_b"]).max()),
+            "creep_stiffness_mn": 1e-6 * state.creep_stiffness[wheel],
+        }
+    return found
+
+
+def disturbed_numbers(run: xr.Dataset) -> dict[str, float]:
+    """Largest magnitudes of the leading wheelset, by the names of DISTURBED."""
+    leading, found = str(run.attrs["leading"]), {}
+    for name, factor in DISTURBED.items():
+        values = run[name]
+        if "wheel" in values.dims:
+            values = values.sel(wheel=[f"{leading}_left", f"{leading}_right"])
+        if "wheelset" in values.dims:
+            values = values.sel(wheelset=leading)
+        found[name] = factor * float(np.abs(values).max())
+    return found
+
 
 LEAST_RUN_STEP = 20.0
 """Runs are made at speeds at least this far apart [km/h]; further runs narrow the critical speeds down."""
@@ -168,8 +301,6 @@ class CompareStudy(Study[Results]):
         speed = self._disturbed_kmh(done) if ran else math.nan
         return Results(modes, linear, states, shifts, conicity, over_radius, effects, runs, ran, speed)
 
-    # --------------------------------------------------------------------------------------------------- numbers
-
     def numbers(self, results: Results) -> dict[str, Any]:
         first = next(iter(self.supports.values()))
         return {
@@ -207,7 +338,8 @@ class CompareStudy(Study[Results]):
             scan, found = results.linear[label], results.by_disturbance.get(label)
             cell = speeds.linear_cell(scan)
             text = f"On {label}: linear critical speed {cell}{' km/h' if scan.onset and cell[0].isdigit() else ''}"
-            lines.append(text + (f", by disturbance {speeds.between(found)}." if found else "."))
+            by = self._by_disturbance(results, label)
+            lines.append(text + (f", by disturbance {by}." if found else "."))
             if found and found.ended_early:
                 lines.append(f"On {label}: {speeds.ended_early_sentence(found)}")
         *others, last = self.supports
@@ -238,13 +370,10 @@ class CompareStudy(Study[Results]):
         }  # fmt: skip
         return {name: content for name, content in found.items() if not isinstance(content, list) or len(content) > 1}
 
-    # ---------------------------------------------------------------------------------------------------- report
-
     def sections(self, results: Results, numbers: Numbers) -> list[Section]:
         size, duration = 1e3 * self.hunting.disturbance, self.hunting.duration
         definition = (
-            f"By disturbance: runs of {duration:g} s after a lateral offset of {size:g} mm of the leading wheelset. The linear "
-            "critical speed is that of small motions."
+            f"By disturbance: runs of {duration:g} s after a lateral offset of {size:g} mm of the leading wheelset."
         )
         modes = modes_side_by_side(results.modes) if results.modes else None
         missing: list[Block] = [Text("Not computed.")]
@@ -256,9 +385,14 @@ class CompareStudy(Study[Results]):
                 "Effects of the rollers", speeds.effects_blocks(results.effects, CAPTIONS["roller_effects"]) or missing
             ),
             Section("Wheel forces", self._forces(results, numbers) or missing),
-            Section("Contact characteristics", _characteristics(results, numbers) or missing),
-            Section("What was compared", [self._supports()]),
+            Section("Contact characteristics", self._characteristics(results, numbers) or missing),
         ]
+
+    def _by_disturbance(self, results: Results, label: str) -> str:
+        if label not in results.by_disturbance:
+            return "not computed"
+        found = results.by_disturbance_kmh(label)
+        return found.text("km/h", 1) if found.known else "not found: no run was decided"
 
     def _critical(self, results: Results) -> Table:
         rows = []
@@ -268,9 +402,7 @@ class CompareStudy(Study[Results]):
             cycle = next((run for run in found.runs if run.persists), None) if found else None
             amplitude = f"{1e3 * cycle.final.amplitude:.2f} mm, {cycle.final.frequency:.2f} Hz" if cycle else "–"
             mode = (f"{onset.frequency:.2f}", onset.name) if onset else ("–", "–")
-            rows.append(
-                (label, speeds.linear_cell(scan), *mode, speeds.between(found) if found else "not computed", amplitude)
-            )
+            rows.append((label, speeds.linear_cell(scan), *mode, self._by_disturbance(results, label), amplitude))
         header = ("on", "linear critical speed [km/h]", "frequency [Hz]", "mode", "by disturbance", "limit cycle there")
         return Table(header, rows)
 
@@ -278,15 +410,15 @@ class CompareStudy(Study[Results]):
         tables = {
             label: hunting_table(found.runs, found.disturbance) for label, found in results.by_disturbance.items()
         }
-        figures: dict[str, Figure] = {}
+        blocks: list[Block] = []
         persists = any(bool((table["persists"] == 1).any()) for table in tables.values())
         if persists or any(modes.attrs["hunting_mode"] for modes in results.modes.values()):
-            figures["hunting"] = hunting_frequencies(results.modes, tables)
+            blocks.append(Picture("hunting", hunting_frequencies(results.modes, tables), CAPTIONS["hunting"]))
         if tables:
             top = self.speeds_kmh[-1] * 1.1
             lines = {f"linear, {label}": v for label in results.linear if (v := results.linear_kmh(label)) < top}
-            figures["amplitude"] = amplitude_over_speed(tables, lines)
-        return [Picture(name, figure, CAPTIONS[name]) for name, figure in figures.items()]
+            blocks.append(Picture("amplitude", amplitude_over_speed(tables, lines), CAPTIONS["amplitude"]))
+        return blocks
 
     def _radius(self, results: Results) -> list[Block]:
         if results.over_radius is None:
@@ -296,7 +428,6 @@ class CompareStudy(Study[Results]):
         marked = rig.roller_radius if isinstance(rig, Rig) else math.nan
         return [
             speeds.radius_table(results.over_radius, caption),
-            *(Text(line) for line in speeds.radius_sentences(results.over_radius)),
             speeds.radius_picture("radius", results.over_radius, marked, CAPTIONS["radius"]),
         ]
 
@@ -319,17 +450,16 @@ class CompareStudy(Study[Results]):
             blocks.append(QUANTITIES.table(entries, list(DISTURBED), caption, "on"))
         return blocks
 
-    def _supports(self) -> Table:
-        rows = []
-        for label, case in self.supports.items():
-            support = case.support.data
-            radius = support.roller_radius if isinstance(support, Rig) else math.inf
-            rows.append((label, support.name, support.description, speeds.support_words(radius), support.source))
-        first = next(iter(self.supports.values()))
-        caption = (
-            f"{first.vehicle.data.description}; {speeds.words(first.vehicle.cut)}, speed-controlled rollers and rails."
-        )
-        return Table(("label", "support", "description", "radius", "source"), rows, caption)
+    def _characteristics(self, results: Results, numbers: Numbers) -> list[Block]:
+        if not results.conicity:
+            return []
+        entries = {label: numbers["supports"][label] for label in results.conicity}
+        caption = "Equivalent conicity (EN 15302) over the amplitude; on rollers with the rollers' own radii."
+        figure = characteristics_figure(results.shifts, results.conicity)
+        return [
+            QUANTITIES.table(entries, [f"conicity_{mm:g}mm" for mm in AT_MM], caption, "on"),
+            Picture("characteristics", figure, CAPTIONS["characteristics"]),
+        ]
 
 
 CAPTIONS = {
@@ -349,24 +479,9 @@ CAPTIONS = {
 """Picture -> what it shows."""
 
 
-def _characteristics(results: Results, numbers: Numbers) -> list[Block]:
-    if not results.conicity:
-        return []
-    entries = {label: numbers["supports"][label] for label in results.conicity}
-    caption = "Equivalent conicity (EN 15302) over the amplitude; on rollers with the rollers' own radii."
-    figure = characteristics_figure(results.shifts, results.conicity)
-    return [
-        QUANTITIES.table(entries, [f"conicity_{mm:g}mm" for mm in AT_MM], caption, "on"),
-        Picture("characteristics", figure, CAPTIONS["characteristics"]),
-    ]
-
-
 def _rows(entries: Sequence[Mapping[str, Any]]) -> list[list[object]]:
     """Entries of the summary as rows of a CSV file, header first."""
     return [list(entries[0]), *(list(entry.values()) for entry in entries)] if entries else []
-
-
-# ---------------------------------------------------------------------------------------------------- cases and jobs
 
 
 def run_speeds(speeds_kmh: Sequence[float]) -> list[float]:

@@ -30,11 +30,6 @@ METHOD = (
     "integration of the kinematic motion y'' + Δr(y)/(e r0) = 0 over a wave; EN 15302:2021, clause 9 and annex E "
     "(EN 15302:2008, annex B)"
 )
-ROLLERS = (
-    "A roller's generatrix is the rail's head, so without yaw the wheels touch both in the same points. On rollers the rolling "
-    "radius difference includes the rollers' radii, Δr - (r0/R0) ΔR, and the wavelength is measured along the rollers' surface. "
-    "The contribution of the rollers to the conicity stands beside that of the wheels."
-)
 PARTS = {"of_wheels": "of the wheels", "of_rollers": "of the rollers", "conicity": "together"}
 SIDE_COLUMNS = {
     "rolling_radius": ("mm", 1e3),
@@ -152,7 +147,6 @@ class ConicityStudy(Study[Characteristics]):
             _amplitude_table(conicities, "Equivalent conicity over the amplitude of the motion", "support"),
             *parts,
             Text(f"Conicity: {METHOD}. Roll of the wheelset: {numbers['roll']}. Rigid profiles, {yaw}."),
-            Text(ROLLERS),
         ]
         return [Section("Characteristics", blocks)]
 

@@ -16,37 +16,17 @@ from typing import Any
 import xarray as xr
 
 from rollerrig.common.formatting import number, percent
-from rollerrig.config import Case, ConfigError, ConfigProblem, Rig
-from rollerrig.config.errors import nearest
+from rollerrig.config import Case, ConfigError, ConfigProblem
+from rollerrig.config.errors import nearest, one_of
 from rollerrig.plot import control as figures
 from rollerrig.simulation.controllers import users_controllers
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Round, job
-from rollerrig.study.lag_compensation import (
-    compensation_blocks,
-    compensation_jobs,
-    compensation_numbers,
-    compensation_text,
-)
-from rollerrig.study.loop_stability import held_blocks, held_jobs, held_numbers, loop_blocks, loop_jobs, loop_numbers
 from rollerrig.study.quantities import Numbers, Quantities
-from rollerrig.study.report import Picture, Section, Table
-from rollerrig.study.runs.control import (
-    FAMILIES,
-    MEASURED,
-    OUTPUT_STEP,
-    REFERENCES,
-    RIPPLE_CRITERION,
-    RIPPLE_LIMIT,
-    TRACKING_CRITERION,
-    TRACKING_LIMIT,
-    USER,
-    Family,
-    Result,
-    against,
-    references,
-    run_variant,
-)
+from rollerrig.study.report import Block, Picture, Section, Table, Text
+from rollerrig.study.runs import control as runs
+from rollerrig.study.runs.adhesion import track_case
+from rollerrig.study.runs.control import FAMILIES, MEASURED, RIPPLE_LIMIT, TRACKING_LIMIT, Family, Result, run_variant
 
 QUANTITIES = Quantities("control")
 
@@ -146,7 +126,7 @@ def failures_text(rank: Rank) -> str:
     """All parts of a curve that fail, where, and the largest error there; empty where none does."""
     text, parts = rank.family.text, []
     for one in rank.failures:
-        known = {"tracking": TRACKING_CRITERION, "ripple": RIPPLE_CRITERION}
+        known = {"tracking": runs.TRACKING_CRITERION, "ripple": runs.RIPPLE_CRITERION}
         cause = known.get(one.cause, f"{one.cause.replace('_', ' ')}, test ends early,")
         if one.throughout:
             where = f"throughout, {text(rank.points[0].value)} to {text(rank.points[-1].value)}"
@@ -207,36 +187,49 @@ def family_picture(case: Case, family: Family, results: Sequence[Result]) -> Pic
     return Picture(family.name, picture, f"{family.title}. Dashed: {LIMITS}; dotted: the case as shipped.")
 
 
+def loop_blocks(loop: Numbers, points: list[dict[str, float]]) -> list[Block]:
+    """Text and figure of the report."""
+    shown = {key: number(value, 3) if isinstance(value, float) else "–" for key, value in loop.items()}
+    text = (
+        f"The feedback of one axle alone, in closed form, crosses over at {shown['crossover_hz']} Hz with a phase margin of "
+        f"{shown['phase_margin_deg']}°; its gains could be {shown['gain_margin']} times as large. As it is sampled, with "
+        "estimator and feed-forward, wheel and roller alone are unstable from "
+        f"{shown['unstable_from_factor_alone']} times on. In the vehicle the wheelsets oscillate on their springs along the "
+        f"track, and this decides: unstable from {shown['unstable_from_factor']} times on while the virtual wheel rolls on a dry "
+        f"rail, from {shown['unstable_from_factor_sliding']} times while it slides."
+    )
+    picture = figures.loop_growth({key: [point[key] for point in points] for key in points[0]})
+    caption = (
+        "Growth rate and frequency of the least damped motion above 10 Hz over the gains: computed with and without the vehicle, "
+        f"and measured in lightly excited runs on a dry rail. A failure is the size alone: {runs.RIPPLE_CRITERION}."
+    )
+    return [Text(text), Picture("loop_growth", picture, caption)]
+
+
 @dataclass(frozen=True)
 class Found:
-    """Results of references and families, courses over time by label, points of the loop, compensations, held wheels."""
+    """Results of references and families, courses over time by label, points of the loop."""
 
     references: list[Result]
     results: list[Result]
     courses: dict[str, xr.Dataset]
     loop: list[dict[str, float]]
-    compensation: dict[str, dict[str, float]] | None
-    held: dict[str, dict[str, float]] | None
 
 
 @dataclass(frozen=True)
 class ControlStudy(Study[Found]):
-    """One test under many variants of the controller; attributes as the arguments of `rollerrig.control`.
-
-    The case is that of `study_case`; `lags` is the duration of the runs that compare ways to compensate the lags [s]; 0: none.
-    """
+    """One test, of `study_case`, under many variants of the controller; attributes as the arguments of `rollerrig.control`."""
 
     case: Case
     families: tuple[str, ...] = ()
     user: str | None = None
     loop: bool = True
-    lags: float = 0.0
 
     command = "control"
     heading = "{case.name}: controllers of the roller drives compared"
     quantities = QUANTITIES
     writes = ("variants.csv", "loop.csv")
-    irrelevant = ("description", "families", "loop", "lags")
+    irrelevant = ("description", "families", "loop")
     round_ends = (0.98, 1.0)
     leaves_out = (
         "One test and one course of the slide protection, whose valves switch on small differences: errors of neighbouring "
@@ -245,23 +238,13 @@ class ControlStudy(Study[Found]):
 
     def __post_init__(self) -> None:
         """Refuse with a ConfigError an unknown family, and a user's controller that cannot be used."""
-        known = [family.name for family in FAMILIES]
-        problems = []
-        for name in (name for name in self.families if name not in known):
-            guess = nearest(name, tuple(known))
-            allowed = f"allowed: {', '.join(known)}" + (f"; did you mean {guess!r}?" if guess else "")
-            problems.append(ConfigProblem(self.case.name, "families", repr(name), allowed))
-        if problems:
-            raise ConfigError(problems)
+        known = tuple(family.name for family in FAMILIES)
+        unknown = [name for name in self.families if name not in known]
+        if unknown:
+            problem = (self.case.name, "families")
+            raise ConfigError([ConfigProblem(*problem, repr(n), one_of(known), nearest(n, known)) for n in unknown])
         if self.user is not None:
             users_controllers(self.case.with_changes({"rig_control.user": self.user}), {})
-
-    # ------------------------------------------------------------------------------------------------------ jobs
-
-    @property
-    def _whole(self) -> Case:
-        """The test in the length in which the slide protection shows a lag."""
-        return self.case.with_changes({"time.duration": self.lags})
 
     @cached_property
     def chosen(self) -> list[Family]:
@@ -272,8 +255,10 @@ class ControlStudy(Study[Found]):
     @cached_property
     def variants(self) -> dict[tuple[str, str, float], Case]:
         """Family, curve and value of each variant -> its case; those of 'references' have no value."""
-        own: dict[str, Any] = {USER: {"rig_control.user": self.user}} if self.user else {}
-        shipped = {("references", label, math.nan): changes for label, changes in (references(self.case) | own).items()}
+        own: dict[str, Any] = {runs.USER: {"rig_control.user": self.user}} if self.user else {}
+        shipped = {
+            ("references", label, math.nan): changes for label, changes in (runs.references(self.case) | own).items()
+        }
         varied = {
             (family.name, label, float(value)): family.changes(self.case, curve, value)
             for family in self.chosen
@@ -286,8 +271,7 @@ class ControlStudy(Study[Found]):
         jobs = {_name(key): job(run_variant, case, key[0] == "references") for key, case in self.variants.items()}
         yield {
             **jobs,
-            **({**loop_jobs(self.case), **held_jobs(self.case)} if self.loop else {}),
-            **(compensation_jobs(self._whole) if self.lags else {}),
+            **(runs.loop_jobs(self.case) if self.loop else {}),
         }
         yield {f"course of {_name(key)}": job(run_variant, self.variants[key], True) for key in self._worst(done)}
 
@@ -304,12 +288,12 @@ class ControlStudy(Study[Found]):
 
     def collect(self, done: Done) -> Found | None:
         references, results = self._results(done)
-        if not references or references[0].curve != next(iter(REFERENCES)):
+        if not references or references[0].curve != next(iter(runs.REFERENCES)):
             return None
         shipped = done[_name(("references", references[0].curve, math.nan))]["course"]
         base, courses = shipped.isel(time=slice(None, None, 50)), {references[0].curve: shipped}
         references, results = (
-            [replace(r, numbers=against(r.numbers, base)) for r in rs] for rs in (references, results)
+            [replace(r, numbers=runs.against(r.numbers, base)) for r in rs] for rs in (references, results)
         )
         for key in self._worst(done):
             family = next(f for f in FAMILIES if f.name == key[0])
@@ -321,11 +305,7 @@ class ControlStudy(Study[Found]):
             results,
             courses,
             sorted((done[n] for n in done if n.startswith("gains times ")), key=lambda point: point["factor"]),
-            compensation_numbers(self._whole, done) if self.lags else None,
-            held_numbers(done),
         )
-
-    # --------------------------------------------------------------------------------------------------- numbers
 
     def numbers(self, results: Found) -> dict[str, Any]:
         return {
@@ -345,19 +325,15 @@ class ControlStudy(Study[Found]):
                 }
                 for rank in ranking(self.chosen, results.results)
             ],
-            "loop": loop_numbers(self.case, results.loop) if results.loop else None,
-            "compensation": results.compensation,
-            "held_wheel": results.held,
+            "loop": runs.loop_numbers(self.case, results.loop) if results.loop else None,
         }
 
     def summary(self, results: Found, numbers: Numbers) -> list[str]:
         shipped = percent(results.references[0].numbers["tracking_rms"])
         lines = [
             f"As shipped the wheels follow the virtual train within {shipped} RMS of its speed. A variant fails with a "
-            f"{TRACKING_CRITERION}, with a {RIPPLE_CRITERION}, or where the test ends early."
+            f"{runs.TRACKING_CRITERION}, with a {runs.RIPPLE_CRITERION}, or where the test ends early."
         ]
-        if numbers["compensation"] is not None:
-            lines.append(compensation_text(numbers["compensation"]))
         failing: dict[str, list[Rank]] = {}
         for rank in (rank for rank in ranking(self.chosen, results.results) if rank.failures):
             failing.setdefault(rank.family.name, []).append(rank)
@@ -388,21 +364,13 @@ class ControlStudy(Study[Found]):
                 QUANTITIES.table(references, REFERENCE_COLUMNS, "the case, and where its error comes from", "run"),
                 Picture("courses", courses, caption)]),
         ]  # fmt: skip
-        if numbers["compensation"] is not None:
-            blocks = compensation_blocks(numbers["compensation"], QUANTITIES)
-            sections.append(Section("Lags and their compensation", blocks))
         if numbers["loop"] is not None:
             sections.append(Section("Stability of the loop", loop_blocks(numbers["loop"], results.loop)))
-        if numbers["held_wheel"] is not None:
-            sections.append(Section("A wheel held by its brake", held_blocks(numbers["held_wheel"], QUANTITIES)))
         return sections + [
             Section(f.title, [family_picture(self.case, f, results.results)])
             for f in self.chosen
             if any(r.family == f.name for r in results.results)
         ]
-
-
-# ------------------------------------------------------------------------------------------------------------- cases
 
 
 def study_case(case: Case, duration: float | None) -> Case:
@@ -411,20 +379,15 @@ def study_case(case: Case, duration: float | None) -> Case:
     Raises:
         ConfigError: it has no rig controller, or nothing that it could follow.
     """
-
-    def missing(key: str, value: str, needed: str) -> ConfigError:
-        return ConfigError([ConfigProblem(case.name, key, value, f"needed: {needed}")])
-
-    if not isinstance(case.support.data, Rig) or case.rig_control is None:
-        raise missing("rig_control", "missing", "a case on rollers with [rig_control], the controller to be compared")
+    track_case(case)
+    assert case.rig_control is not None
     if not case.rig_control.is_ours:
-        needed = "the built-in controller in the case; give your own class with --controller, beside it"
+        needed = "needed: the built-in controller in the case; give your own class with --controller, beside it"
         key = "user" if case.rig_control.user is not None else "fmu"
-        raise missing(f"rig_control.{key}", repr(getattr(case.rig_control, key)), needed)
-    if case.brake is None and case.traction is None:
-        raise missing("brake", "missing", "[brake] or [traction], the test that the controllers are compared in")
+        raise ConfigError.of(case.name, f"rig_control.{key}", repr(getattr(case.rig_control, key)), needed)
     length = case.time.duration if duration is None else min(duration, case.time.duration)
-    return case.with_changes({"time.duration": length, "time.output_step": max(OUTPUT_STEP, case.time.sampling_step)})
+    step = max(runs.OUTPUT_STEP, case.time.sampling_step)
+    return case.with_changes({"time.duration": length, "time.output_step": step})
 
 
 def _entry(result: Result) -> dict[str, Any]:

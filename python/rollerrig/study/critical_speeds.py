@@ -7,20 +7,8 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from rollerrig.analysis import CriticalSpeedByDisturbance, HuntingSettings, LinearCriticalSpeed
-from rollerrig.analysis.critical_speed import (
-    EFFECTS,
-    RANGE_KMH,
-    TRACK,
-    CriticalSpeedOverRadius,
-    EffectSplit,
-    bracket,
-    critical_speed_over_radius,
-    effect_cases,
-    radius_cases,
-    rounds_by_disturbance,
-    scan_linear,
-)
+from rollerrig.analysis import CriticalSpeedByDisturbance, HuntingSettings, LinearCriticalSpeed, critical_speed
+from rollerrig.analysis.critical_speed import EFFECTS, RANGE_KMH, TRACK, CriticalSpeedOverRadius, EffectSplit
 from rollerrig.analysis.hunting import HuntingRun, hunting_run
 from rollerrig.config import Case
 from rollerrig.plot.compare import critical_over_radius, effect_bars
@@ -40,9 +28,6 @@ def words(name: str) -> str:
     return name.replace("_", " ")
 
 
-# -------------------------------------------------------------------------------------------------- by disturbance
-
-
 def disturbance_rounds(
     cases: Mapping[str, Case],
     speeds_kmh: Mapping[str, Sequence[float]],
@@ -52,7 +37,7 @@ def disturbance_rounds(
 ) -> Iterator[Round]:
     """Rounds of runs from a disturbance, until each critical speed is bracketed to a width."""
     runs: dict[str, list[HuntingRun]] = {label: [] for label in cases}
-    for wanted in rounds_by_disturbance(speeds_kmh, width_kmh, runs, settings.disturbance):
+    for wanted in critical_speed.rounds_by_disturbance(speeds_kmh, width_kmh, runs, settings.disturbance):
         yield {_run_name(label, v): job(hunting_run, (cases[label], v, settings)) for label, v in wanted}
         for label, speed in wanted:
             runs[label].append(done[_run_name(label, speed)])
@@ -61,7 +46,7 @@ def disturbance_rounds(
 def brackets(labels: Sequence[str], settings: HuntingSettings, done: Done) -> dict[str, CriticalSpeedByDisturbance]:
     """Label -> critical speed by disturbance, of the labels that have runs."""
     runs = {label: [run for name, run in done.items() if name.startswith(f"run {label}, ")] for label in labels}
-    return {label: bracket(found, settings.disturbance) for label, found in runs.items() if found}
+    return {label: critical_speed.bracket(found, settings.disturbance) for label, found in runs.items() if found}
 
 
 def _run_name(label: str, speed: float) -> str:
@@ -90,18 +75,6 @@ def disturbance_numbers(found: CriticalSpeedByDisturbance) -> dict[str, Any]:
     }
 
 
-def between(found: CriticalSpeedByDisturbance) -> str:
-    """The critical speed by disturbance in words."""
-    decays, persists = 3.6 * found.decays, 3.6 * found.persists
-    if math.isfinite(persists) and math.isfinite(decays):
-        return f"between {decays:.1f} and {persists:.1f} km/h"
-    if math.isfinite(persists) and found.ended_early and found.ended_early[0].speed < found.persists:
-        return f"at or below {persists:.1f} km/h, or not at all: runs below were not decided"
-    if math.isfinite(persists):
-        return f"at or below {persists:.1f} km/h"
-    return f"above {decays:.1f} km/h" if math.isfinite(decays) else "not found: no run was decided"
-
-
 def ended_early(runs: Sequence[tuple[float, str]], count: int) -> str:
     """Which runs of `count` did not come to their end, by speed [m/s] and message, and how the slowest ended; '' if all did."""
     if not runs:
@@ -122,17 +95,14 @@ def ended_early_sentence(found: CriticalSpeedByDisturbance) -> str:
     return ended_early(runs, len(found.runs))
 
 
-# --------------------------------------------------------------------------------------- rollers' radius and effects
-
-
 def roller_jobs(
     rig: Case, parts: Sequence[str], radii: Sequence[float], speeds_kmh: Sequence[float] = RANGE_KMH, label: str = ""
 ) -> dict[str, Job]:
     """Linear critical speeds in a range, over the rollers' radius and with effects switched off."""
     speeds = [v / 3.6 for v in speeds_kmh]
-    cases = {_place_name(label, *place): case for place, case in radius_cases(rig, parts, radii).items()}
-    cases |= {_effects_name(label, on): case for on, case in effect_cases(rig).items()}
-    return {name: job(scan_linear, (case, speeds)) for name, case in cases.items()}
+    cases = {_place_name(label, *place): case for place, case in critical_speed.radius_cases(rig, parts, radii).items()}
+    cases |= {_effects_name(label, on): case for on, case in critical_speed.effect_cases(rig).items()}
+    return {name: job(critical_speed.scan_linear, (case, speeds)) for name, case in cases.items()}
 
 
 def over_radius(
@@ -141,7 +111,7 @@ def over_radius(
     """Table from the results of `roller_jobs`; None if there are none yet."""
     places = [(part, radius) for part in parts for radius in (*sorted(radii), TRACK)]
     found = {place: done[name] for place in places if (name := _place_name(label, *place)) in done}
-    return critical_speed_over_radius(places, found) if found else None
+    return critical_speed.critical_speed_over_radius(places, found) if found else None
 
 
 def effect_split(done: Done, label: str = "") -> EffectSplit | None:
@@ -235,22 +205,6 @@ def radius_table(table: CriticalSpeedOverRadius, caption: str) -> Table:
     return Table(header, rows, caption)
 
 
-def radius_sentences(table: CriticalSpeedOverRadius) -> list[str]:
-    """The order of the critical speeds, a sentence per part."""
-    texts = []
-    for part in table.parts:
-        known = {radius: v for radius in table.radii if math.isfinite(v := table.kmh(part, radius))}
-        if len(known) < 2:
-            texts.append(f"{words(part).capitalize()}: no critical speeds in the range to be compared.")
-            continue
-        ends = " and ".join(f"{known[r]:.1f} km/h on {support_words(r)}" for r in (min(known), max(known)))
-        order = "the critical speed is not monotonic in the radius"
-        if table.rises_with_radius(part):
-            order = "the critical speed falls with the radius, and all are below that of the track"
-        texts.append(f"{words(part).capitalize()}: {ends}; {order}.")
-    return texts
-
-
 def effects_table(split: EffectSplit, caption: str) -> Table:
     """The split of the loss."""
     off, alone = split.switched_off, split.alone
@@ -308,9 +262,5 @@ def effects_blocks(split: EffectSplit | None, caption: str) -> list[Block]:
     if split is None:
         return []
     table = "Linear critical speed, track less rig, split by switching the four effects of a roller (contact.roller_effects)."
-    interaction = (
-        "The effects interact: the loss by one of them depends on which others are on. It is therefore found from both ends, and "
-        "the interaction is stated. With all four off the rig is the track of the same head."
-    )
     picture = effects_picture("roller_effects", split, caption)
-    return [Text(effects_sentence(split)), picture, effects_table(split, table), Text(interaction)]
+    return [Text(effects_sentence(split)), picture, effects_table(split, table)]

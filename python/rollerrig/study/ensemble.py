@@ -79,10 +79,9 @@ def check_ensemble(case: Case) -> None:
             try:
                 drawn(case, {name: share})
             except ConfigError as error:
-                end = (
-                    f"{getattr(case.ensemble, name):g}, which draws {error.problems[0].key} = {error.problems[0].value}"
-                )
-                problems.append(ConfigProblem(case.name, f"ensemble.{name}", end, error.problems[0].allowed))
+                first = error.problems[0]
+                end = f"{getattr(case.ensemble, name):g}, which draws {first.key} = {first.value}"
+                problems.append(ConfigProblem(case.name, f"ensemble.{name}", end, first.allowed))
     if problems:
         raise ConfigError(problems)
 
@@ -160,13 +159,23 @@ def stepped(found: Estimate, coarse: Estimate, fine: Estimate) -> Estimate:
     return replace(found, systematic=change) if math.isfinite(change) else found
 
 
-def with_error(one: Mapping[str, float | None], factor: float = 1.0, digits: int = 4, error_digits: int = 2) -> str:
+def with_error(one: Mapping[str, float | None], factor: float = 1.0) -> str:
     """A mean of `as_dict` and its standard error as tables show them, times a factor; a dash where there is none."""
     mean, error = one["mean"], one["standard_error"]
     if mean is None or math.isnan(mean):
         return "–"
     known = error is not None and not math.isnan(error)
-    return number(factor * mean, digits) + (f" ± {number(factor * (error or 0.0), error_digits)}" if known else "")
+    return number(factor * mean) + (f" ± {number(factor * (error or 0.0), 2)}" if known else "")
+
+
+def with_interval(one: Mapping[str, Any], factor: float = 1.0) -> str:
+    """A mean with the ends `low` and `high` of its interval, times a factor, likewise."""
+    if one["mean"] is None:
+        return "–"
+    mean = number(factor * one["mean"])
+    if one["low"] is None or one["high"] is None or one["low"] == one["high"]:
+        return mean
+    return f"{mean} ({number(factor * one['low'])} … {number(factor * one['high'])})"
 
 
 def difference(a: Sequence[float], b: Sequence[float]) -> Estimate:
@@ -256,8 +265,6 @@ def measured_dead_time(rig: Estimate, track: Mapping[float, Estimate]) -> Estima
     errors = (rig.standard_error, (1.0 - part) * track[low].standard_error, part * track[high].standard_error)
     return Estimate(found, math.hypot(*errors) / abs(slope), min(rig.freedom, track[low].freedom, track[high].freedom))
 
-
-# ------------------------------------------------------------------------------------ cases that share their starts
 
 Starting = Callable[[Case, int], Sequence[Case]]
 """Case, number -> so many cases that differ in their start alone, the case itself first."""

@@ -16,40 +16,23 @@ import xarray as xr
 
 from rollerrig.analysis.envelope_borders import Border, borders, slides
 from rollerrig.analysis.rig_limits import LEAST_DURATION, LINES, NUMBERS, REGIONS, REPRODUCED, TRACKING_LIMIT
-from rollerrig.analysis.virtual_rail import FULL_SLIDING, SLIDES
 from rollerrig.common.formatting import number
-from rollerrig.config import Case, ConfigError, ConfigProblem, Rig
+from rollerrig.config import Case, ConfigError, Rig
 from rollerrig.config.validate.check_actuators import simulated_axles
 from rollerrig.plot import envelope as figures
 from rollerrig.study.frame import Study, dataset_rows
 from rollerrig.study.jobs import Done, Round, job, whole_run
 from rollerrig.study.quantities import Numbers, Quantities, Quantity
 from rollerrig.study.report import Block, Picture, Section, Table, Text
-from rollerrig.study.runs.envelope import (
-    ADHESIONS,
-    BEGIN,
-    DIMENSIONS,
-    LOADS,
-    RISE,
-    OnTrack,
-    Point,
-    between,
-    check,
-    default_torques,
-    find_on_track,
-    map_dataset,
-    middles,
-    point_case,
-    run_point,
-    torque_text,
-)
+from rollerrig.study.runs import envelope as computed
+from rollerrig.study.runs.envelope import BEGIN, RISE, Point, torque_text
 
 
 def run_rows(found: xr.Dataset) -> list[list[object]]:
     """envelope.csv: a row per run, header first."""
     same = ("adhesion", "region", "limits", "status", *NUMBERS)
     columns = {"load": "load", "axle_load_n": "axle_load", "torque_nm": "torque", **{name: name for name in same}}
-    return [row for row in dataset_rows(found, columns, *DIMENSIONS) if row[list(columns).index("region")]]
+    return [row for row in dataset_rows(found, columns, *computed.DIMENSIONS) if row[list(columns).index("region")]]
 
 
 def reach_table(found: xr.Dataset) -> Table:
@@ -89,23 +72,15 @@ def _compared(row: Border) -> str:
 
 
 METHOD = (
-    f"Each point is a run of the whole rig, {{duration:g}} s long, from {{speed:.4g}} km/h: the torque rises from {BEGIN:g} s to "
-    f"{BEGIN + RISE:g} s and stays; slide protection or wheel-slip control lets the wheels slide and regain speed. A region is "
-    f"named after the limit that is reached first for at least {1e3 * LEAST_DURATION:g} ms: creep force of {FULL_SLIDING:g} of "
-    "the friction between wheel and roller, or the whole torque of a roller drive. Where no limit is reached the tracking error "
-    f"decides: {100 * TRACKING_LIMIT:g} % of train speed, RMS. Wheels slide where the virtual slip exceeds {SLIDES[0]:g} times "
-    f"that at which {FULL_SLIDING:g} of the adhesion is used by {100 * SLIDES[1]:g} %. Cells between different "
-    "regions are halved; colours between runs are those of the nearest one."
+    f"Each point is a run of the whole rig, {{duration:g}} s long, from {{speed:.4g}} km/h; its torque rises from {BEGIN:g} s to "
+    f"{BEGIN + RISE:g} s. A region is named after the limit that is reached first for at least {1e3 * LEAST_DURATION:g} ms; "
+    f"where none is, the tracking error decides: {100 * TRACKING_LIMIT:g} % of train speed, RMS. Colours between runs are those "
+    "of the nearest one."
 )
 CLOSED_FORMS = (
-    "Lines are closed forms, not fits: rolling without sliding, steady forces, no lag of drives and estimator. Load transfer is "
-    "that of the vehicle at rest under a steady force; (V2) and (V6) take the peak of the creep curve of the rail, (V5) the "
-    "adhesion at the slip where the protection acts. The torque in (V6) is that which the protection leaves on the axle, not "
-    "the one asked for: a run to the right of (V2) is limited out of its slide if the protection takes off more than that. "
-    "Where the protection takes torque off before all of it acts, as wheel-slip control does, the rig reaches beyond (V5). A "
-    "border agrees if the predicted torque lies between the runs on either side, give or take one step of torque; at a border of "
-    "recovery the torque that was left on the axles in these two runs lies above and below what (V6) asks for. All borders "
-    "count."
+    "Lines are the closed forms of docs/theory/envelope.md, not fits. A border agrees if the predicted torque lies between the "
+    "runs on either side, give or take one step of torque; at a border of recovery the torque left on the axles in these "
+    "two runs lies above and below what (V6) asks for. All borders count."
 )
 LEFT_OUT = (
     "The torque comes at once, from ideal cylinders or motors: the vehicle's own would be slower and slide more gently. Runs are "
@@ -134,8 +109,8 @@ class EnvelopeStudy(Study[Envelope]):
 
     case: Case
     torques: tuple[float, ...] = ()
-    adhesions: tuple[float, ...] = ADHESIONS
-    loads: tuple[float, ...] = LOADS
+    adhesions: tuple[float, ...] = computed.ADHESIONS
+    loads: tuple[float, ...] = computed.LOADS
     duration: float = 3.0
     refine: int = 1
 
@@ -151,34 +126,34 @@ class EnvelopeStudy(Study[Envelope]):
         """Fill in the torques, and refuse what cannot be run, with a ConfigError of all mistakes found."""
         if not isinstance(self.case.support.data, Rig) or self.case.rig_control is None:
             needed = "needed: a case on rollers with [rig_control], which reproduces a track; see adhesion_* of the catalogue"
-            raise ConfigError([ConfigProblem(self.case.name, "rig_control", "missing", needed)])
+            raise ConfigError.of(self.case.name, "rig_control", "missing", needed)
         if others := simulated_axles(self.case, self.command):
             raise ConfigError(others)
-        object.__setattr__(self, "torques", self.torques or tuple(default_torques(self.case)))
-        check(self.case, self.torques, self.adhesions, self.loads, self.duration, self.refine)
-
-    # ------------------------------------------------------------------------------------------------------ jobs
+        object.__setattr__(self, "torques", self.torques or tuple(computed.default_torques(self.case)))
+        computed.check(self.case, self.torques, self.adhesions, self.loads, self.duration, self.refine)
 
     @cached_property
     def lattice(self) -> tuple[tuple[float, ...], tuple[float, ...]]:
         """Torques and adhesions with all that refining may add."""
-        return between(self.torques, 2**self.refine), between(self.adhesions, 2**self.refine)
+        return computed.between(self.torques, 2**self.refine), computed.between(self.adhesions, 2**self.refine)
 
     def rounds(self, done: Done) -> Iterator[Round]:
-        on_track: dict[tuple[float, bool], OnTrack] = {}
+        on_track: dict[tuple[float, bool], computed.OnTrack] = {}
         for stride in (2**level for level in range(self.refine, -1, -1)):
             points = [point for point in self._points_at(done, stride) if _name(point) not in done]
             for point in points:
                 key = (point.load, point.torque < 0.0)
-                on_track[key] = on_track.get(key) or find_on_track(point_case(self.case, point, self.duration))
+                on_track[key] = on_track.get(key) or computed.find_on_track(
+                    computed.point_case(self.case, point, self.duration)
+                )
             yield {
-                _name(point): job(run_point, point_case(self.case, point, self.duration), point,
+                _name(point): job(computed.run_point, computed.point_case(self.case, point, self.duration), point,
                                   on_track[point.load, point.torque < 0.0])
                 for point in points
             }  # fmt: skip
         yield {
-            _example(region, point): job(whole_run, point_case(self.case, point, self.duration))
-            for region, point in middles(self._map(done)).items()
+            _example(region, point): job(whole_run, computed.point_case(self.case, point, self.duration))
+            for region, point in computed.middles(self._map(done)).items()
         }
 
     def _points_at(self, done: Done, stride: int) -> list[Point]:
@@ -201,16 +176,14 @@ class EnvelopeStudy(Study[Envelope]):
         torques, adhesions = self.lattice
         points = map(Point._make, itertools.product(self.loads, torques, adhesions))
         records = {point: done[_name(point)] for point in points if _name(point) in done}
-        found = map_dataset(self.case, self.loads, adhesions, torques, records)
+        found = computed.map_dataset(self.case, self.loads, adhesions, torques, records)
         return found.assign_attrs(duration_s=self.duration, refine=self.refine)
 
     def collect(self, done: Done) -> Envelope | None:
         found = self._map(done)
-        places = {region: point for region, point in middles(found).items() if _example(region, point) in done}
+        places = {region: point for region, point in computed.middles(found).items() if _example(region, point) in done}
         examples = {region: (point, done[_example(region, point)]) for region, point in places.items()}
         return Envelope(found, examples) if found.attrs["runs"] else None
-
-    # --------------------------------------------------------------------------------------------------- numbers
 
     def numbers(self, results: Envelope) -> dict[str, Any]:
         found = results.map
@@ -263,7 +236,6 @@ class EnvelopeStudy(Study[Envelope]):
             for load in found["load"].to_numpy()
         ]  # fmt: skip
         method = METHOD.format(duration=self.duration, speed=found.attrs["speed_kmh"])
-        counts = [[meaning, numbers["regions"][name]] for name, meaning in REGIONS.items()]
         forms = [(key.removeprefix("line_").replace("_", " "), what) for key, what in LINES.items()]
         lines = Table(("line", "meaning"), forms)
         return [
@@ -271,7 +243,6 @@ class EnvelopeStudy(Study[Envelope]):
             Section("Torque that is reproduced", [reach_table(found)]),
             Section("Closed forms", [Text(CLOSED_FORMS), lines, deviations_table(found)]),
             Section("Runs over time", self._examples(results.examples)),
-            Section("Runs by region", [Table(("region", "runs"), counts)]),
         ]
 
     def _examples(self, examples: Mapping[str, tuple[Point, xr.Dataset]]) -> list[Block]:
@@ -286,18 +257,12 @@ class EnvelopeStudy(Study[Envelope]):
         return blocks
 
 
-# -------------------------------------------------------------------------------------------------------------- jobs
-
-
 def _name(point: Point) -> str:
     return f"load {point.load!r}, torque {point.torque!r} N m, adhesion {point.adhesion!r}"
 
 
 def _example(region: str, point: Point) -> str:
     return f"example of {region}: {_name(point)}"
-
-
-# ------------------------------------------------------------------------------------------------- numbers and tables
 
 
 def _vehicle_reproduced(found: xr.Dataset, side: str, torque: float) -> bool | None:

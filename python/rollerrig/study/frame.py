@@ -88,8 +88,6 @@ class Study(ABC, Generic[R]):
         if "command" in vars(cls) and not hasattr(cls, "quantities"):
             cls.quantities = Quantities(cls.command)
 
-    # --------------------------------------------------------------------------------- what a study says of itself
-
     @property
     def title(self) -> str:
         """Title of the report."""
@@ -161,8 +159,6 @@ class Study(ABC, Generic[R]):
     def plan(self) -> dict[str, Any]:
         """All that decides the jobs' results: finished jobs of another plan are refused. Cases as their tables."""
         return {name: value for field in fields(self) for name, value in _plain(field.name, getattr(self, field.name))}  # type: ignore[arg-type]
-
-    # -------------------------------------------------------------------------------------------------- running it
 
     def run(
         self,

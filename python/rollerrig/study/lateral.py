@@ -12,19 +12,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from rollerrig.analysis.lateral_guidance import (
-    Guidance,
-    amplitude,
-    amplitudes_over_time,
-    creep_force,
-    guidance,
-    hunting_frequency,
-    lateral_creep_coefficient,
-    leading_lateral,
-    on_rig,
-    slide_begins,
-    train_slip,
-)
+from rollerrig.analysis import lateral_guidance
+from rollerrig.analysis.lateral_guidance import amplitude, creep_force, leading_lateral, slide_begins, train_slip
 from rollerrig.analysis.slide_statistics import following, largest, real_sliding, wheel_radius
 from rollerrig.common.formatting import number, percent
 from rollerrig.config import Case, Condition, ConfigError, ConfigProblem, Rig
@@ -121,12 +110,12 @@ def run_numbers(run: xr.Dataset, slide: float) -> dict[str, Any]:
     untracked = {"tracking_rms": math.nan, "tracking_largest": math.nan}
     return {
         "status": run.attrs["status"],
-        **(following(run) if on_rig(run) else {**untracked, **real_sliding(run)}),
+        **(following(run) if lateral_guidance.on_rig(run) else {**untracked, **real_sliding(run)}),
         "largest_slip": largest(train_slip(run)),
         "amplitude_before_mm": amplitude(time, lateral, begin - 1.0, begin),
         "amplitude_in_slide_mm": max(later, default=math.nan),
         "amplitude_end_mm": amplitude(time, lateral, time[-1] - 1.0, time[-1]),
-        "frequency_hz": hunting_frequency(time, lateral, begin - 1.0, begin),
+        "frequency_hz": lateral_guidance.hunting_frequency(time, lateral, begin - 1.0, begin),
         "largest_lateral_mm": float(np.abs(lateral).max()),
         "roller_lateral_mm": 1e3 * float(np.abs(run["lateral"].sel(body=rollers)).max()) if rollers else math.nan,
         "lateral_creep_largest_kn": 1e-3 * float(np.abs(creep_force(run, "y")).max()),
@@ -286,8 +275,6 @@ class LateralStudy(Study[Found]):
     def statuses(self, results: Found) -> Sequence[str]:
         return [run.attrs["status"] for run in results.runs.values()]
 
-    # --------------------------------------------------------------------------------------------------- numbers
-
     def numbers(self, results: Found) -> dict[str, Any]:
         begin = _slide(results.runs)
         names = [q.name for q in self.quantities.below("guidance.*")]
@@ -305,9 +292,9 @@ class LateralStudy(Study[Found]):
             },
         }
 
-    def guidance_of(self, run: xr.Dataset) -> Guidance | None:
+    def guidance_of(self, run: xr.Dataset) -> lateral_guidance.Guidance | None:
         """Lateral creep of the sliding axles of a run; None where no wheel slid while it moved sideways."""
-        return guidance(run, lateral_creep_coefficient(self.case, run))
+        return lateral_guidance.guidance(run, lateral_guidance.lateral_creep_coefficient(self.case, run))
 
     def summary(self, results: Found, numbers: Numbers) -> list[str]:
         lines = [*control_text(numbers), *hunting_text(numbers)]
@@ -333,10 +320,8 @@ class LateralStudy(Study[Found]):
 
     def _guidance_blocks(self, results: Found, numbers: Numbers) -> list[Block]:
         text = (
-            "On a wheel that slides along the track at a speed v_s far above its lateral speed v_y, friction opposes the "
-            "sliding: F_y = −F v_y/v_s, viscous and weak, where a rolling wheel has f₂₂/V. Kalker's theory saturated by its "
-            "length keeps the direction of the linear force, so that its slope is near f₂₂/f₁₁; the exact theory and FASTSIM "
-            "turn to Coulomb's. The parts of spin on left and right cancel in an axle."
+            "Friction opposes sliding: F_y = −F v_y/v_s, viscous and weak, of a wheel that slides along the track far faster "
+            "than across it; docs/theory/rig_control.md, (Q6)."
         )
         found = {key: self.guidance_of(results.runs[key]) for key in numbers["guidance"]}
         if not found:
@@ -359,7 +344,7 @@ def _pictures(results: Mapping[str, xr.Dataset]) -> list[tuple[str, str, Any, st
     """Title of the section, and what a Picture takes."""
     shown = {LABELS[k]: results[k] for k in ("rig", "rig_rigid", "rig_dry", "track", "track_dry") if k in results}
     motion = {label: (run["time"].to_numpy(), leading_lateral(run)) for label, run in shown.items()}
-    sizes = {label: amplitudes_over_time(*series) for label, series in motion.items()}
+    sizes = {label: lateral_guidance.amplitudes_over_time(*series) for label, series in motion.items()}
     slips = {label: (run["time"], 100.0 * train_slip(run).isel(axle=0)) for label, run in shown.items()}
     rigs = {LABELS[key]: results[key] for key in ("rig", "rig_rigid", "rig_centred") if key in results}
     forces = {

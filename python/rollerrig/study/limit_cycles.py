@@ -5,7 +5,7 @@ Case, speeds -> [cycle_chains] -> jobs, results by name -> [cycle_diagram] -> Di
 
 import math
 import tomllib
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any, Literal
@@ -31,7 +31,6 @@ from rollerrig.study.report import Block, Picture, Text
 
 Method = Literal["linear", "disturbance", "continuation"]
 Sweep = Literal["up", "down"]
-Missing = Callable[[str, float, LastState | None], None]
 
 
 def limit_cycles(
@@ -56,15 +55,11 @@ def cycle_chains(case: Case, speeds_kmh: Sequence[float], settings: LimitCycleSe
     """The runs of both sweeps at these speeds [km/h], each sweep a chain."""
 
     def chain(sweep: Sweep) -> Chain:
+        offset = settings.perturbation if sweep == "up" else settings.disturbance
+
         def following(done: Done) -> tuple[str, Job] | None:
-            missing: list[tuple[str, Job]] = []
-            offset = settings.perturbation if sweep == "up" else settings.disturbance
-
-            def note(name: str, speed: float, state: LastState | None) -> None:
-                missing.append((name, job(settling_run, case, settings, offset, speed, state)))
-
-            _branch(sweep, speeds_kmh, settings, done, note)
-            return missing[0] if missing else None
+            _, missing = _branch(sweep, speeds_kmh, settings, done)
+            return (missing[0], job(settling_run, case, settings, offset, *missing[1:])) if missing else None
 
         return following
 
@@ -77,28 +72,28 @@ def cycle_diagram(
     speeds_kmh: Sequence[float], linear_critical_kmh: float, settings: LimitCycleSettings, done: Done
 ) -> Diagram:
     """The diagram of the runs of `cycle_chains` that were made; the linear critical speed [km/h] is NaN where there is none."""
-    down, up = (_branch(sweep, speeds_kmh, settings, done, lambda *_: None) for sweep in ("down", "up"))
+    down, up = (_branch(sweep, speeds_kmh, settings, done)[0] for sweep in ("down", "up"))
     return diagram(up, down, linear_critical_kmh / 3.6, settings.tolerance_kmh / 3.6)
 
 
 def _branch(
-    sweep: Sweep, speeds_kmh: Sequence[float], settings: LimitCycleSettings, done: Done, missing: Missing
-) -> Branch:
-    """One sweep as far as its runs were made; the first that was not is passed to `missing`."""
-    count = 0
+    sweep: Sweep, speeds_kmh: Sequence[float], settings: LimitCycleSettings, done: Done
+) -> tuple[Branch, tuple[str, float, LastState | None] | None]:
+    """One sweep as far as its runs were made, and the first that was not: its name, speed and what it starts from."""
+    count, missing = 0, None
 
     def settle(speed: float, state: LastState | None) -> tuple[CyclePoint, LastState | None]:
-        nonlocal count
+        nonlocal count, missing
         count += 1
         name = f"{sweep}ward sweep, run {count}, {3.6 * speed:.6g} km/h"
         if name not in done:
-            missing(name, speed, state)
+            missing = name, speed, state
             raise NotMadeError
         found: tuple[CyclePoint, LastState | None] = done[name]
         return found
 
     tolerance = settings.tolerance_kmh / 3.6 if sweep == "down" else None
-    return trace(settle, sweep, tuple(float(v) / 3.6 for v in speeds_kmh), tolerance=tolerance)
+    return trace(settle, sweep, tuple(float(v) / 3.6 for v in speeds_kmh), tolerance=tolerance), missing
 
 
 def cycle_numbers(found: Diagram, settings: LimitCycleSettings) -> dict[str, Any]:
@@ -162,7 +157,7 @@ def cycle_blocks(
     found: Diagram, modes: xr.Dataset, settings: LimitCycleSettings, points: Sequence[Mapping[str, Any]]
 ) -> list[Block]:
     """The section of a report: of a diagram, the modes of `stability`, settings and the points of `cycle_numbers`."""
-    blocks: list[Block] = [Text(sentence) for sentence in continuation_sentences(found)]
+    blocks: list[Block] = []
     if points:
         caption = (
             "What each run ends in, with the speed stepped up and stepped down. Amplitude: half the range of the lateral "
@@ -175,8 +170,7 @@ def cycle_blocks(
         f"cycle is reached. Way down: from {1e3 * settings.disturbance:g} mm at the highest speed, then from the "
         "limit cycle of the speed above; where that has decayed, from the same offset again. Each run lasts until it is "
         f"decided whether its motion persists, or {settings.longest:g} s. The perturbation need not grow or decay as the linear "
-        "model predicts: that is exact only as long as the contact stays on the smooth piece of the profiles around its "
-        "position, often less than a tenth of a millimetre."
+        "model predicts: the contact leaves the smooth piece of the profiles around its position."
     )
     table = Quantities("stability").table(points, "limit_cycles.points.*", "All runs.")
     return [*blocks, Text(method), table]

@@ -22,14 +22,7 @@ from rollerrig.analysis.slide_statistics import TestRecord
 from rollerrig.analysis.wheel_rail_forces import wheel_forces
 from rollerrig.assembly.laws import core_law
 from rollerrig.config import Case, case_from_toml
-from rollerrig.config.schema.plan import (
-    AdhesionMeasure,
-    ContactMeasure,
-    CreepMeasure,
-    CriticalSpeedMeasure,
-    RunMeasure,
-    StabilityMeasure,
-)
+from rollerrig.config.schema import plan
 from rollerrig.contact_analysis.static_contact import contact_table
 from rollerrig.results import COMPLETED, RunInfo
 from rollerrig.results.quantities import registered
@@ -71,7 +64,9 @@ class Measure:
         return {name: float(read(*parts)) for name, read in self.numbers.items()}
 
 
-def _run(case: Case, options: RunMeasure, progress: Progress | None) -> tuple[xr.Dataset, xr.DataArray, xr.Dataset]:
+def _run(
+    case: Case, options: plan.RunMeasure, progress: Progress | None
+) -> tuple[xr.Dataset, xr.DataArray, xr.Dataset]:
     """Forces as EN 14363 assesses them, lateral motion of the wheelsets, both from `options.begin` on, and the run."""
     run = whole_run(case, progress)
     if run.attrs["status"] not in COMPLETED:
@@ -83,19 +78,21 @@ def _run(case: Case, options: RunMeasure, progress: Progress | None) -> tuple[xr
     return forces, run["lateral"].sel(late).sel(body=[body.name for body in RunInfo.of(run).wheelsets]), run
 
 
-def _modes(case: Case, _options: StabilityMeasure, progress: Progress | None) -> tuple[xr.Dataset, xr.Dataset]:
+def _modes(case: Case, _options: plan.StabilityMeasure, progress: Progress | None) -> tuple[xr.Dataset, xr.Dataset]:
     """The mode that comes nearest to growing at the case's speed, and all modes there."""
     modes = whole_modes(case, [3.6 * case.motion.speed], progress).isel(speed=0)
     return modes.isel(mode=int(np.nanargmax(modes["growth_rate"].to_numpy()))), modes
 
 
-def _onset(case: Case, options: CriticalSpeedMeasure, progress: Progress | None) -> tuple[float]:
+def _onset(case: Case, options: plan.CriticalSpeedMeasure, progress: Progress | None) -> tuple[float]:
     """Where an oscillatory mode begins to grow, looked for between two speeds and above them."""
     onset, _ = onset_from(case, [3.6 * options.slowest, 3.6 * options.fastest], progress)
     return (math.nan if onset is None else 3.6 * onset.speed,)
 
 
-def _contact(case: Case, options: ContactMeasure, _progress: Progress | None) -> tuple[xr.Dataset, dict[str, float]]:
+def _contact(
+    case: Case, options: plan.ContactMeasure, _progress: Progress | None
+) -> tuple[xr.Dataset, dict[str, float]]:
     """Patches of the leading wheelset at one position, and rolling radii by side."""
     table, radii = contact_table(case, [(options.lateral, options.yaw)]), {}
     for side in ("left", "right"):
@@ -106,7 +103,7 @@ def _contact(case: Case, options: ContactMeasure, _progress: Progress | None) ->
     return table, radii
 
 
-def _creep(case: Case, options: CreepMeasure, _progress: Progress | None) -> tuple[Any, Any]:
+def _creep(case: Case, options: plan.CreepMeasure, _progress: Progress | None) -> tuple[Any, Any]:
     """The patch with the largest normal force, wheelset centred, and the force of the case's creep law on it over that."""
     table = contact_table(case, [(0.0, 0.0)])
     patch = table.isel(row=int(np.argmax(table["normal"].to_numpy())))
@@ -117,7 +114,7 @@ def _creep(case: Case, options: CreepMeasure, _progress: Progress | None) -> tup
     return patch, _core.creep_forces(creepage, a, b, normal, friction, *elastic, law)[0] / normal
 
 
-def _test(case: Case, options: AdhesionMeasure, progress: Progress | None) -> tuple[Any, Any]:
+def _test(case: Case, options: plan.AdhesionMeasure, progress: Progress | None) -> tuple[Any, Any]:
     """Measures of the test on track and on the rig that is to reproduce it; the same track is run once per worker."""
     if options.longest is not None:
         case = case.with_changes({"time.duration": options.longest})

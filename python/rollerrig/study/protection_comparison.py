@@ -18,7 +18,7 @@ import numpy as np
 from scipy.stats import nct, t
 
 from rollerrig.common.formatting import number
-from rollerrig.config import CRITERIA, Case, ConfigError, ConfigProblem, Programme
+from rollerrig.config import CRITERIA, Case, ConfigError, Programme
 from rollerrig.plot.wsp import Ends, means_with_intervals
 from rollerrig.study.ensemble import CONFIDENCE, Estimate, difference, stepped
 from rollerrig.study.frame import Content, Study
@@ -109,12 +109,12 @@ class ProtectionComparison(Study[Mapping[System, Results]]):
         one, two = self.case.time.sampling_step, self.against.time.sampling_step
         if one != two:
             allowed = f"allowed: {one:g} s, as in {self.case.name}: systems of different rates are not compared"
-            raise ConfigError([ConfigProblem(self.against.name, "time.sampling_step", f"{two:g} s", allowed)])
+            raise ConfigError.of(self.against.name, "time.sampling_step", f"{two:g} s", allowed)
         if not self.changes:
             needed = (
                 f"needed: a system that differs from {self.case.name}, such as another threshold in [slide_protection]"
             )
-            raise ConfigError([ConfigProblem(self.against.name, "", "the same case", needed)])
+            raise ConfigError.of(self.against.name, "", "the same case", needed)
         for study in self.studies.values():
             study.__post_init__()
 
@@ -164,8 +164,6 @@ class ProtectionComparison(Study[Mapping[System, Results]]):
 
     def statuses(self, results: Mapping[System, Results]) -> list[str]:
         return [status for system, study in self.studies.items() for status in study.statuses(results[system])]
-
-    # ---------------------------------------------------------------------------------------------------- numbers
 
     def numbers(self, results: Mapping[System, Results]) -> dict[str, Any]:
         stops: dict[str, Any] = {}
@@ -243,11 +241,7 @@ def _as_dict(one: Difference) -> dict[str, Any]:
 
 
 CLAIMS = (
-    "Intervals are of 95 %, of the mean difference over tests that draw alike by [ensemble] of each case, and contain what a "
-    "quarter of step and samples changes in two of them. Of a hundred criteria in which the systems do not differ, about five "
-    "come out as decided.",
-    f"The number of tests is that with which a t-test of paired differences finds a difference of the size found here with a "
-    f"probability of {100 * POWER:g} %; none where finer steps change as much as the systems differ.",
+    "Of a hundred criteria in which the systems do not differ, about five come out as decided, by intervals of 95 %.",
     "Which system is better is said by one criterion at a time: a shorter distance may take more air.",
 )
 

@@ -51,18 +51,6 @@ class Quantities:
         """Key -> meaning and unit, for summary.json and the reference page."""
         return {quantity.key: quantity.description for quantity in (*self._all, *COMMON)}
 
-    def unexplained(self, numbers: Numbers) -> list[str]:
-        """Keys of a summary that the registry does not explain."""
-        known = (*self._all, *COMMON)
-        return [".".join(path) for path in _leaves(numbers, ()) if not any(q.matches(path) for q in known)]
-
-    def unreported(self, numbers: Numbers) -> list[str]:
-        """Keys of the registry that a summary has nothing for."""
-        places = list(_leaves(numbers, ()))
-        return [quantity.key for quantity in self._all if not any(quantity.matches(path) for path in places)]
-
-    # ------------------------------------------------------------------------------------------------ tables
-
     def table(
         self,
         entries: Mapping[str, Numbers] | Sequence[Numbers],
@@ -107,18 +95,6 @@ class Quantities:
 def _value(entry: Numbers, quantity: Quantity) -> Any:
     """Value by whole key, or by last name."""
     return entry.get(quantity.key, entry.get(quantity.name))
-
-
-def _leaves(value: Any, path: tuple[str, ...]) -> Iterator[tuple[str, ...]]:
-    """Places of all that is no table; items of a list of tables are named by their number."""
-    if isinstance(value, Mapping):
-        for key, inner in value.items():
-            yield from _leaves(inner, (*path, str(key)))
-    elif isinstance(value, list) and any(isinstance(item, Mapping) for item in value):
-        for k, item in enumerate(value):
-            yield from _leaves(item, (*path, str(k)))
-    else:
-        yield path
 
 
 def finite(value: Any) -> Any:

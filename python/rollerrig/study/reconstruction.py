@@ -14,14 +14,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from rollerrig.analysis.adhesion_reconstruction import (
-    LEAST_SAMPLES,
-    StopLog,
-    check_case,
-    reconstruct,
-    unbraked,
-    with_map,
-)
+from rollerrig.analysis import adhesion_reconstruction
+from rollerrig.analysis.adhesion_reconstruction import StopLog
 from rollerrig.analysis.slide_statistics import rms, wheel_radius
 from rollerrig.common.formatting import number
 from rollerrig.config import Case, Rig
@@ -57,18 +51,18 @@ class ReconstructionStudy(Study[xr.Dataset]):
 
     def __post_init__(self) -> None:
         """Refuse a case that does not say what a stop's pressures mean."""
-        check_case(self.case)
+        adhesion_reconstruction.check_case(self.case)
 
     @cached_property
     def rail(self) -> xr.Dataset:
         """Friction over distance."""
-        return reconstruct(self.case, self.log, self.piece)
+        return adhesion_reconstruction.reconstruct(self.case, self.log, self.piece)
 
     @cached_property
     def measured_case(self) -> Case:
         """The case on that rail, from the speed at which the log begins, and as long at least."""
         length = 1.2 * float(self.log.time[-1] - self.log.time[0])
-        return with_map(self.case, self.rail).with_changes({
+        return adhesion_reconstruction.with_map(self.case, self.rail).with_changes({
             "motion.speed": f"{float(self.log.train_speed[0])!r} m/s",
             "time.duration": max(self.case.time.duration, length),
         })  # fmt: skip
@@ -121,7 +115,7 @@ class ReconstructionStudy(Study[xr.Dataset]):
         return float(self.log.time[np.argmax(mean > BEGINS * mean.max())] - self.log.time[0])
 
     def summary(self, results: xr.Dataset, numbers: Numbers) -> list[str]:
-        unchecked = [] if len(unbraked(self.log)) >= LEAST_SAMPLES else [
+        unchecked = [] if len(adhesion_reconstruction.unbraked(self.log)) >= adhesion_reconstruction.LEAST_SAMPLES else [
             "The log begins with the brake on: whether the wheels have the radius of the case could not be checked, and an error "
             "of it would be taken for slip."
         ]  # fmt: skip

@@ -120,9 +120,6 @@ class Mark:
         return self.name.upper()
 
 
-ANSWER_LINES = 5
-"""So many findings stand at the top of a report; the others are opened by the reader."""
-
 VIEW = "view.html"
 """The page beside a report that shows runs in motion."""
 
@@ -141,16 +138,6 @@ class Page:
     mark: Mark | None = None
     view: str = ""
     refined: bool = False
-
-    @property
-    def answer(self) -> list[str]:
-        """The findings that stand first."""
-        return self.summary.splitlines()[:ANSWER_LINES]
-
-    @property
-    def further(self) -> list[str]:
-        """The other findings, folded away."""
-        return self.summary.splitlines()[ANSWER_LINES:]
 
     @property
     def pictures(self) -> list[Picture]:

@@ -14,7 +14,7 @@ from rollerrig.analysis.linear_bench import LinearBench
 from rollerrig.analysis.linear_system import LinearSystem, margins_of
 from rollerrig.analysis.measured_response import MeasuredResponse, measured_response
 from rollerrig.common.arrays import Array, Complex
-from rollerrig.config import Case, ConfigError, ConfigProblem
+from rollerrig.config import Case, ConfigError
 from rollerrig.plot.control import bode_figure, nyquist_figure, poles_and_zeros_figure
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Progress, Round, job
@@ -78,9 +78,6 @@ def pole_rows(results: Mapping[str, AtSpeed]) -> Rows:
     return rows
 
 
-POLES = "poles (crosses) and zeros (circles) by growth rate and frequency."
-
-
 @dataclass(frozen=True)
 class ResponseStudy(Study[dict[str, AtSpeed]]):
     """Responses from some commands to some outputs at some speeds; attributes as the arguments of `rollerrig.response`."""
@@ -112,17 +109,15 @@ class ResponseStudy(Study[dict[str, AtSpeed]]):
         if not 0.0 < low < high or high > most:
             half = f", half the sampling frequency being {most:g} Hz" if self.case.sampled else ""
             allowed = f"allowed: from low to high, both positive{half}"
-            raise ConfigError([ConfigProblem(self.case.name, "frequencies", f"{low:g} to {high:g} Hz", allowed)])
+            raise ConfigError.of(self.case.name, "frequencies", f"{low:g} to {high:g} Hz", allowed)
         if not (math.isfinite(self.amplitude) and self.amplitude > 0.0):
-            raise ConfigError([ConfigProblem(self.case.name, "amplitude", f"{self.amplitude:g}", "allowed: positive")])
+            raise ConfigError.of(self.case.name, "amplitude", f"{self.amplitude:g}", "allowed: positive")
 
     def rounds(self, done: Done) -> Iterator[Round]:
         yield {f"{speed:g} km/h": job(at_speed, self, speed) for speed in self.speeds_kmh}
 
     def collect(self, done: Done) -> dict[str, AtSpeed] | None:
         return dict(done) or None
-
-    # --------------------------------------------------------------------------------------------------- numbers
 
     @property
     def _grid(self) -> Array:
@@ -179,8 +174,6 @@ class ResponseStudy(Study[dict[str, AtSpeed]]):
         ended = [f"A measurement ended early at {label}: {one.ended}" for label, one in all_measured if one.ended]
         return [*sentences, *ended]
 
-    # --------------------------------------------------------------------------------------------------- files
-
     def files(self, results: dict[str, AtSpeed], numbers: Numbers) -> Mapping[str, Any]:
         return {
             "response.csv": response_rows(results, self._grid),
@@ -207,7 +200,11 @@ class ResponseStudy(Study[dict[str, AtSpeed]]):
                 Picture(f"bode_{number}", bode_figure(lines, points, unit), f"{name}: magnitude and phase."),
                 self.quantities.table(numbers["channels"][name], "channels.*.*", "Bandwidth and margins.", "at"),
                 Picture(f"nyquist_{number}", nyquist_figure(lines, unit), f"{name} in the complex plane."),
-                Picture(f"poles_{number}", poles_and_zeros_figure(poles, zeros), f"{name}: {POLES}"),
+                Picture(
+                    f"poles_{number}",
+                    poles_and_zeros_figure(poles, zeros),
+                    f"{name}: poles (crosses) and zeros (circles).",
+                ),
             ]
             sections.append(Section(name, blocks))
         note = "Of a case with samples, poles are ln(z) over the sampling step. Those of all motions are in poles.csv."

@@ -15,33 +15,16 @@ from typing import Any
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from rollerrig.analysis.scaled_model import (
-    at_times_of,
-    axle_torque,
-    fidelity,
-    linear_critical_speed_at_full_scale,
-    motor_limited,
-    relative,
-    run_numbers,
-)
+from rollerrig import similitude
+from rollerrig.analysis import scaled_model
 from rollerrig.analysis.slide_statistics import wheel_radius
 from rollerrig.common.formatting import number, percent
 from rollerrig.config import Case
+from rollerrig.config.schema.case import ScaledFrom
 from rollerrig.config.write.toml import to_short_toml
 from rollerrig.plot import scaled as figures
 from rollerrig.results import COMPLETED
-from rollerrig.similitude import (
-    FACTORS,
-    STRATEGIES,
-    ContactAtRest,
-    Requirement,
-    Similitude,
-    contact_at_rest,
-    factors_of,
-    map_back,
-    requirements,
-    scale_case,
-)
+from rollerrig.similitude import ContactAtRest, Requirement, Similitude, factors_of
 from rollerrig.simulation.run import simulate
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Round, job
@@ -58,7 +41,7 @@ def model_summary(model: Case, found: Sequence[Requirement]) -> list[str]:
     """The model and its violations, a line each."""
     record = model.similitude
     assert record is not None
-    strategy = STRATEGIES[record.strategy]
+    strategy = similitude.STRATEGIES[record.strategy]
     kept = ", ".join(record.keep) or "nothing: ideal similitude"
     violated = [one for one in found if not one.met]
     return [
@@ -88,7 +71,7 @@ def contact_at_rest_table(model: Case, at_full_scale: ContactAtRest, own: Contac
 
 def axle_columns(full: xr.Dataset, mapped: xr.Dataset) -> dict[str, ArrayLike]:
     """axles.csv: speeds at full scale, the model's at the same times."""
-    other = at_times_of(full, mapped)
+    other = scaled_model.at_times_of(full, mapped)
     run = full.isel(time=slice(0, other.sizes["time"]))
     both = {"full": run, "model": other}
     columns = {"time_s": run["time"], **{f"train_speed_{label}_mps": one["train_speed"] for label, one in both.items()}}
@@ -162,17 +145,22 @@ class ScaleStudy(Study[Scaled]):
         return self.variants["model"]
 
     @property
+    def record(self) -> ScaledFrom:
+        """What the model's case says of its scaling."""
+        assert self.model.similitude is not None
+        return self.model.similitude
+
+    @property
     def title(self) -> str:
-        record = self.model.similitude
-        assert record is not None
-        return f"{self.full.name} at full scale, and by a 1:{record.length:g} model"
+        return f"{self.full.name} at full scale, and by a 1:{self.record.length:g} model"
 
     def cases(self) -> Mapping[str, Case]:
         return {"the model's case, at its own scale": self.model}
 
     def rounds(self, done: Done) -> Iterator[Round]:
         yield {LABELS[name]: job(simulate, case) for name, case in self.variants.items()}
-        yield {_speed_of(name): job(linear_critical_speed_at_full_scale, case) for name, case in self.variants.items()}
+        speed = scaled_model.linear_critical_speed_at_full_scale
+        yield {_speed_of(name): job(speed, case) for name, case in self.variants.items()}
 
     def collect(self, done: Done) -> Scaled | None:
         runs = {name: done[LABELS[name]] for name in self.variants if LABELS[name] in done}
@@ -181,32 +169,29 @@ class ScaleStudy(Study[Scaled]):
         full = runs.pop("full")
         return Scaled(
             full,
-            {name: map_back(run) for name, run in runs.items()},
+            {name: similitude.map_back(run) for name, run in runs.items()},
             {name: done[_speed_of(name)] for name in self.variants if _speed_of(name) in done},
-            requirements(self.full, self.model),
-            (contact_at_rest(self.full), contact_at_rest(self.model)),
+            similitude.requirements(self.full, self.model),
+            (similitude.contact_at_rest(self.full), similitude.contact_at_rest(self.model)),
         )
 
     def statuses(self, results: Scaled) -> Sequence[str]:
         return [run.attrs["status"] for run in (results.full, results.mapped["model"])]
 
-    # --------------------------------------------------------------------------------------------------- numbers
-
     def numbers(self, results: Scaled) -> dict[str, Any]:
-        record = self.model.similitude
-        assert record is not None
-        compared = {
-            name: {**fidelity(results.full, run), "linear_critical_speed_relative": relative(results.critical, name)}
-            for name, run in results.mapped.items()
-        }
-        speeds = {name: 3.6 * results.critical.get(name, math.nan) for name in ("full", "model")}
+        compared = {name: scaled_model.fidelity(results.full, run) for name, run in results.mapped.items()}
+        for name, one in compared.items():
+            one["linear_critical_speed_relative"] = scaled_model.relative(results.critical, name)
+        full, model = (scaled_model.run_numbers(run) for run in (results.full, results.mapped["model"]))
+        full["linear_critical_speed_kmh"] = 3.6 * results.critical.get("full", math.nan)
+        model["linear_critical_speed_kmh"] = 3.6 * results.critical.get("model", math.nan)
         violated = self.quantities.below("violations.*")
         return {
             "case": self.full.name,
             "model": self.model.name,
-            "similitude": record.model_dump(exclude={"case"}),
-            "full": {**run_numbers(results.full), "linear_critical_speed_kmh": speeds["full"]},
-            "model_mapped_back": {**run_numbers(results.mapped["model"]), "linear_critical_speed_kmh": speeds["model"]},
+            "similitude": self.record.model_dump(exclude={"case"}),
+            "full": full,
+            "model_mapped_back": model,
             "fidelity": compared.pop("model"),
             "error_budget": compared,
             "violations": [
@@ -214,7 +199,7 @@ class ScaleStudy(Study[Scaled]):
                 for one in results.violations
             ],
             "contact": dict(zip(("full", "model"), map(vars, results.contact), strict=True)),
-            "motor_limited_share": motor_limited(self.model, results.mapped["model"]),
+            "motor_limited_share": scaled_model.motor_limited(self.model, results.mapped["model"]),
         }
 
     def summary(self, results: Scaled, numbers: Numbers) -> list[str]:
@@ -242,22 +227,20 @@ class ScaleStudy(Study[Scaled]):
             for one in results.violations
         ]  # fmt: skip
         header = ("requirement", "quantity of the model", "needed", "is", "unit", "deviation", "effect on results")
-        factors, record = factors_of(self.model), self.model.similitude
-        assert record is not None
-        scaled = [[name, number(factors.factor(unit)), unit] for name, unit in FACTORS]
-        similitude = Table(("quantity", "full scale over model", "unit"), scaled, STRATEGIES[record.strategy].title)
-        less = self.quantities.list_table({"model less full scale": numbers["fidelity"]}, compared)
+        factors = factors_of(self.model)
+        scaled = [[name, number(factors.factor(unit)), unit] for name, unit in similitude.FACTORS]
+        scaling = Table(
+            ("quantity", "full scale over model", "unit"), scaled, similitude.STRATEGIES[self.record.strategy].title
+        )
         sections = [
-            Section("Similitude", [similitude, Table(header, violations, "requirements, met or violated")]),
+            Section("Similitude", [scaling, Table(header, violations, "requirements, met or violated")]),
             Section("Contact at rest", [contact_at_rest_table(self.model, *results.contact)]),
-            Section("Numbers", [self.quantities.list_table(runs, shown), less]),
+            Section("Numbers", [self.quantities.list_table(runs, shown)]),
         ]
         sections += [Section(title, [Picture(*picture)]) for title, *picture in self._pictures(results, numbers)]
-        if numbers["error_budget"]:
-            entries = {LABELS[n]: one for n, one in {"model": numbers["fidelity"], **numbers["error_budget"]}.items()}
-            budget = self.quantities.table(entries, compared, "against full scale", "model")
-            sections.append(Section("Error budget of the model", [budget]))
-        return sections
+        entries = {LABELS[n]: one for n, one in {"model": numbers["fidelity"], **numbers["error_budget"]}.items()}
+        budget = self.quantities.table(entries, compared, "against full scale", "model")
+        return [*sections, Section("Error budget of the model", [budget])]
 
     def _pictures(self, results: Scaled, numbers: Numbers) -> list[tuple[str, str, Any, str]]:
         """Title of the section, and what a Picture takes."""
@@ -265,8 +248,10 @@ class ScaleStudy(Study[Scaled]):
         pictures: list[tuple[str, str, Any, str]] = []
         if "train_speed" in results.full:
             radius = wheel_radius(results.full)
-            aligned = {LABELS[name]: at_times_of(results.full, run) for name, run in results.mapped.items()}
-            torques = figures.torques(runs, (axle_torque(runs[0]), axle_torque(runs[1])))
+            aligned = {
+                LABELS[name]: scaled_model.at_times_of(results.full, run) for name, run in results.mapped.items()
+            }
+            torques = figures.torques(runs, (scaled_model.axle_torque(runs[0]), scaled_model.axle_torque(runs[1])))
             pictures += [
                 ("Speeds", "speeds", figures.speeds(runs, radius), "Train and wheels; the train is virtual on either rig."),
                 ("Torque and contact", "torques", torques, "Both at full scale: what the model measures, mapped back."),
@@ -276,9 +261,6 @@ class ScaleStudy(Study[Scaled]):
         if _moves_sideways(numbers):
             pictures.append(("Lateral motion", "lateral", figures.lateral(runs), "Wheelsets, positive to the left."))
         return pictures
-
-
-# ------------------------------------------------------------------------------------------------------ cases and texts
 
 
 def scale_study(
@@ -297,13 +279,15 @@ def scale_study(
     """
 
     def model(kept: tuple[str, ...], own: Mapping[str, object] | None) -> Case:
-        return scale_case(full, factors, strategy=strategy, keep=kept, changes=own)
+        return similitude.scale_case(full, factors, strategy=strategy, keep=kept, changes=own)
 
     variants = {"full": full, "model": model(keep, changes)}
     if error_budget:
         variants["ideal"] = model((), None)
         alone = {name: model((name,), None) for name in keep}
-        variants |= {name: one for name, one in alone.items() if any(not r.met for r in requirements(full, one))}
+        variants |= {
+            name: one for name, one in alone.items() if any(not r.met for r in similitude.requirements(full, one))
+        }
         if changes:
             variants["own"] = model((), changes)
     return ScaleStudy(variants)

@@ -3,41 +3,34 @@
 Case, speeds -> [StabilityStudy] -> stability.nc, tables of modes, shapes and limit cycles, report
 """
 
+import itertools
 import json
 import math
-from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass, field
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from rollerrig.analysis import Diagram, LimitCycleSettings, limit_cycle_table, stability
+from rollerrig import plot
+from rollerrig.analysis import Diagram, LimitCycleSettings, limit_cycle_table, linear_critical_speed, stability
 from rollerrig.analysis.bifurcation import bifurcation
 from rollerrig.analysis.critical_speed import HIGHEST_KMH, LinearCriticalSpeed, scan_above
+from rollerrig.analysis.limit_cycle_runs import settling_run
 from rollerrig.analysis.stability_sensitivity import stability_sensitivity
 from rollerrig.config import Case, Track
-from rollerrig.plot import (
-    bifurcation_diagram,
-    damping_map,
-    damping_over_speed,
-    frequency_over_speed,
-    mode_shape,
-    mode_shapes,
-    root_locus,
-    tornado_diagram,
-)
+from rollerrig.config.schema.contact import NORMAL_LAWS
 from rollerrig.plot.modes import shape_speed, shown_modes
 from rollerrig.results.termination import in_words
-from rollerrig.study import contact_models as contact_effects
 from rollerrig.study import limit_cycles as cycles
-from rollerrig.study.contact_models import ContactEffect
 from rollerrig.study.frame import Study, dataset_rows
-from rollerrig.study.jobs import Chains, Done, Round, job
+from rollerrig.study.jobs import Chains, Done, Job, Progress, Round, job
 from rollerrig.study.limit_cycles import cycle_chains, cycle_diagram
 from rollerrig.study.quantities import Numbers
 from rollerrig.study.report import VIEW, Block, Picture, Section, Table, Text
 
+TABLES = ("modes", "shapes", "limit_cycles", "contact_effects", "branch", "sensitivity")
 BRANCH, SENSITIVITY = "branch of limit cycles", "sensitivity of the linear critical speed"
 
 SUSPENSION_WORDS = ("car body", "bogie", "bogies", "front bogie", "rear bogie")
@@ -98,33 +91,24 @@ def shape_blocks(modes: xr.Dataset) -> list[Block]:
     blocks: list[Block] = [
         Text(
             f"All at {speed:g} km/h, the speed of the table nearest to the linear critical one, or the highest. Displacements "
-            f"are not to scale; outlines are schematic: {_colours(modes)}, dashed in their design position. x points forward, "
-            "y to the left."
+            f"are not to scale; outlines are schematic, dashed in their design position: wheelset red, bogie blue, car body "
+            "green. x points forward, y to the left."
         )
     ]
     critical = modes.attrs["linear_critical_mode"] or modes.attrs["hunting_mode"]
     if critical and float(modes["frequency"].sel(mode=critical, speed=speed)) > 0.0:
-        figure = mode_shape(modes, critical, speed)
+        figure = plot.mode_shape(modes, critical, speed)
         blocks.append(Picture("critical_mode", figure, f"The mode '{critical}', from above and from behind."))
     suspension = [name for name in shown if name.startswith(SUSPENSION_WORDS)]
     if suspension:
         caption = "Modes of the suspension, each in the view that shows most of it."
-        blocks.append(Picture("mode_shapes", mode_shapes(modes, suspension, speed), caption))
+        blocks.append(Picture("mode_shapes", plot.mode_shapes(modes, suspension, speed), caption))
     scale = (
         "In the tables: displacement amplitudes in m and rad, scaled so that the largest is 1, and phase in degrees. Parts below "
         "0.02 are left out. All modes at all speeds are in shapes.csv."
     )
     ordered = sorted(shown, key=lambda name: not name.startswith("hunting"))
     return [*blocks, Text(scale), *(_shape_table(modes.sel(speed=speed, mode=name)) for name in ordered)]
-
-
-def _colours(modes: xr.Dataset) -> str:
-    """Which outline is what: 'wheelsets red, bogies blue, car body green', of the bodies that there are."""
-    count = [str(role) for role in modes["role"].to_numpy()]
-    wheelsets, bogies = count.count("wheelsets"), count.count("bogie")
-    words = [("wheelset red", "wheelsets red", wheelsets), ("bogie blue", "bogies blue", bogies)]
-    words.append(("car body green", "car bodies green", len(count) - wheelsets - bogies))
-    return ", ".join(one if number == 1 else many for one, many, number in words if number)
 
 
 def _shape_table(mode: xr.Dataset) -> Table:
@@ -201,6 +185,57 @@ def sensitivity_numbers(found: xr.Dataset) -> list[dict[str, Any]]:
     return sorted(rows, key=lambda one: -abs(one["change_kmh"]))
 
 
+CONTACT = "contact model"
+CREEP_LAWS = ("kalker_saturated", "table")
+"""The paper's and the exact one; what lies between them is in the theory."""
+
+COUNTERPART = {"rig": ("track", "uic60_track"), "track": ("rig", "full_scale_rig")}
+"""Kind of support -> the other kind, and the catalogue's support of that kind."""
+
+CONTACT_SETTINGS = LimitCycleSettings(longest=8.0)
+
+
+def contact_effect_jobs(
+    case: Case, speeds_kmh: Sequence[float], run_speed_kmh: float, creeps: Sequence[str] = CREEP_LAWS
+) -> dict[str, Job]:
+    """A job per normal contact and creep law, on the case's own support and on the catalogue's of the other kind.
+
+    The critical speed is looked for in a range [km/h], the run from a lateral offset has one speed [km/h].
+    """
+    own, speeds = case.support.data.kind, tuple(speeds_kmh)
+    other, support = COUNTERPART[own]
+    cases = {own: case, other: case.with_changes({"support.use": support})}
+    every = itertools.product(cases, NORMAL_LAWS, creeps)
+    return {
+        f"{CONTACT} {', '.join(one)}": job(contact_effect, cases[one[0]], one, speeds, run_speed_kmh) for one in every
+    }
+
+
+def contact_effect(
+    case: Case,
+    names: tuple[str, str, str],
+    speeds_kmh: Sequence[float],
+    run_speed_kmh: float,
+    progress: Progress | None = None,
+) -> dict[str, Any]:
+    """Linear critical speed, and the limit cycle at one speed from a lateral offset, with one contact model."""
+    support, normal, creep = names
+    chosen = case.with_changes({"contact.normal": normal, "contact.creep": creep})
+    onset = linear_critical_speed(chosen, [v / 3.6 for v in speeds_kmh])
+    point, _ = settling_run(chosen, CONTACT_SETTINGS, CONTACT_SETTINGS.disturbance, run_speed_kmh / 3.6, None, progress)
+    return {
+        "support": support,
+        "normal": normal,
+        "creep": creep,
+        "linear_critical_speed_kmh": 3.6 * onset.speed if onset else math.nan,
+        "frequency_hz": onset.frequency if onset else math.nan,
+        "run_speed_kmh": run_speed_kmh,
+        "limit_cycle_mm": 1e3 * point.amplitude,
+        "guiding_force_kn": 1e-3 * point.guiding_force,
+        "status": point.status,
+    }
+
+
 MOST_CYCLE_SPEEDS = 20
 """Runs are made at no more speeds than this, spread over the range."""
 
@@ -215,7 +250,7 @@ class Results:
     modes: xr.Dataset
     above: LinearCriticalSpeed | None
     diagram: Diagram | None
-    contact: tuple[ContactEffect, ...]
+    contact: Sequence[Mapping[str, Any]]
     branch: xr.Dataset | None
     sensitivity: xr.Dataset | None
 
@@ -242,16 +277,7 @@ class StabilityStudy(Study[Results]):
         "saturation beyond its slope.",
         "Rollers or rails are speed-controlled at each speed; torques keep their value at time 0.",
     )
-    writes = (
-        "stability.nc",
-        "modes.csv",
-        "shapes.csv",
-        "limit_cycles.csv",
-        "contact_effects.csv",
-        "branch.csv",
-        "sensitivity.csv",
-        VIEW,
-    )
+    writes = ("stability.nc", *(f"{name}.csv" for name in TABLES), VIEW)
     formats = ("svg",)
 
     @property
@@ -268,7 +294,7 @@ class StabilityStudy(Study[Results]):
         if self.with_limit_cycles:
             yield cycle_chains(self.case, cycle_speeds(self.speeds_kmh), self.settings)
         if self.contacts_kmh is not None:
-            yield contact_effects.contact_effect_jobs(self.case, self.speeds_kmh, self.contacts_kmh)
+            yield contact_effect_jobs(self.case, self.speeds_kmh, self.contacts_kmh)
         if self.branch is not None and not none:
             yield {BRANCH: job(bifurcation, self.case, self.speeds_kmh, self.branch)}
         linear = done[above].speed_kmh if search else modes.attrs["linear_critical_speed_kmh"]
@@ -277,7 +303,7 @@ class StabilityStudy(Study[Results]):
             yield {SENSITIVITY: job(stability_sensitivity, self.case, None, around)}
 
     def collect(self, done: Done) -> Results | None:
-        contact = tuple(result for result in done.values() if isinstance(result, ContactEffect))
+        contact = [result for name, result in done.items() if name.startswith(CONTACT)]
         if "modes" not in done:
             return None
         above, diagram = done.get("linear critical speed above the range"), None
@@ -286,8 +312,6 @@ class StabilityStudy(Study[Results]):
             found = cycle_diagram(cycle_speeds(self.speeds_kmh), linear, self.settings, done)
             diagram = found if found.up or found.down else None
         return Results(done["modes"], above, diagram, contact, done.get(BRANCH), done.get(SENSITIVITY))
-
-    # --------------------------------------------------------------------------------------------------- numbers
 
     def numbers(self, results: Results) -> dict[str, Any]:
         attributes = results.modes.attrs
@@ -309,7 +333,7 @@ class StabilityStudy(Study[Results]):
         if results.diagram is not None:
             found["limit_cycles"] = cycles.cycle_numbers(results.diagram, self.settings)
         if results.contact:
-            found["contact_effects"] = [asdict(one) for one in results.contact]
+            found["contact_effects"] = results.contact
         if results.branch is not None:
             found["branch"] = branch_numbers(results.branch)
         if results.sensitivity is not None:
@@ -350,18 +374,11 @@ class StabilityStudy(Study[Results]):
             data = modes.merge(limit_cycle_table(results.diagram), combine_attrs="drop_conflicts")
         found = {"stability.nc": data, "modes.csv": mode_rows(modes)}
         found["shapes.csv"] = dataset_rows(modes, SHAPE_COLUMNS, "speed", "mode", "body", "direction")
-        if results.diagram is not None:
-            points = numbers["limit_cycles"]["points"]
-            found["limit_cycles.csv"] = self.quantities.csv(points, "limit_cycles.points.*")
-        if results.contact:
-            found["contact_effects.csv"] = self.quantities.csv(numbers["contact_effects"], "contact_effects.*")
-        if results.branch is not None:
-            found["branch.csv"] = self.quantities.csv(numbers["branch"]["points"], "branch.points.*")
-        if results.sensitivity is not None:
-            found["sensitivity.csv"] = self.quantities.csv(numbers["sensitivity"], "sensitivity.*")
+        tables = {name: numbers[name] for name in ("contact_effects", "sensitivity") if name in numbers}
+        tables |= {f"{name}.points": numbers[name]["points"] for name in ("limit_cycles", "branch") if name in numbers}
+        for key, rows in tables.items():
+            found[f"{key.removesuffix('.points')}.csv"] = self.quantities.csv(rows, f"{key}.*")
         return found
-
-    # ---------------------------------------------------------------------------------------------------- report
 
     def sections(self, results: Results, numbers: Numbers) -> list[Section]:
         runs = None if results.diagram is None else limit_cycle_table(results.diagram)
@@ -380,7 +397,7 @@ class StabilityStudy(Study[Results]):
         if results.contact:
             text = (
                 "The same vehicle with each normal contact and creep law. The limit cycle is the end of a run from a "
-                f"lateral offset of {1e3 * contact_effects.SETTINGS.disturbance:g} mm of the leading wheelset."
+                f"lateral offset of {1e3 * CONTACT_SETTINGS.disturbance:g} mm of the leading wheelset."
             )
             table = self.quantities.table(numbers["contact_effects"], "contact_effects.*")
             found.append(Section("Effect of the contact model", [Text(text), table]))
@@ -392,28 +409,27 @@ class StabilityStudy(Study[Results]):
             "elements share change together. Small ones are in the table alone."
         )
         table = self.quantities.table(numbers["sensitivity"], "sensitivity.*", "All of them; values in SI.")
-        return [Picture("sensitivity", tornado_diagram(found), caption), table]
+        return [Picture("sensitivity", plot.tornado_diagram(found), caption), table]
 
     def _branch(self, branch: xr.Dataset, numbers: Numbers) -> list[Block]:
-        said = branch_sentences(numbers["branch"], numbers["linear_critical_speed_kmh"])
         caption = (
             "Limit cycles that begin at the linear critical speed, found as periodic solutions. Between two stable ones lies an "
             "unstable one: a disturbance beyond it goes to the one above. Branches that do not begin there are not found."
         )
-        drawn = Picture("branch", bifurcation_diagram(branch), caption)
+        drawn = Picture("branch", plot.bifurcation_diagram(branch), caption)
         table = self.quantities.table(
             numbers["branch"]["points"],
             "branch.points.*",
             "Largest magnitude of a Floquet multiplier: what is left of a small deviation after one period.",
         )
-        return [*(Text(one) for one in said), drawn, table]
+        return [drawn, table]
 
     def _modes(self, modes: xr.Dataset, runs: xr.Dataset | None, numbers: Numbers) -> list[Block]:
         drawn = (
-            ("frequency", frequency_over_speed(modes, runs), "Frequency over speed, without heavily damped modes."),
-            ("damping", damping_over_speed(modes), "Damping ratio over speed; below zero a small disturbance grows."),
-            ("damping_map", damping_map(modes), "Damping of all oscillatory modes, with their frequency at the highest speed."),
-            ("root_locus", root_locus(modes), "Root locus: eigenvalues over speed, the modes of the first figure."),
+            ("frequency", plot.frequency_over_speed(modes, runs), "Frequency over speed, without heavily damped modes."),
+            ("damping", plot.damping_over_speed(modes), "Damping ratio over speed; below zero a small disturbance grows."),
+            ("damping_map", plot.damping_map(modes), "Damping of all oscillations, with their frequency at the highest speed."),
+            ("root_locus", plot.root_locus(modes), "Root locus: eigenvalues over speed, the modes of the first figure."),
         )  # fmt: skip
         names = ["crossings.*.speed_kmh", "mode", "crossings.*.frequency_hz", "grows"]
         found, where = numbers["crossings"], f"from {modes['speed'][0]:g} to {modes['speed'][-1]:g} km/h"

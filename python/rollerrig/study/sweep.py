@@ -28,16 +28,8 @@ from rollerrig.study.jobs import Done, Job, Progress, Round
 from rollerrig.study.measures import MEASURES
 from rollerrig.study.quantities import Numbers
 from rollerrig.study.report import Block, Picture, Section, Table, Text
-from rollerrig.study.runs.sweep import (
-    FAILED,
-    Points,
-    Record,
-    Statistics,
-    number_of_cases,
-    statistics,
-    sweep_dataset,
-    sweep_rows,
-)
+from rollerrig.study.runs import sweep as runs
+from rollerrig.study.runs.sweep import FAILED, Points, Record, Statistics, statistics
 
 MOST_PICTURED = 12
 """Numbers that have pictures of their own; all are in the tables and files."""
@@ -113,12 +105,12 @@ class SweepStudy(Study[Sweep]):
 
     def __post_init__(self) -> None:
         """Refuse with a ConfigError values that do not fit their key, numbers that no measure has, too many cases."""
-        count, file = number_of_cases(self.whole.plan), self.whole.file
+        count, file = runs.number_of_cases(self.whole.plan), self.whole.file
         allowed = f"allowed: up to {MOST} cases, which are held in memory; several plans can share the work"
         if count > MOST_UNASKED and not self.many:
             allowed = f"allowed: up to {MOST_UNASKED} cases; more with --yes (many=True)"
         if count > (MOST if self.many else MOST_UNASKED):
-            raise ConfigError([ConfigProblem(file, "design", f"{count} cases", allowed)])
+            raise ConfigError.of(file, "design", f"{count} cases", allowed)
         if problems := self._check_kept():
             raise ConfigError(problems)
 
@@ -164,8 +156,6 @@ class SweepStudy(Study[Sweep]):
         name = {} if self.compute is None else {"compute": f"{self.compute.__module__}:{self.compute.__qualname__}"}
         return {"plan": own, **name, "case": tomllib.loads(self.whole.case.to_toml())}
 
-    # ------------------------------------------------------------------------------------------------------ jobs
-
     def rounds(self, done: Done) -> Iterator[Round]:
         packed = pickle.dumps((self.whole.case, self.whole.plan.measure, self.compute))
         yield {_name(i): Job(run_case, (packed, changes), lost_case) for i, changes in enumerate(self.points.changes())}
@@ -189,7 +179,7 @@ class SweepStudy(Study[Sweep]):
         records: list[Record | None] = [done.get(_name(i)) for i in range(len(self.points))]
         if not any(records):
             return None
-        data = sweep_dataset(self.whole, self.points, records, self._units(records))
+        data = runs.sweep_dataset(self.whole, self.points, records, self._units(records))
         return Sweep(data, statistics(data, self.points))
 
     def _units(self, records: list[Record | None]) -> dict[str, tuple[str, str]]:
@@ -202,8 +192,6 @@ class SweepStudy(Study[Sweep]):
             for name in (record or {}).get("numbers", {}):
                 found.setdefault(name, ("", name.replace("_", " ")))
         return found
-
-    # --------------------------------------------------------------------------------------------------- numbers
 
     def numbers(self, results: Sweep) -> dict[str, Any]:
         data = results.data
@@ -233,7 +221,7 @@ class SweepStudy(Study[Sweep]):
         return lines
 
     def files(self, results: Sweep, numbers: Numbers) -> Mapping[str, Any]:
-        return {"sweep.nc": results.data, "sweep.csv": sweep_rows(results.data, self.points)}
+        return {"sweep.nc": results.data, "sweep.csv": runs.sweep_rows(results.data, self.points)}
 
     def sections(self, results: Sweep, numbers: Numbers) -> list[Section]:
         data, found, points = results.data, results.statistics, self.points
@@ -271,7 +259,7 @@ def sweep_study(case: Case, vary: Mapping[str, Any], measure: Any, design: Any, 
     if plan is None:
         raise ConfigError(problems)
     if compute is None and not plan.measure:
-        raise ConfigError([ConfigProblem("sweep", "measure", "missing", one_of(tuple(MEASURES)))])
+        raise ConfigError.of("sweep", "measure", "missing", one_of(tuple(MEASURES)))
     return SweepStudy(plan_of_case(plan, case, "sweep"), many, compute)
 
 
@@ -315,9 +303,6 @@ def _span(ends: Mapping[str, float | None]) -> float:
 
 def _name(number: int) -> str:
     return f"case {number}"
-
-
-# -------------------------------------------------------------------------------------------------------------- jobs
 
 
 @lru_cache(maxsize=4)

@@ -17,30 +17,16 @@ from rollerrig.config import CRITERIA, Case, Programme
 from rollerrig.config.schema.programme import BrakedRun
 from rollerrig.config.write.toml import to_toml
 from rollerrig.plot.wsp import Ends, means_with_intervals, slip_grid, stop_over_time
-from rollerrig.study.assessment import SHOWN
-from rollerrig.study.ensemble import finer, start_jobs, start_name, started
+from rollerrig.study.assessment import SHOWN, overall
+from rollerrig.study.ensemble import finer, start_jobs, start_name, started, with_interval
 from rollerrig.study.frame import Content, Study
 from rollerrig.study.jobs import Done, Job, Round, job
 from rollerrig.study.quantities import Numbers, Quantities, Quantity
 from rollerrig.study.report import Block, Picture, Preformatted, Section, Table, Text
+from rollerrig.study.runs import wsp as runs
 from rollerrig.study.runs.adhesion import GROUPS, track_case, verdict_rows
 from rollerrig.study.runs.adhesion import verdict_of as group_verdict
-from rollerrig.study.runs.wsp import (
-    MEASURES,
-    SUPPORTS,
-    Judgement,
-    StopRecord,
-    StopTests,
-    Support,
-    check_case,
-    dry_case,
-    dry_name,
-    judgements,
-    signal_columns,
-    stop_case,
-    stop_record,
-    verdict_of,
-)
+from rollerrig.study.runs.wsp import MEASURES, SUPPORTS, Judgement, StopRecord, StopTests, Support
 
 Tests = Mapping[Support, StopTests]
 ON: Mapping[Support, str] = {"track": "track", "rig": "the rig"}
@@ -91,7 +77,7 @@ class WspStudy(Study[Results]):
 
     def __post_init__(self) -> None:
         """Refuse a case that has no slide protection to be tested on a rig, and stops that it cannot do."""
-        check_case(self.case, self.programme)
+        runs.check_case(self.case, self.programme)
 
     @property
     def title(self) -> str:
@@ -110,9 +96,7 @@ class WspStudy(Study[Results]):
     @cached_property
     def stop_cases(self) -> Mapping[str, Case]:
         """Name of the stop -> its case on the rig."""
-        return {stop.name: stop_case(self.case, self.programme, stop) for stop in self.stops}
-
-    # ------------------------------------------------------------------------------------------------------- jobs
+        return {stop.name: runs.stop_case(self.case, self.programme, stop) for stop in self.stops}
 
     @property
     def round_ends(self) -> tuple[float, ...]:  # type: ignore[override]
@@ -123,12 +107,14 @@ class WspStudy(Study[Results]):
         for stop in self.stops:
             jobs: dict[str, Job] = {}
             for on in SUPPORTS if stop.stops else ():
-                dry = _on(dry_case(self.case, self.programme, stop), on)
-                jobs[f"{dry_name(self.case, stop)}, {on}"] = job(stop_record, dry, self.programme.flat, False)
+                dry = _on(runs.dry_case(self.case, self.programme, stop), on)
+                jobs[f"{runs.dry_name(self.case, stop)}, {on}"] = job(runs.stop_record, dry, self.programme.flat, False)
             cases = {f"{stop.name}, {on}": _on(self.stop_cases[stop.name], on) for on in SUPPORTS}
-            jobs |= start_jobs(cases, lambda one, k: job(stop_record, one, self.programme.flat, k == 0), self.count)
+            jobs |= start_jobs(
+                cases, lambda one, k: job(runs.stop_record, one, self.programme.flat, k == 0), self.count
+            )
             fine = {f"{name}{FINE}": finer(case) for name, case in cases.items() if not self.quick}
-            jobs |= start_jobs(fine, lambda one, _: job(stop_record, one, self.programme.flat, False), FINE_STARTS)
+            jobs |= start_jobs(fine, lambda one, _: job(runs.stop_record, one, self.programme.flat, False), FINE_STARTS)
             yield jobs
 
     def plan(self) -> dict[str, Any]:
@@ -151,14 +137,14 @@ class WspStudy(Study[Results]):
         needed, case = max(self.programme.starts, self.count), self.stop_cases[stop.name]
         tests: dict[Support, StopTests] = {}
         for on, records in made.items():
-            dry: StopRecord | None = done.get(f"{dry_name(self.case, stop)}, {on}") if stop.stops else None
+            dry: StopRecord | None = done.get(f"{runs.dry_name(self.case, stop)}, {on}") if stop.stops else None
             own = [one.test for one in records]
             tests[on] = StopTests(stop, on, case, needed, own, None if dry is None else dry.test, fine[on])
         judged = [
             one
             for on, other in zip(SUPPORTS, SUPPORTS[::-1], strict=True)
             if tests[on].tests
-            for one in judgements(self.programme, tests[on], tests[other])
+            for one in runs.judgements(self.programme, tests[on], tests[other])
         ]
         signals: dict[str, Mapping[str, Any]] = {
             on: next((one.signals for one in records if one.signals), {}) for on, records in made.items()
@@ -167,8 +153,6 @@ class WspStudy(Study[Results]):
 
     def statuses(self, results: Results) -> Sequence[str]:
         return [record.status for one in results.values() for tests in one.tests.values() for record in tests.tests]
-
-    # ---------------------------------------------------------------------------------------------------- numbers
 
     def numbers(self, results: Results) -> dict[str, Any]:
         return {
@@ -191,13 +175,13 @@ class WspStudy(Study[Results]):
         found: dict[str, Content] = {}
         for name, one in results.items():
             found[f"tests_{name}.csv"] = _test_rows(one.tests)
-            found[f"signals_{name}.csv"] = signal_columns(one.signals)
+            found[f"signals_{name}.csv"] = runs.signal_columns(one.signals)
         return found
 
     def sections(self, results: Results, numbers: Numbers) -> list[Section]:
         programme = Preformatted(f"The whole programme: {self.programme.name}", to_toml(self.programme))
         return [
-            Section("Assessment", [_overview(self.programme, numbers), _sums(numbers)]),
+            Section("Assessment", [_overview(self.programme, numbers)]),
             Section("Criteria", [_criteria_table(numbers)]),
             Section("Stops", [*_stop_tables(numbers), *_pictures(results, numbers)]),
             *(_stop_section(name, one, numbers["stops"][name]) for name, one in results.items()),
@@ -208,9 +192,6 @@ class WspStudy(Study[Results]):
 
 def _on(case: Case, support: Support) -> Case:
     return track_case(case) if support == "track" else case
-
-
-# ------------------------------------------------------------------------------------------------------ numbers and rows
 
 
 def _stop_numbers(result: StopResult) -> dict[str, Any]:
@@ -234,7 +215,7 @@ def _stop_numbers(result: StopResult) -> dict[str, Any]:
 
 def _support_numbers(found: StopTests, judged: Sequence[Judgement]) -> dict[str, Any]:
     numbers: dict[str, Any] = {
-        "verdict": verdict_of([one for one in judged if one.support == found.support]),
+        "verdict": overall(one.verdict for one in judged if one.support == found.support),
         "tests": len(found.tests),
         "stopped": sum(one.stopped for one in found.tests),
         "dry_distance_m": None if found.dry is None else found.dry.measures["distance_m"],
@@ -267,23 +248,14 @@ def _test_rows(tests: Tests) -> list[list[object]]:
     return rows
 
 
-# ------------------------------------------------------------------------------------------------------------ sentences
-
 NOT_QUOTED = (
     "Stops and limits are those of the programme file. EN 15595 and UIC 541-05 are not quoted: an outcome here is no approval, "
     "and says only what the limits of that file say."
 )
 CLAIMS = (
     NOT_QUOTED,
-    "K_wet is 100 / (100 + increase over dry in %), both of the way after the brake's build-up: each distance is less by the "
-    "first speed times the equivalent time of the dry stop's build-up, the integral of 1 - p / p_max. Distances themselves are "
-    "from the demand to motion.stop_speed, at which the train counts as stationary; below 2 m/s no slip and no lock is counted.",
-    "The length of a flat is an estimate of its order, from the energy dissipated under a locked wheel, (H1) and (H2) of "
-    "docs/theory/wheel_flats.md; on the rig it is that of the train which the rig stands for, whose wheels would slide.",
-    "Intervals are of 95 %, of the mean over starts that draw adhesion, pads, load, speed and demand by [ensemble] of the case, "
-    "and contain what a quarter of step and samples changes in two of them. Beyond those distributions they say nothing of "
-    "another vehicle, rail or day.",
-    "Eight tests out of eight within a limit say with 95 % that at least 69 % of all such tests are.",
+    "The length of a flat is an estimate of its order; on the rig it is that of the train which the rig stands for. What each "
+    "number means, and what intervals contain: docs/studies/wsp.md.",
 )
 
 
@@ -359,9 +331,7 @@ def value_text(name: str, one: Numbers) -> str:
     if one["mean"] is None:
         return "–"
     _, factor, unit = quantity_of(name)
-    text = number(factor * one["mean"], 3)
-    if one["low"] is not None and one["high"] is not None and one["low"] != one["high"]:
-        text += f" ({number(factor * one['low'], 3)} … {number(factor * one['high'], 3)})"
+    text = with_interval(one, factor)
     if CRITERIA[name].every and one["worst"] is not None:  # type: ignore[index]
         text += f", worst {number(factor * one['worst'], 3)}"
     return f"{text} {unit}".rstrip()
@@ -374,9 +344,6 @@ def limit_text(name: str, one: Numbers) -> str:
     return f"{one['kind']} {number(factor * one['limit'], 3)} {unit}".rstrip() + each
 
 
-# --------------------------------------------------------------------------------------------------- tables and figures
-
-
 def _overview(programme: Programme, numbers: Numbers) -> Table:
     described = {stop.name: stop.description for stop in programme.stop}
     rows = []
@@ -387,14 +354,6 @@ def _overview(programme: Programme, numbers: Numbers) -> Table:
         rows.append((*words, name.replace("_", " "), text, SHOWN[same["tracking"]], SHOWN[same["fidelity"]]))
     header = ("on track", "on the rig", "stop", "", "rig follows its virtual axles", "rig as the track")
     return Table(header, rows, "All criteria of each stop; and the assessment of the rig itself.")
-
-
-def _sums(numbers: Numbers) -> Table:
-    names = [q.key for q in QUANTITIES.below("sums.*") if q.name != "*"]
-    entries: dict[str, Numbers] = {
-        on: {name: numbers["sums"][on][name.rpartition(".")[2]] for name in names} for on in SUPPORTS
-    }
-    return QUANTITIES.table(entries, names, "All stops: sums of means; worst of all tests.", "")
 
 
 def _criteria_table(numbers: Numbers) -> Table:
@@ -428,13 +387,7 @@ def _stop_tables(numbers: Numbers) -> Iterator[Table]:
 
 
 def _ends_text(name: str, one: Numbers) -> str:
-    factor = QUANTITIES[f"stops.*.*.{name}.mean"].in_shown_unit(1.0)
-    if one["mean"] is None:
-        return "–"
-    mean = number(factor * one["mean"])
-    if one["low"] is None or one["high"] is None or one["low"] == one["high"]:
-        return mean
-    return f"{mean} ± {number(0.5 * factor * (one['high'] - one['low']), 2)}"
+    return with_interval(one, QUANTITIES[f"stops.*.*.{name}.mean"].in_shown_unit(1.0))
 
 
 def _pictures(results: Results, numbers: Numbers) -> Iterator[Block]:
@@ -473,7 +426,7 @@ def _stop_section(name: str, one: StopResult, own: Numbers) -> Section:
         for key in MEASURED
     ]
     count = [own[on]["tests"] for on in SUPPORTS]
-    caption = f"Means of {count[0]} and {count[1]} tests ± half an interval of 95 %."
+    caption = f"Means of {count[0]} and {count[1]} tests, with intervals of 95 %."
     blocks: list[Block] = [Table(("", *SUPPORTS), rows, caption)]
     title = name.replace("_", " ")
     if all(one.signals[on] for on in SUPPORTS):

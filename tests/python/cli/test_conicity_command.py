@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner, Result
 
+from reported import unexplained, unreported
 from rollerrig.cli.app import build_app
 from rollerrig.study.conicity import ConicityStudy
 
@@ -58,8 +59,8 @@ def test_rail_and_roller_stand_side_by_side(outputs: list[Path]) -> None:
 @pytest.mark.slow
 def test_every_key_of_the_summary_is_explained_and_reported(outputs: list[Path]) -> None:
     summary = json.loads((outputs[0] / "summary.json").read_text())
-    assert ConicityStudy.quantities.unexplained(summary) == []
-    assert ConicityStudy.quantities.unreported(summary) == []
+    assert unexplained(ConicityStudy.quantities, summary) == []
+    assert unreported(ConicityStudy.quantities, summary) == []
 
 
 @pytest.mark.slow

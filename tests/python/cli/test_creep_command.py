@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner, Result
 
+from reported import unexplained
 from rollerrig.assembly.laws import creep_law
 from rollerrig.cli.app import build_app
 from rollerrig.contact_analysis.creep_laws import REFERENCE, compare_laws, error_table
@@ -55,7 +56,7 @@ def test_all_files_are_written_and_say_the_same(output: Path) -> None:
 
 @pytest.mark.slow
 def test_every_key_of_the_summary_is_explained(output: Path) -> None:
-    assert CreepStudy.quantities.unexplained(json.loads((output / "summary.json").read_text())) == []
+    assert unexplained(CreepStudy.quantities, json.loads((output / "summary.json").read_text())) == []
 
 
 @pytest.mark.parametrize(

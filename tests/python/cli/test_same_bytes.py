@@ -23,7 +23,7 @@ COMMANDS = {
     "envelope": ("envelope", "CASE", "--torques-knm=-6,-2", "--adhesions", "0.05,0.3", "--loads", "1", "--duration", "0.6",
                  "--refine", "0"),
     "adhesion": ("adhesion", "CASE", "--no-error-budget"),
-    "control": ("control", "CASE", "--duration", "1", "--families", "delay", "--no-loop", "--no-lags"),
+    "control": ("control", "CASE", "--duration", "1", "--families", "delay", "--no-loop"),
     "lateral": ("lateral", "LATERAL"),
     "scale": ("scale", "CASE", "--strategy", "dlr", "--run", "--no-error-budget"),
     "compare": ("compare", "manchester_vehicle_1", "--cut", "leading_wheelset", "--speeds-kmh", "60,80", "--radii-m", "0.725",

@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 import rollerrig as rr
 from rollerrig.cli.app import build_app
 from rollerrig.config import ConfigError, case_from_toml, code_of, load_any
-from rollerrig.study.runs.compare import compared_cases
+from rollerrig.study.compare import compared_cases
 
 TRACE = "ran"
 CONTROLLER = f"""

@@ -1,15 +1,17 @@
 """Wheels that their brakes lock on the rig, without slide protection: the drives give the rail's force and do not ring."""
 
+import math
+
 import numpy as np
 import pytest
 import xarray as xr
 
 from rollerrig import simulate
 from rollerrig.analysis.control_loop import creep_slope, loop_of
-from rollerrig.analysis.loop_stability import growth, rolling_plant
+from rollerrig.analysis.loop_stability import ABOVE, growth, rolling_plant
 from rollerrig.analysis.slide_statistics import torque_ripple
+from rollerrig.assembly.actuators import friction_brake
 from rollerrig.config import Case, load_case
-from rollerrig.study.loop_stability import held_growth
 
 LOCKED = slice(8.0, 14.0)
 """Both wheels stand by then, and the train still runs [s]."""
@@ -31,6 +33,27 @@ def locked_part(case: Case) -> xr.Dataset:
 
 
 AS_ESTIMATED = {"rig_control.axle_torque.kind": "estimated", "rig_control.drive_command.kind": "direct"}
+
+STANDS = 1e-4
+"""Speed at which a brake's torque over speed is taken, within its regularisation [rad/s]."""
+
+
+def held_growth(case: Case) -> tuple[float, float]:
+    """Rate [1/s] and frequency [Hz] of the sampled loop of one axle whose wheel is held, its torque as estimated, no feedback."""
+    at_rest = creep_slope(case) * case.motion.speed / case.contact.creepage_regularisation_speed
+    loop = loop_of(case.with_changes(AS_ESTIMATED), at_rest, sliding=True)
+    if loop is None or case.brake is None:
+        return math.nan, math.nan
+    holds = -friction_brake(case.brake).torque(max(row[1] for row in case.brake.demand), STANDS) / STANDS
+    return growth(loop.scaled(0.0), rolling_plant(loop.real, loop.creep, holds), above=ABOVE)
+
+
+def test_the_loop_of_a_held_wheel_grows_with_some_estimators_and_has_none_with_exact_torque() -> None:
+    rates = {kind: held_growth(unprotected(kind))[0] for kind in ("observer", "kalman", "filtered_derivative")}
+    assert rates["kalman"] > 1.0
+    assert rates["filtered_derivative"] < rates["observer"] < rates["kalman"]
+    exact = load_case("adhesion_brake").with_changes({"rig_control.estimator": {"kind": "exact"}})
+    assert math.isnan(held_growth(exact)[0])
 
 
 @pytest.mark.parametrize(

@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from reported import unexplained
 from rollerrig import ConfigError, load_case, simulate
 from rollerrig.analysis.slide_statistics import SLIP_EDGES, TestRecord, regrip_adhesion
 from rollerrig.analysis.slide_statistics import test_record as record_of
@@ -23,14 +24,10 @@ from rollerrig.study.frame import Outcome as Found
 from rollerrig.study.runs.adhesion import (
     CAUSES,
     LARGEST_ERROR,
-    LAWS,
     STEPS,
     TOGETHER,
     Row,
     cause_shares,
-    law_case,
-    law_names,
-    law_table,
     to_refine,
     track_case,
     variant,
@@ -273,9 +270,8 @@ def refined(
         return record(950.0 + sign * scatter.get(ensemble, 0.0), **{**measures, "dump_cycles": counted})
 
     with pytest.MonkeyPatch.context() as patch:  # what is not asked for here
-        patch.setattr("rollerrig.study.adhesion.test_record", lambda run, _: run)
+        patch.setattr("rollerrig.analysis.slide_statistics.test_record", lambda run, _: run)
         patch.setattr("rollerrig.study.adhesion.predicted_dead_time", lambda _: None)
-        patch.setattr("rollerrig.study.adhesion.law_names", lambda _: ())
         patch.setattr("rollerrig.study.ensemble.drawn", lambda case, _: case)
         for jobs in study.rounds(done):
             done |= {name: invented(name) for name in jobs if name not in done}
@@ -489,7 +485,7 @@ def test_real_sliding_is_gone_with_pure_rolling(outcome: Found[Runs]) -> None:
 def test_every_number_is_explained_and_written(outcome: Found[Runs], tmp_path: Path) -> None:
     written = {path.relative_to(tmp_path).as_posix() for path in outcome.write(tmp_path)}
     summary = json.loads((tmp_path / "summary.json").read_text(encoding="utf-8"))
-    assert QUANTITIES.unexplained(summary) == []
+    assert unexplained(QUANTITIES, summary) == []
     pictures = {path for path in written if path.startswith("figures/")}
     data = {"track_quick.nc", "rig_quick.nc", "axles_quick.csv"}
     assert written - pictures == {*data, "summary.json", "report.html", "timing.json", "view.html"}
@@ -522,27 +518,6 @@ def test_the_summary_begins_with_the_verdict_and_says_how_limit_cycles_are_compa
     assert all(row.text in line for row, line in zip(rows, lines[-len(rows) :], strict=True))
     assert any("not point by point" in line for line in lines)
     assert any(line.startswith("Equivalent dead time: ") for line in lines)
-
-
-@pytest.mark.slow
-def test_every_creep_law_has_a_line_for_track_and_rig(outcome: Found[Runs]) -> None:
-    laws = outcome.numbers["creep_laws"]
-    assert next(iter(laws)) == "polach"  # of the case
-    assert set(laws) == set(LAWS)
-    assert laws["polach"]["distance_m_track"] == outcome.numbers["track"]["distance_m"]
-    assert len({one["distance_m_track"]["mean"] for one in laws.values()}) == len(LAWS)
-    for one in laws.values():
-        ratio = one["distance_m_rig"]["mean"] / one["distance_m_track"]["mean"]
-        assert one["distance_m_difference"]["mean"] == pytest.approx(ratio - 1.0)
-        assert abs(ratio - 1.0) < 0.01
-    case = load_case("adhesion_brake")
-    for name in law_names(case):
-        changed = law_case(case, name)
-        assert changed is not None
-        assert (changed.rig_control is None) == name.startswith("track")
-    assert law_case(case, "rig") is None
-    rows = law_table(laws).rows
-    assert [row[0] for row in rows][:2] == ["Polach", "the paper's law"]
 
 
 @pytest.mark.slow

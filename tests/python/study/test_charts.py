@@ -58,7 +58,7 @@ def column(chart: Any, name: str) -> np.ndarray:
 def test_a_history_becomes_a_chart_with_all_that_is_drawn() -> None:
     chart = chart_of(history(), "forces", "QUICK")
     assert chart is not None
-    assert (chart.identity, chart.head["x"], chart.head["mark"]) == ("figure-forces", "time [s]", "QUICK")
+    assert (chart.head["id"], chart.head["x"], chart.head["mark"]) == ("figure-forces", "time [s]", "QUICK")
     upper, lower = chart.head["panels"]
     assert (upper["label"], lower["label"]) == ("signals force [kN], first case", "signals speed [m/s]")
     assert [(c["label"], c["colour"], bool(c["dash"])) for c in upper["curves"]] == [

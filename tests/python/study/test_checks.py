@@ -81,9 +81,6 @@ def test_an_interval_is_shown_with_both_its_ends(interval: Interval, text: str) 
 
 def test_intervals_are_compared_as_a_whole() -> None:
     narrow, wide = Interval(137.8, 140.0), Interval(100.0, 200.0)
-    assert narrow.below(Interval(164.4, 166.7)) is True
-    assert Interval(164.4, 166.7).below(narrow) is False
-    assert narrow.below(wide) is None
     assert wide.distance(150.0) == Interval(0.0, 50.0)
     assert narrow.distance(100.0) == Interval(pytest.approx(37.8), pytest.approx(40.0))
     ratio = narrow.over(Interval(175.6, 177.8))

@@ -8,13 +8,13 @@ import pytest
 
 from rollerrig.analysis import LimitCycleSettings, linear_critical_speed
 from rollerrig.config import load_case
-from rollerrig.study import contact_models as contact_effects
-from rollerrig.study.contact_models import COUNTERPART, contact_effect_jobs
+from rollerrig.study import stability
+from rollerrig.study.stability import COUNTERPART, contact_effect_jobs
 
 
 def test_jobs_are_those_of_the_cases_with_each_contact(monkeypatch: pytest.MonkeyPatch) -> None:
     # not settled by then: the critical speeds are checked here, not the limit cycle
-    monkeypatch.setattr(contact_effects, "SETTINGS", LimitCycleSettings(longest=2.0))
+    monkeypatch.setattr(stability, "CONTACT_SETTINGS", LimitCycleSettings(longest=2.0))
     case, speeds = load_case("bogie_track"), [200.0, 300.0]
     jobs = contact_effect_jobs(case, speeds, 200.0, creeps=["kalker_saturated"])
     assert list(jobs) == [
@@ -27,16 +27,12 @@ def test_jobs_are_those_of_the_cases_with_each_contact(monkeypatch: pytest.Monke
         case.with_changes({"contact.normal": "strips", "contact.creep": "kalker_saturated"}), [v / 3.6 for v in speeds]
     )
     assert expected is not None
-    assert strips.linear_critical_speed_kmh == pytest.approx(3.6 * expected.speed, abs=1e-6)
-    assert strips.linear_critical_speed_kmh == pytest.approx(251.2, abs=0.2)
+    assert strips["linear_critical_speed_kmh"] == pytest.approx(3.6 * expected.speed, abs=1e-6)
+    assert strips["linear_critical_speed_kmh"] == pytest.approx(251.2, abs=0.2)
     # Hertz' two ellipses of the middle hold the bogie longer than the one patch there is: 310 km/h, outside the range.
-    assert math.isnan(hertz.linear_critical_speed_kmh)
-    assert (strips.support, strips.normal, strips.creep, strips.run_speed_kmh) == (
-        "track",
-        "strips",
-        "kalker_saturated",
-        200.0,
-    )
+    assert math.isnan(hertz["linear_critical_speed_kmh"])
+    names = ("support", "normal", "creep", "run_speed_kmh")
+    assert tuple(strips[name] for name in names) == ("track", "strips", "kalker_saturated", 200.0)
 
 
 def test_each_kind_of_support_has_a_counterpart() -> None:

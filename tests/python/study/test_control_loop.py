@@ -22,7 +22,7 @@ from rollerrig.analysis.loop_stability import (
 from rollerrig.assembly.actuators import assemble_with_actuators
 from rollerrig.config import Case
 from rollerrig.simulation.mechatronics import feedback_gains
-from rollerrig.study.loop_stability import excited_case, loop_jobs
+from rollerrig.study.runs.control import excited_case, loop_jobs
 
 WHEEL = Wheel(wheelset_inertia=112.0, roller_inertia=705.0, wheel_radius=0.46, roller_radius=0.725)
 ROLLING = 1e9  # creep so stiff that wheel and roller are one [N s/m]

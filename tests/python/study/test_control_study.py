@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from reported import unexplained
 from rollerrig import ConfigError, load_case, simulate
 from rollerrig.analysis.slide_statistics import unwanted_ripple
 from rollerrig.config import Case
@@ -278,7 +279,7 @@ def test_files_hold_every_run_and_every_number_is_explained(outcome: Outcome[Fou
     assert [float(r["tracking_rms"]) for r in rows] == pytest.approx(
         [r.numbers["tracking_rms"] for r in runs], rel=1e-8
     )
-    assert outcome.study.quantities.unexplained(json.loads((tmp_path / "summary.json").read_text())) == []
+    assert unexplained(outcome.study.quantities, json.loads((tmp_path / "summary.json").read_text())) == []
 
 
 @pytest.mark.parametrize(

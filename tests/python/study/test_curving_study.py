@@ -10,6 +10,7 @@ import pytest
 from typer.testing import CliRunner
 
 import rollerrig as rr
+from reported import unexplained, unreported
 from rollerrig.cli.app import build_app
 from rollerrig.config import Case
 from rollerrig.study.curving import CurvingStudy
@@ -31,8 +32,8 @@ def outcome() -> Outcome:
 
 
 def test_every_number_is_explained(outcome: Outcome) -> None:
-    assert CurvingStudy.quantities.unexplained(outcome.numbers) == []
-    missing = CurvingStudy.quantities.unreported(outcome.numbers)
+    assert unexplained(CurvingStudy.quantities, outcome.numbers) == []
+    missing = unreported(CurvingStudy.quantities, outcome.numbers)
     assert [key for key in missing if not key.startswith("sensitivity")] == []
 
 

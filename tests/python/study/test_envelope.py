@@ -15,6 +15,7 @@ import pytest
 import xarray as xr
 from typer.testing import CliRunner
 
+from reported import unexplained
 from rollerrig import ConfigError, StartError, _core, envelope, load_case, simulate
 from rollerrig.analysis.envelope_borders import Border, borders, slides
 from rollerrig.analysis.rig_limits import NUMBERS, assess_limits, closed_forms, persists_since, rig_limits
@@ -365,7 +366,7 @@ def circle(_case: Case, point: Point, _known: object) -> dict[str, Any]:
 
 @pytest.mark.slow
 def test_cells_are_halved_where_regions_meet_and_nowhere_else(case: Case, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "run_point", circle)
+    monkeypatch.setattr(envelope_points, "run_point", circle)
     monkeypatch.setattr(module, "whole_run", lambda _case: xr.Dataset())  # of the examples
     grid = {"torques": [1e3 * t for t in range(1, 11)], "adhesions": [0.04 * m for m in range(1, 11)], "loads": [1.0]}
     coarse, fine = (envelope(case, **grid, refine=refine) for refine in (0, 2))
@@ -471,7 +472,7 @@ def test_the_command_writes_its_files(case: Case, tmp_path: Path) -> None:
     summary = json.loads((out / "summary.json").read_text())
     assert summary["runs"] == sum(summary["regions"].values()) == 6
     assert summary["vehicle_torque_nm"]["brake"] == pytest.approx(5.5e3, rel=0.02)  # (A6) by hand: 3.8 bar, 17.9 m/s
-    assert EnvelopeStudy.quantities.unexplained(summary) == []
+    assert unexplained(EnvelopeStudy.quantities, summary) == []
     with (out / "envelope.csv").open() as lines:
         rows = list(csv.DictReader(lines))
     assert Counter(row["region"] for row in rows) == {k: v for k, v in summary["regions"].items() if v}

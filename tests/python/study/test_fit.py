@@ -13,15 +13,15 @@ import tomli_w
 from typer.testing import CliRunner
 
 import rollerrig as rr
+from reported import unexplained
 from rollerrig.analysis.equivalent_dead_time import predicted_dead_time
 from rollerrig.analysis.signals import low_pass
 from rollerrig.cli.app import build_app
 from rollerrig.config.load.fit import WholeFit, load_fit
 from rollerrig.config.read import Document, catalog_file, read_document
 from rollerrig.results.logs import log_of, read_log, time_problem
-from rollerrig.study.fit import FitStudy
+from rollerrig.study.fit import FitStudy, records
 from rollerrig.study.runs.fit import MODELS, Record, search
-from rollerrig.study.runs.fit_logs import records
 
 CREEPAGES = np.geomspace(0.004, 0.2, 13)
 BINS = Path(__file__).parents[2] / "validation" / "data" / "eurosprinter_bins.csv"
@@ -493,7 +493,7 @@ def test_the_fitted_case_says_where_its_numbers_come_from(tmp_path: Path) -> Non
     numbers = outcome.numbers
     assert (numbers["points"], numbers["points_held_back"]) == (10, 3)
     assert numbers["searches_at_the_same_end"] == 2
-    assert FitStudy.quantities.unexplained(numbers) == []
+    assert unexplained(FitStudy.quantities, numbers) == []
     assert numbers["outputs"]["traction_coefficient"]["rms_held_back"] < 1e-5
 
 

@@ -17,6 +17,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from reported import unexplained
 from rollerrig.config import ConfigError
 from rollerrig.plot.style import new_figure
 from rollerrig.results import OutputError
@@ -99,7 +100,7 @@ def test_later_rounds_see_earlier_results_and_the_checkpoint_goes_with_the_repor
     summary = json.loads((tmp_path / "summary.json").read_text())
     assert (summary["sum"], summary["missing"]) == (14.0, None)
     assert summary["keys"]["sum"] == "of the squares [m^2]"
-    assert not Squares.quantities.unexplained(summary)
+    assert not unexplained(Squares.quantities, summary)
     assert repr(outcome) == "\n".join(("Squares", *outcome.summary.splitlines()))
     assert "<li>" in outcome._repr_html_()
 

@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from reported import unexplained
 from rollerrig import ConfigError, load_case, load_run
 from rollerrig.analysis.lateral_guidance import amplitude, amplitudes_over_time, slide_begins
 from rollerrig.study.frame import Outcome
@@ -135,7 +136,7 @@ def test_files_hold_every_run_and_every_number_is_explained(outcome: Study, tmp_
         "guidance_track.png",
     } <= files
     numbers = json.loads((tmp_path / "summary.json").read_text())
-    assert outcome.study.quantities.unexplained(numbers) == []
+    assert unexplained(outcome.study.quantities, numbers) == []
     assert run_numbers(load_run(tmp_path / "rig.nc"), numbers["slide_begins_s"]) == numbers["runs"]["rig"]
 
 

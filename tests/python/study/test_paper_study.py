@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from reported import unexplained, unreported
 from rollerrig.study.frame import Outcome
 from rollerrig.study.paper import CAPTIONS, PaperStudy, Results
 from rollerrig.study.runs.paper import EXACT, FULL, QUICK, RIG, case_of, rig_case
@@ -61,7 +62,7 @@ def test_both_contacts_stand_side_by_side(outcome, folder) -> None:
         == rig_case("steel").with_changes({"contact.normal": "strips", "contact.creep": "table"}).contact
     )
     words = words_of((folder / "report.html").read_text())
-    for text, count in ((outcome.summary, 2), (words, 4)):  # the report has it in its summary and in the section
+    for text, count in ((outcome.summary, 2), (words, 2)):
         assert (
             len(re.findall(r"hunts above 100 km/h; here with .*? own contact, .*? with the exact one", text)) == count
         )
@@ -108,10 +109,8 @@ def test_what_is_only_bracketed_is_an_interval_and_never_its_middle(outcome, fol
 
 @pytest.mark.slow
 def test_only_a_whole_interval_decides(outcome, folder) -> None:
-    """100 to 160 km/h is not near 100 km/h, nor is it not; a vehicle that still decays may begin to hunt anywhere above."""
+    """A vehicle that still decays at the highest speed may begin to hunt anywhere above."""
     text = words_of((folder / "report.html").read_text())
-    assert "Which critical speed is nearest to that is not decided" in text
-    assert "neither reproduces it" not in text
     (undecided,) = [check for check in outcome.numbers["checks"] if check["verdict"] == "not decided"]
     assert undecided["name"].endswith("the paper's material, vehicle on track")
     assert undecided["value"][1] is None
@@ -133,7 +132,7 @@ def test_a_wrong_run_fails_its_checks(outcome) -> None:
     wrong = run.assign(longitudinal_creep_force=force.where(~left, 1.01 * force))
     wrong = wrong.assign_attrs(energy_relative_residual=1e-3)
     fitted = theory.assign(longitudinal_creep_force=1.1 * theory["longitudinal_creep_force"])
-    failed = {check.name for check in traction_checks(wrong, fitted, traction_case(QUICK)) if not check.passed}
+    failed = {check.name for check in traction_checks(wrong, fitted, traction_case()) if not check.passed}
     assert failed == {
         "left = right, longitudinal creep force",
         "longitudinal creep force at the end, front: what accelerates wheelset and roller",
@@ -145,14 +144,14 @@ def test_a_wrong_run_fails_its_checks(outcome) -> None:
 @pytest.mark.slow
 def test_every_number_is_registered_and_every_registered_quantity_reported(folder) -> None:
     summary = json.loads((folder / "summary.json").read_text())
-    assert PaperStudy.quantities.unexplained(summary) == []
+    assert unexplained(PaperStudy.quantities, summary) == []
     whole = {
         "materials.*.roller_effects",
         "traction",
         "exact_contact.traction",
         "checks",
     }  # null or empty where nothing is computed
-    assert set(PaperStudy.quantities.unreported(summary)) == whole
+    assert set(unreported(PaperStudy.quantities, summary)) == whole
 
 
 @pytest.mark.long
@@ -201,4 +200,4 @@ def test_the_report_names_the_paper_and_compares_with_it_first(outcome, folder) 
                   "left wheels in the traction test", "none of their points can be read"):  # fmt: skip
         assert words in first
     steel = outcome.results.linear_kmh("steel")
-    assert f"linear {steel:.1f} km/h" in first
+    assert f"{steel:.1f} km/h for small motions" in first

@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+from reported import unexplained, unreported
 from rollerrig.study import STUDIES
 from rollerrig.study.quantities import Quantities, Quantity, finite
 
@@ -26,15 +27,15 @@ def test_every_place_is_explained_or_named() -> None:
         "points": [{"speed": 1.0}, {"speed": 2.0, "colour": "red"}],
         "interrupted": False,
     }
-    assert REGISTRY.unexplained(numbers) == ["rig.new", "points.1.colour"]
+    assert unexplained(REGISTRY, numbers) == ["rig.new", "points.1.colour"]
 
 
 def test_a_quantity_that_is_never_reported_is_named() -> None:
-    assert REGISTRY.unreported({"case": "a", "solver": {"steps": 3}}) == ["*.error_rms", "*.force_n", "points.*.speed"]
+    assert unreported(REGISTRY, {"case": "a", "solver": {"steps": 3}}) == ["*.error_rms", "*.force_n", "points.*.speed"]
 
 
 def test_a_star_stands_for_one_name_alone() -> None:
-    assert REGISTRY.unexplained({"rig": {"deep": {"force_n": 1.0}}, "force_n": 1.0}) == ["rig.deep.force_n", "force_n"]
+    assert unexplained(REGISTRY, {"rig": {"deep": {"force_n": 1.0}}, "force_n": 1.0}) == ["rig.deep.force_n", "force_n"]
 
 
 def test_a_table_shows_other_units_than_the_file() -> None:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from scipy.io import savemat
 from typer.testing import CliRunner
 
+from reported import unexplained, unreported
 from rollerrig import ConfigError, ResultsError, load_case, simulate
 from rollerrig import replay as replay_log
 from rollerrig.analysis.controller_replay import episodes, replay
@@ -288,8 +289,8 @@ def test_a_case_whose_controller_needs_more_than_a_log_is_refused(
 def test_the_report_explains_its_numbers(case: Case, run: xr.Dataset, tmp_path: Path) -> None:
     outcome = replay_log(case, str(export(run, tmp_path / "rig.csv")))
     numbers, quantities = outcome.numbers, ReplayStudy.quantities
-    assert quantities.unexplained(numbers) == []
-    assert quantities.unreported(numbers) == []
+    assert unexplained(quantities, numbers) == []
+    assert unreported(quantities, numbers) == []
     assert numbers["differences"]["force"] < 1e-7
     assert "The sensors of the case are exact: no interval" in outcome.summary
     written = {path.relative_to(tmp_path / "out").as_posix() for path in outcome.write(tmp_path / "out")}

@@ -12,6 +12,7 @@ import scipy.io
 from typer.testing import CliRunner
 
 import rollerrig as rr
+from reported import unexplained
 from rollerrig.analysis.linear_bench import LinearBench
 from rollerrig.analysis.measured_response import measured_response
 from rollerrig.cli.app import build_app
@@ -84,7 +85,7 @@ def test_a_wrong_name_leaves_no_folder(tmp_path: Path) -> None:
 @pytest.mark.slow
 def test_files(outcome: Outcome, folder: Path) -> None:
     summary = json.loads((folder / "summary.json").read_text())
-    assert ResponseStudy.quantities.unexplained(summary) == []
+    assert unexplained(ResponseStudy.quantities, summary) == []
     with (folder / "response.csv").open() as file:
         rows = list(csv.DictReader(file))
     assert len(rows) == 2 * 2 * (40 + 3)

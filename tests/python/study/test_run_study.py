@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 
 import rollerrig as rr
+from reported import unexplained, unreported
 from rollerrig import load_case
 from rollerrig.analysis.hunting import LateralRest
 from rollerrig.analysis.signals import FinalMotion
@@ -40,8 +41,8 @@ def folder(outcome: Outcome[Results], tmp_path_factory: pytest.TempPathFactory) 
 @pytest.mark.slow
 def test_every_number_is_registered_and_every_registered_quantity_reported(folder: Path) -> None:
     summary = json.loads((folder / "summary.json").read_text())
-    assert QUANTITIES.unexplained(summary) == []
-    assert QUANTITIES.unreported(summary) == [*RESTS, "weighted_acceleration.*.*"]  # the run is too short for them
+    assert unexplained(QUANTITIES, summary) == []
+    assert unreported(QUANTITIES, summary) == [*RESTS, "weighted_acceleration.*.*"]  # the run is too short for them
 
 
 @pytest.mark.slow

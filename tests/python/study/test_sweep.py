@@ -24,6 +24,7 @@ from scipy import stats
 from typer.testing import CliRunner
 
 import rollerrig as rr
+from reported import unexplained
 from rollerrig.cli.app import build_app
 from rollerrig.config import Case, ConfigError, WholePlan, load_case, load_plan
 from rollerrig.config.schema.plan import CriticalSpeedMeasure
@@ -394,7 +395,7 @@ def test_the_command_writes_all_files_and_explains_its_numbers(tmp_path: Path) -
     arguments = ["sweep", str(tmp_path / "plan.toml"), "--out", str(out), "--workers", "1", "--samples", "2"]
     assert CliRunner().invoke(build_app(), arguments).exit_code == 0
     numbers = json.loads((out / "summary.json").read_text())
-    assert not SweepStudy.quantities.unexplained({k: v for k, v in numbers.items() if k != "keys"})
+    assert not unexplained(SweepStudy.quantities, {k: v for k, v in numbers.items() if k != "keys"})
     assert numbers["finished"] == 4
     data = load_run(out / "sweep.nc")
     assert data["growth_rate"].dims == ("roller_radius", "primary")
@@ -409,7 +410,7 @@ def test_words_that_are_varied_have_their_means_and_changes_in_pairs() -> None:
     assert outcome is not None
     words = outcome.numbers["numbers"]["longitudinal_force"]["words"]["creep"]
     assert [one["mean"] for one in words.values()] == pytest.approx([0.3, 0.3], rel=1e-3)
-    assert study.quantities.unexplained(outcome.numbers) == []
+    assert unexplained(study.quantities, outcome.numbers) == []
     tables = [block for section in study.sections(outcome.results, outcome.numbers) for block in section.blocks]
     table = next(block for block in tables if isinstance(block, Table) and block.header[0] == "creep")
     assert [row[0] for row in table.rows] == ["table", "kalker saturated"]

@@ -12,8 +12,7 @@ import pytest
 import rollerrig as rr
 from rollerrig.study.checkpoint import NAME
 from rollerrig.study.ensemble import estimate
-from rollerrig.study.runs.tune import compromise, margins_of, not_dominated
-from rollerrig.study.tune import SHIPPED, TuneStudy, verdict
+from rollerrig.study.tune import SHIPPED, TuneStudy, compromise, margins_of, not_dominated, verdict
 
 GAIN = "rig_control.feedback.bandwidth"
 

@@ -148,9 +148,9 @@ def test_a_job_that_ends_workers_elsewhere_is_lost_too() -> None:
 
 @pytest.mark.slow
 def test_several_processes_give_the_same_bits() -> None:
-    from rollerrig.study.runs.paper import QUICK, traction_case
+    from rollerrig.study.runs.paper import traction_case
 
-    short = traction_case(QUICK).with_changes({"time.duration": "0.2 s"})
+    short = traction_case().with_changes({"time.duration": "0.2 s"})
     one, two = run(whole_run, {"a": short, "b": short}, processes=2)[0].values()
     assert one.identical(two)
     assert one.identical(whole_run(short))

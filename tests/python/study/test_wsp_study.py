@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from reported import unexplained, unreported
 from rollerrig import ConfigError, load_case
 from rollerrig.analysis.slide_statistics import SLIP_EDGES, TestRecord, axle_load
 from rollerrig.analysis.virtual_rail import patch_of, rail_peak
@@ -21,6 +22,7 @@ from rollerrig.config.load.resolve import resolve_programme
 from rollerrig.config.read import Document
 from rollerrig.config.schema.programme import CriterionName
 from rollerrig.results.run_info import RunInfo
+from rollerrig.study.assessment import overall
 from rollerrig.study.frame import Outcome
 from rollerrig.study.jobs import whole_run
 from rollerrig.study.runs.adhesion import track_case
@@ -35,7 +37,6 @@ from rollerrig.study.runs.wsp import (
     dry_case,
     judgements,
     stop_case,
-    verdict_of,
 )
 from rollerrig.study.wsp import MEASURED, QUANTITIES, Results, WspStudy, label
 
@@ -78,8 +79,8 @@ def outcome(case: Case) -> Outcome[Results]:
 
 @pytest.mark.slow
 def test_every_number_is_explained_and_every_explained_number_is_there(outcome: Outcome[Results]) -> None:
-    assert QUANTITIES.unexplained(outcome.numbers) == []
-    assert QUANTITIES.unreported(outcome.numbers) == []
+    assert unexplained(QUANTITIES, outcome.numbers) == []
+    assert unreported(QUANTITIES, outcome.numbers) == []
 
 
 @pytest.mark.slow
@@ -282,7 +283,7 @@ def test_a_good_stop_meets_every_criterion(on: Support) -> None:
     found = judged(made(), on)
     assert len(found) == len(CRITERIA)
     assert words(found) == {"met"}
-    assert verdict_of(list(found.values())) == "met"
+    assert overall(one.verdict for one in found.values()) == "met"
 
 
 @pytest.mark.parametrize("name", LIMITS)
@@ -293,7 +294,7 @@ def test_each_criterion_is_not_met_beyond_its_limit_and_undecided_across_it(name
     beyond = 0.9 if CRITERIA[name].least and name != "k_wet" else 1.1
     bad = judged(made(**{changed: beyond * limit}))
     assert bad[name].verdict == "not met"
-    assert verdict_of(list(bad.values())) == "not met"
+    assert overall(one.verdict for one in bad.values()) == "not met"
     across = judged(made(scatter=0.02, **{changed: limit}))
     assert across[name].verdict == ("not met" if CRITERIA[name].every else "not decided")
 
@@ -426,7 +427,7 @@ def test_a_drag_braking_need_not_stop_and_is_judged_by_what_it_has() -> None:
 
 
 def test_without_limits_nothing_is_judged() -> None:
-    assert verdict_of([]) is None
+    assert overall([]) is None
 
 
 @pytest.mark.slow

@@ -1,6 +1,6 @@
 """What is run and assessed in the adhesion study: the track that a rig reproduces, the rig without some of its imperfections.
 
-Case of a rig with [rig_control] -> [track_case, variant, law_case] -> ensembles of TestRecords
+Case of a rig with [rig_control] -> [track_case, variant] -> ensembles of TestRecords
     -> [cause_shares] -> shares of the distance that go away with each imperfection; they add up to the whole
     -> [verdict_rows] -> rows: value with interval, target and where it comes from, outcome
 
@@ -22,23 +22,10 @@ import numpy as np
 from rollerrig.analysis.slide_statistics import OSCILLATES, TestRecord
 from rollerrig.cases import on_track
 from rollerrig.common.formatting import number
-from rollerrig.config import Case, ConfigError, ConfigProblem, Rig
+from rollerrig.config import Case, ConfigError, Rig
 from rollerrig.config.schema.rig_control import EstimatedTorque, ExactEstimator, LeadCommand
 from rollerrig.study.assessment import NOT_DECIDED, Outcome, outcome, overall
-from rollerrig.study.ensemble import (
-    SEED,
-    Estimate,
-    difference,
-    distances,
-    estimate,
-    measure,
-    relative,
-    stepped,
-    values_of,
-    with_error,
-)
-from rollerrig.study.quantities import Numbers
-from rollerrig.study.report import Table
+from rollerrig.study.ensemble import SEED, Estimate, difference, distances, measure, relative, stepped, values_of
 
 STEPS = ("rolling", "drives", "estimator")
 VARIANTS = {
@@ -60,10 +47,10 @@ def track_case(case: Case) -> Case:
     """
     if not isinstance(case.support.data, Rig) or case.rig_control is None:
         needed = "needed: a case on rollers with [rig_control], which reproduces a track"
-        raise ConfigError([ConfigProblem(case.name, "rig_control", "missing", needed)])
+        raise ConfigError.of(case.name, "rig_control", "missing", needed)
     if case.brake is None and case.traction is None:
         needed = "needed: [brake] or [traction], the test that is done on rail and rig"
-        raise ConfigError([ConfigProblem(case.name, "brake", "missing", needed)])
+        raise ConfigError.of(case.name, "brake", "missing", needed)
     return on_track(case).model_copy(update={"name": f"{case.name}_track"})
 
 
@@ -132,51 +119,6 @@ def is_within_error(share: Estimate) -> bool:
 def to_refine(shares: Mapping[str, Estimate] | None) -> list[tuple[str, str]]:
     """Pairs of ensembles whose share has too large a standard error; the others need no more starts."""
     return [PAIRS[name] for name, share in (shares or {}).items() if not share.standard_error < LARGEST_ERROR]
-
-
-LAWS: Mapping[str, dict[str, Any]] = {
-    "kalker_saturated": {"kind": "kalker_saturated"},
-    "fastsim": {"kind": "fastsim"},
-    "table": {"kind": "table"},
-    "polach": {"kind": "polach", "k_A": 1.0, "k_S": 1.0},
-}
-SUPPORTS = ("track", "rig")
-
-
-def law_names(case: Case) -> tuple[str, ...]:
-    """Names of the ensembles beside those of the case's own law."""
-    own = case.contact.creep.kind
-    return tuple(_name(kind, support) for kind in LAWS if kind != own for support in SUPPORTS)
-
-
-def law_case(case: Case, name: str) -> Case | None:
-    """The case of one of `law_names`; None: another name."""
-    for kind, law in LAWS.items():
-        if name in (found := [_name(kind, support) for support in SUPPORTS]):
-            changed = case.with_changes({"contact.creep": law})
-            return track_case(changed) if name == found[0] else changed
-    return None
-
-
-def law_numbers(case: Case, records: Mapping[str, Sequence[TestRecord]]) -> dict[str, Any]:
-    """Numbers by kind of the law, of those whose ensembles on track and rig are there; empty where only the case's own is."""
-    own, found = case.contact.creep.kind, {}
-    for kind in dict.fromkeys((own, *LAWS)):
-        names = SUPPORTS if kind == own else [_name(kind, support) for support in SUPPORTS]
-        track, rig = (records.get(name, ()) for name in names)
-        if track and rig:
-            vented = values_of(track, "dump_cycles"), values_of(rig, "dump_cycles")
-            found[kind] = {**_pair("distance_m", *distances((track, rig))), **_pair("dump_cycles", *vented)}
-    return found if len(found) > 1 else {}
-
-
-def _name(kind: str, support: str) -> str:
-    return f"{support}, creep law {kind}"
-
-
-def _pair(key: str, track: Sequence[float], rig: Sequence[float]) -> dict[str, Any]:
-    values = {f"{key}_track": estimate(track), f"{key}_rig": estimate(rig), f"{key}_difference": relative(rig, track)}
-    return {name: one.as_dict() for name, one in values.items()}
 
 
 Group = Literal["tracking", "fidelity"]
@@ -310,9 +252,6 @@ def verdict_of(rows: Sequence[Row], group: Group) -> Outcome:
     return overall(row.verdict for row in rows if row.group == group) or NOT_DECIDED
 
 
-# --------------------------------------------------------------------------------------------------------- rows
-
-
 def _all_of(group: Group, key: str, text: str, met: Sequence[bool], origin: str, **more: Any) -> Row:
     """A gate that is met where all of these are."""
     share, shown = Estimate(sum(met) / len(met), 0.0, math.inf), f"{sum(met)} of {len(met)}"
@@ -422,25 +361,3 @@ def slip_difference(track: Sequence[TestRecord], rig: Sequence[TestRecord]) -> E
     pairs = sums[1][:count] - sums[0][:count]
     scatter = float(np.std(np.abs(pairs[drawn].mean(axis=1)).max(axis=1), ddof=1))
     return Estimate(largest, scatter if count > 1 else math.nan, count - 1.0)
-
-
-def law_table(numbers: Numbers) -> Table:
-    """A line for each creep law."""
-    titles = {
-        "kalker_saturated": "the paper's law",
-        "fastsim": "FASTSIM",
-        "table": "exact theory, table",
-        "polach": "Polach",
-    }
-    header = ["creep law"]
-    for what in ("distance on track [m]", "dump cycles on track"):
-        header += [what, "on the rig [m]" if "[m]" in what else "on the rig", "difference"]
-    rows = []
-    for kind, one in numbers.items():
-        row = [titles.get(kind, kind)]
-        for key in ("distance_m", "dump_cycles"):
-            difference = with_error(one[f"{key}_difference"], 100.0, 2, 1)
-            row += [with_error(one[f"{key}_{on}"], 1.0, 4, 1) for on in ("track", "rig")]
-            row.append(difference if difference == "–" else f"{difference} %")
-        rows.append(row)
-    return Table(header, rows, "The same test with each creep law; the first is that of the case. ± standard error.")

@@ -2,6 +2,10 @@
 
 A family has an axis of values and one or more curves: fixed changes under which the whole axis is run. Changes are dotted keys
 of the case with their new values.
+
+Stability of the loop over its gains: eigenvalues of the linear loop with and without the vehicle, beside lightly excited runs. An
+excited run rolls on a dry virtual rail; a light brake application excites the loop. What then grows above ABOVE is compared with
+the least damped eigenvalue there; what decays soon is hidden by the slow motions that the excitation leaves.
 """
 
 import math
@@ -12,26 +16,16 @@ from typing import Any, Literal
 import numpy as np
 import xarray as xr
 
-from rollerrig.analysis.control_loop import Wheel, wheel_of
+from rollerrig.analysis import loop_stability
+from rollerrig.analysis.control_loop import Loop, Wheel, creep_slope, loop_of, margins, wheel_of
 from rollerrig.analysis.slide_statistics import following, largest, slip, under_test, unwanted_ripple
 from rollerrig.assembly.actuators import assemble_with_actuators
 from rollerrig.config import Case, Rig
-from rollerrig.config.schema.rig_control import (
-    BandwidthEstimator,
-    Estimator,
-    ExactEstimator,
-    Feedback,
-    FilteredDerivative,
-    KalmanFilter,
-    NoFeedback,
-    Observer,
-    ProportionalIntegral,
-    SlidingMode,
-)
+from rollerrig.config.schema import rig_control as schema
 from rollerrig.results.dataset import COMPLETED
 from rollerrig.similitude.scale_case import factors_of, scaled_table
 from rollerrig.simulation.mechatronics import feedback_gains
-from rollerrig.study.jobs import Progress, whole_run
+from rollerrig.study.jobs import Progress, Round, job, whole_run
 
 Changes = Mapping[str, object]
 Vary = Callable[[Case, float], Changes]
@@ -82,7 +76,7 @@ class Family:
         return (f"{value:,.0f}".replace(",", "\u202f") if value >= 1000 else f"{value:.3g}") + unit
 
 
-def _of_kind(part: Literal["estimator", "feedback"], table: Estimator | Feedback) -> Vary:
+def _of_kind(part: Literal["estimator", "feedback"], table: schema.Estimator | schema.Feedback) -> Vary:
     """An estimator or a feedback: the case's numbers where its own kind has them, for the rest the defaults at its scale."""
 
     def changes(case: Case, _value: float) -> Changes:
@@ -97,20 +91,20 @@ def _of_kind(part: Literal["estimator", "feedback"], table: Estimator | Feedback
     return changes
 
 
-OBSERVER, PI, SLIDING_MODE = Observer(), ProportionalIntegral(), SlidingMode(kind="sliding_mode")
+OBSERVER, PI, SLIDING_MODE = schema.Observer(), schema.ProportionalIntegral(), schema.SlidingMode(kind="sliding_mode")
 
 LIMITED: dict[str, Vary] = {
     table.kind.replace("_", " "): _of_kind("estimator", table)
-    for table in (OBSERVER, FilteredDerivative(kind="filtered_derivative"), KalmanFilter(kind="kalman"))
+    for table in (OBSERVER, schema.FilteredDerivative(kind="filtered_derivative"), schema.KalmanFilter(kind="kalman"))
 }
 """Estimators of limited bandwidth."""
-ESTIMATORS: dict[str, Vary] = {**LIMITED, "exact": _of_kind("estimator", ExactEstimator(kind="exact"))}
+ESTIMATORS: dict[str, Vary] = {**LIMITED, "exact": _of_kind("estimator", schema.ExactEstimator(kind="exact"))}
 """Every kind of estimator that the case file knows."""
 
 FEEDBACKS: dict[str, Vary] = {
     "PI": _of_kind("feedback", PI),
     "sliding mode": _of_kind("feedback", SLIDING_MODE),
-    "no feedback": _of_kind("feedback", NoFeedback(kind="none")),
+    "no feedback": _of_kind("feedback", schema.NoFeedback(kind="none")),
 }
 
 USER = "user's controller"
@@ -185,7 +179,7 @@ REFERENCES: dict[str, Changes] = {
 def references(case: Case) -> dict[str, Changes]:
     """REFERENCES of a case; without the bandwidth of its estimator where that has none."""
     assert case.rig_control is not None
-    left_out = () if isinstance(case.rig_control.estimator, BandwidthEstimator) else tuple(_FAST_ESTIMATOR)
+    left_out = () if isinstance(case.rig_control.estimator, schema.BandwidthEstimator) else tuple(_FAST_ESTIMATOR)
     return {name: {k: v for k, v in changes.items() if k not in left_out} for name, changes in REFERENCES.items()}
 
 
@@ -335,3 +329,80 @@ class Result:
 
 MEASURED = {"tracking": ("tracking_rms", TRACKING_LIMIT), "ripple": ("ripple_nm", RIPPLE_LIMIT)}
 """Cause -> the number that decides it, and its limit."""
+
+
+FACTORS = tuple(float(f) for f in np.geomspace(1.0, 256.0, 25))
+"""On the gains of the PI controller, in the runs that measure its stability."""
+
+EXCITED_AT, EXCITED_DURATION = 0.2, 4.0  # [s]
+
+
+def excited_case(case: Case) -> Case:
+    """A short run at speed on a dry virtual rail, lightly excited by the brake or the drive."""
+    changes: dict[str, object] = {
+        "adhesion": {"rail": "dry"},
+        "rig_control.feedback.kind": "proportional_integral",
+        "track_brake": None,
+        "sanding": None,
+        "slide_protection": None,
+        "wheel_slip_control": None,
+        "time.duration": EXCITED_DURATION,
+        "time.output_step": max(1e-3, case.time.sampling_step),
+    }
+    if case.brake is not None:
+        changes["brake.demand"] = [[0.0, 0.0], [EXCITED_AT, 0.0], [EXCITED_AT + 0.01, "0.2 bar"]]
+    if case.traction is not None:
+        push = 0.0 if case.brake is not None else 200.0
+        changes["traction.demand"] = [[0.0, 0.0], [EXCITED_AT, 0.0], [EXCITED_AT + 0.01, push]]
+    return case.with_changes(changes)
+
+
+def loop_jobs(case: Case) -> Round:
+    """Excited runs over FACTORS; none where the linear loop has no equations."""
+    excited = excited_case(case)
+    creep = creep_slope(excited)
+    loop = loop_of(excited, creep, sliding=False)
+    if loop is None:
+        return {}
+    scaled = {factor: loop.scaled(factor) for factor in FACTORS}
+    gains = {factor: {f"rig_control.feedback.{name}": getattr(one, name) for name in ("proportional", "integral")}
+             for factor, one in scaled.items()}  # fmt: skip
+    return {
+        f"gains times {f:.4g}": job(loop_point, f, excited.with_changes(gains[f]), scaled[f], creep) for f in FACTORS
+    }
+
+
+def loop_point(
+    factor: float, case: Case, loop: Loop, creep: float, progress: Progress | None = None
+) -> dict[str, float]:
+    """One excited run beside the eigenvalues of its loop, by the names of `loop.points`."""
+    measured, amplitude = loop_stability.measured_growth(whole_run(case, progress), EXCITED_AT + 0.1)
+    plants = {"rolling": loop_stability.rolling_plant(loop.real, creep), "vehicle": loop_stability.vehicle_plant(case)}
+    above = loop_stability.ABOVE
+    found = {of: loop_stability.growth(loop, plant, above=above) for of, plant in plants.items()} | {
+        "measured": measured
+    }
+    ends = ("rate", "hz")
+    point = {f"{of}_{end}": value for of, pair in found.items() for end, value in zip(ends, pair, strict=True)}
+    saturated = amplitude > 0.1 * loop_stability.LINEAR_RANGE[1]  # from the start
+    unstable = math.isfinite(measured[0]) or saturated
+    return {"factor": factor, **point, "unstable": float(unstable)}
+
+
+def loop_numbers(case: Case, points: list[dict[str, float]]) -> dict[str, Any] | None:
+    """Margins and gain limits of the PI loop as shipped."""
+    excited = excited_case(case)
+    creep = creep_slope(excited)
+    loop, sliding = (loop_of(excited, creep, sliding=slides) for slides in (False, True))
+    if loop is None or sliding is None:
+        return None
+    found, vehicle = margins(loop), loop_stability.vehicle_plant(excited)
+    return {
+        "crossover_hz": found.phase_frequency,
+        "phase_margin_deg": math.degrees(found.phase),
+        "gain_margin": found.gain,
+        "unstable_from_factor_alone": loop_stability.gain_limit(loop, loop_stability.rolling_plant(loop.real, creep)),
+        "unstable_from_factor": loop_stability.gain_limit(loop, vehicle),
+        "unstable_from_factor_sliding": loop_stability.gain_limit(sliding, vehicle),
+        "points": points,
+    }

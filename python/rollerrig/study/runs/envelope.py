@@ -9,25 +9,17 @@ is what is asked for, so that the map describes the rig.
 
 import itertools
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
+from operator import itemgetter
 from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 
 from rollerrig import __version__
-from rollerrig.analysis.rig_limits import (
-    LINES,
-    NUMBERS,
-    REGIONS,
-    Record,
-    RigLimits,
-    assess_limits,
-    closed_forms,
-    failed,
-    rig_limits,
-)
+from rollerrig.analysis import rig_limits
+from rollerrig.analysis.rig_limits import LINES, NUMBERS, REGIONS, Record, RigLimits
 from rollerrig.analysis.virtual_rail import Patch, grip_slip, patch_of, rail_shape
 from rollerrig.assembly.actuators import friction_brake
 from rollerrig.assembly.model import assemble
@@ -80,7 +72,7 @@ class Point(NamedTuple):
 
 def default_torques(case: Case) -> list[float]:
     """Beyond what rollers or their drives carry, in round steps; brakes for a case with [brake], otherwise traction."""
-    rig = rig_limits(case)
+    rig = rig_limits.rig_limits(case)
     raw = 1.3 * max(min(rig.contact(), rig.drive_grip()), 1e-6) / TORQUES
     power = 10.0 ** math.floor(math.log10(raw))
     step = min((1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0), key=lambda s: abs(s * power - raw)) * power
@@ -229,9 +221,6 @@ def between(values: Sequence[float], parts: int) -> tuple[float, ...]:
     return (*(float(f"{value:.9g}") for value in found), values[-1])
 
 
-# -------------------------------------------------------------------------------------------------------------- jobs
-
-
 @dataclass(frozen=True)
 class OnTrack:
     """What the virtual train takes from the vehicle on track: the same for all runs of a load; None: no equilibrium."""
@@ -245,7 +234,7 @@ def find_on_track(case: Case) -> OnTrack:
     """Search on track for the load of a case."""
     model = assemble(case)
     try:
-        return OnTrack(tuple(load_transfer(model)), patch_of(model), rig_limits(case))
+        return OnTrack(tuple(load_transfer(model)), patch_of(model), rig_limits.rig_limits(case))
     except StartError:  # every run of this load fails with the same error, and records it
         return OnTrack()
 
@@ -259,9 +248,9 @@ def run_point(case: Case, point: Point, known: OnTrack, progress: Progress | Non
     try:
         run = whole_run(case, progress)
     except StartError as error:
-        return failed("no_start", str(error))
+        return rig_limits.failed("no_start", str(error))
     assert known.patch is not None  # or the run would not have started
-    return assess_limits(run, case, point.torque, grip_slip(case, known.patch, point.adhesion), known.limits)
+    return rig_limits.assess_limits(run, case, point.torque, grip_slip(case, known.patch, point.adhesion), known.limits)
 
 
 DIMENSIONS = ("load", "adhesion", "torque")
@@ -276,23 +265,21 @@ def map_dataset(
 ) -> xr.Dataset:
     """The map of the records that there are; see `envelope`."""
     shape = (len(loads), len(adhesions), len(torques))
-    texts = {name: np.full(shape, "", dtype=object) for name in ("region", "limits", "status")}
-    numbers = {name: np.full(shape, np.nan) for name in NUMBERS}
-    for place in np.ndindex(*shape):
-        record = done.get(Point(loads[place[0]], torques[place[2]], adhesions[place[1]]))
-        if record is None:
-            continue
-        texts["region"][place], texts["status"][place] = record["region"], record["status"]
-        texts["limits"][place] = ", ".join(f"{name} {since:.3g} s" for name, since in record["limits"].items())
-        for name, values in numbers.items():
-            values[place] = np.nan if record[name] is None else record[name]
+    records = [done.get(Point(load, t, adhesion)) for load, adhesion, t in itertools.product(loads, adhesions, torques)]
+
+    def over_map(read: Callable[[Record], Any], missing: Any) -> Any:
+        return np.array([missing if one is None else read(one) for one in records]).reshape(shape)
+
+    texts = {name: over_map(itemgetter(name), "") for name in ("region", "status")}
+    texts["limits"] = over_map(lambda one: ", ".join(f"{n} {since:.3g} s" for n, since in one["limits"].items()), "")
+    numbers = {name: over_map(itemgetter(name), None).astype(float) for name in NUMBERS}
     meanings = {
         "region": "; ".join(f"{name}: {meaning}" for name, meaning in REGIONS.items()),
         "limits": "limits reached and when, the first one first",
         "status": "status of the run",
     }
     variables: dict[str, Any] = {
-        **{name: (DIMENSIONS, texts[name].astype(str), {"long_name": text}) for name, text in meanings.items()},
+        **{name: (DIMENSIONS, texts[name], {"long_name": text}) for name, text in meanings.items()},
         **{name: variable(DIMENSIONS, numbers[name], u, m) for name, (u, m) in NUMBERS.items()},
     }
     coordinates = {
@@ -320,7 +307,7 @@ def _with_lines(found: xr.Dataset, case: Case) -> xr.Dataset:
     loads_n, contact = np.zeros(len(loads)), np.zeros((len(sides), len(loads)))
     for (s, side), (k, load) in itertools.product(enumerate(sides), enumerate(loads)):
         loaded = point_case(case, Point(load, -1.0 if side == "brake" else 1.0, float(adhesions[0])), 1.0)
-        forms = closed_forms(loaded, fine)
+        forms = rig_limits.closed_forms(loaded, fine)
         loads_n[k], contact[s, k] = forms["axle_load"], forms["contact_adhesion"]
         for name in forms.keys() & lines.keys():
             lines[name][s, k] = forms[name]

@@ -94,9 +94,6 @@ class Record:
     valve: Array | None = None
 
 
-# ------------------------------------------------------------------------------------------------- what the model gives
-
-
 class UnusableRunError(RuntimeError):
     """A run that left the validity of its model."""
 
@@ -216,9 +213,6 @@ MODELS: Mapping[str, Model] = {
 """Kind of a log -> what it is compared with."""
 OVER_TIME = tuple(kind for kind, model in MODELS.items() if model.abscissa[0] == "time")
 """Kinds whose residuals may follow each other."""
-
-
-# -------------------------------------------------------------------------------------------------------------- search
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,14 +14,7 @@ from typing import Any
 
 import xarray as xr
 
-from rollerrig.analysis import (
-    CriticalSpeedByDisturbance,
-    HuntingSettings,
-    LinearCriticalSpeed,
-    RampSettings,
-    hunting_table,
-    ramp_run,
-)
+from rollerrig.analysis import CriticalSpeedByDisturbance, HuntingSettings, RampSettings, hunting_table, ramp_run
 from rollerrig.analysis.control_loop import ContactState, contact_state
 from rollerrig.analysis.critical_speed import RADII, CriticalSpeedOverRadius, EffectSplit, scan_linear
 from rollerrig.analysis.hunting import HuntingRun
@@ -30,7 +23,6 @@ from rollerrig.cases import restrained_along_track
 from rollerrig.config import Case, load_case
 from rollerrig.study import critical_speeds as speeds
 from rollerrig.study.assessment import Check, Interval, counts
-from rollerrig.study.contact_models import sensitivity_cases, sensitivity_numbers
 from rollerrig.study.frame import dataset_rows
 from rollerrig.study.jobs import Done, Job, Round, job, whole_modes, whole_run
 from rollerrig.study.report import Mark
@@ -61,14 +53,8 @@ RIG, VEHICLE = "bogie on the rig", "vehicle on track"
 TABLE_PARTS = ("leading_bogie", "vehicle")
 """Parts in the table of critical speeds over the rollers' radius."""
 
-MERGING_CRITERIA = (0.0, 0.005, 0.01, 0.015, 0.02, 0.05)
-"""Values of contact.normal.merging_criterion for which the sensitivity of the critical speed is shown."""
-
 FRONT, REAR = "wheelset_1_right", "wheelset_2_right"
 """The wheels of the paper's figure 8."""
-
-
-# ------------------------------------------------------------------------------------------------------------- the plan
 
 
 @dataclass(frozen=True)
@@ -79,8 +65,6 @@ class PaperPlan:
         linear_kmh: speeds at which modes are computed [km/h].
         runs_kmh: material -> speeds of runs at constant speed [km/h], of the bogie on the rig and of the vehicle on track.
         bracket_kmh: width to which the critical speed by disturbance is narrowed down [km/h].
-        criteria: values of contact.normal.merging_criterion for the sensitivity.
-        sensitivity_kmh: first speeds of runs of the bogie, steel, with each model of normal contact [km/h].
         radii: of the rollers in the table of critical speeds [m].
         mark: said on every page, table and figure; None: the numbers may be relied on.
     """
@@ -90,10 +74,6 @@ class PaperPlan:
     bracket_kmh: float
     ramps: dict[str, RampSettings]
     hunting: HuntingSettings = field(default_factory=HuntingSettings)
-    traction_case: str = "bogie_rollers_traction"
-    traction_changes: dict[str, object] = field(default_factory=dict)
-    criteria: tuple[float, ...] = MERGING_CRITERIA
-    sensitivity_kmh: tuple[float, ...] = (120.0, 160.0, 200.0, 240.0, 280.0)
     radii: tuple[float, ...] = RADII
     mark: Mark | None = None
 
@@ -118,8 +98,6 @@ QUICK = PaperPlan(
     bracket_kmh=1000.0,
     ramps={"steel": _kmh(140, 180, 40, 20), "paper": _kmh(100, 140, 40, 20)},
     hunting=HuntingSettings(duration=1.0, output_step=1e-2, longest=6.0),
-    criteria=(0.0, 0.01),
-    sensitivity_kmh=(100.0, 200.0),
     radii=(0.725,),
     mark=Mark("quick", "few and short runs, which show that everything works; no number here is a result to be quoted"),
 )
@@ -137,18 +115,10 @@ def rig_case(material: str) -> Case:
     return case_of(RIG, material)
 
 
-def contact_model_cases(plan: PaperPlan) -> dict[str, Case]:
-    """The bogie, steel, on rig and track with each model of normal contact."""
-    supports = {"rig": rig_case(MATERIALS[0]), "track": case_of("bogie on track", MATERIALS[0])}
-    return sensitivity_cases(supports, plan.criteria)
-
-
-def traction_case(plan: PaperPlan, contact: str = OWN) -> Case:
+def traction_case(contact: str = OWN) -> Case:
     """The case of figure 8."""
-    return load_case(plan.traction_case).with_changes({**CONTACTS[contact], **plan.traction_changes})
+    return load_case("bogie_rollers_traction").with_changes(CONTACTS[contact])
 
-
-# ----------------------------------------------------------------------------------------------------------------- jobs
 
 ALL = tuple(itertools.product(CONTACTS, MATERIALS, VARIANTS))
 RUNS = tuple(key for key in ALL if key[2] in (RIG, VEHICLE))
@@ -171,24 +141,17 @@ def rounds(plan: PaperPlan, done: Done) -> Iterator[Round]:
             further[f"{EXACT} linear {m}, {variant}"] = job(scan_linear, (exact, scanned))
         rig = rig_case(m)
         linear[f"contact {m}"] = job(contact_state, rig)
-        for value in plan.criteria:
-            changed = rig.with_changes({"contact.normal.merging_criterion": value})
-            linear[f"merging {m} {value:g}"] = job(scan_linear, (changed, scanned))
         linear |= speeds.roller_jobs(rig, TABLE_PARTS, plan.radii, plan.linear_kmh, f" {m}")
         further[f"ramp {m}"] = job(ramp_run, (rig, plan.ramps[m], plan.hunting))
-    further[f"{EXACT} traction"] = job(whole_run, traction_case(plan, EXACT))
-    further["traction"] = job(whole_run, traction_case(plan))
+    further[f"{EXACT} traction"] = job(whole_run, traction_case(EXACT))
+    further["traction"] = job(whole_run, traction_case())
     yield linear
     cases = {_label(*key): case_of(key[2], key[1], key[0]) for key in RUNS}
     begun = {_label(*key): plan.runs_kmh[key[1]] for key in RUNS}
-    models = contact_model_cases(plan)
-    cases, begun = cases | models, begun | dict.fromkeys(models, plan.sensitivity_kmh)
     for more in speeds.disturbance_rounds(cases, begun, plan.bracket_kmh, plan.hunting, done):
         yield {**further, **more}
         further = {}
 
-
-# -------------------------------------------------------------------------------------------------------------- results
 
 Place = tuple[str, str, str]
 """Contact, material, variant."""
@@ -202,10 +165,8 @@ class Results:
         modes: material -> variant -> Dataset of `stability`, with the paper's contact.
         linear: linear critical speed [km/h] and its frequency [Hz]; NaN: none.
         runs: critical speed by disturbance, with its runs.
-        merging: material -> merging criterion -> linear critical speed on the rig.
         contact: the wheels' contact in steady rolling on the rig, by material.
         ramps: Datasets of `ramp_run`, by material.
-        sensitivity: critical speed by disturbance of the bogie, steel, by label of `contact_model_cases`.
         over_radius: critical speeds over the rollers' radius, by material.
         effects: of the rollers on the bogie's critical speed, by material.
         traction: the traction run, all signals.
@@ -215,10 +176,8 @@ class Results:
     modes: dict[str, dict[str, xr.Dataset]]
     linear: dict[Place, tuple[float, float]]
     runs: dict[Place, CriticalSpeedByDisturbance]
-    merging: dict[str, dict[float, LinearCriticalSpeed]]
     contact: dict[str, ContactState]
     ramps: dict[str, xr.Dataset]
-    sensitivity: dict[str, CriticalSpeedByDisturbance]
     over_radius: dict[str, CriticalSpeedOverRadius]
     effects: dict[str, EffectSplit]
     traction: xr.Dataset | None
@@ -238,12 +197,6 @@ class Results:
         """Material -> critical speed by disturbance, of the materials that have runs."""
         return {m: self.runs[contact, m, variant] for m in MATERIALS if (contact, m, variant) in self.runs}
 
-    def onset_wavelength(self, material: str) -> float:
-        """Wavelength of the limit cycle at the lowest speed at which it was found [m]; NaN if there is none."""
-        found = self.runs_of(RIG).get(material)
-        lasting = [run for run in found.runs if run.persists] if found else []
-        return lasting[0].speed / lasting[0].final.frequency if lasting else math.nan
-
     def frequency_differences(self, material: str) -> list[float]:
         """Frequency of the bogie on the rig over that of the vehicle on track, less one, at each speed both were run at."""
         both = [one for variant in (RIG, VEHICLE) if (one := self.runs_of(variant).get(material))]
@@ -251,14 +204,6 @@ class Results:
         known = [one["oscillation_frequency"].where(one["persists"] == 1, one["decay_frequency"]) for one in tables]
         found = [one.assign_coords(speed=one["speed"].round(3)) for one in known]
         return (found[0] / found[1] - 1).dropna("speed").to_numpy().tolist() if len(found) == 2 else []
-
-    def rig_speeds(self) -> dict[tuple[str, str], Interval]:
-        """Material and definition -> where the critical speed of the bogie on the rig lies [km/h]; those that are known."""
-        found = {}
-        for m in MATERIALS:
-            found[m, "linear"] = Interval(self.linear_kmh(m), self.linear_kmh(m))
-            found[m, "by disturbance"] = self.by_disturbance(m)
-        return {key: one for key, one in found.items() if one.known}
 
 
 def results_of(plan: PaperPlan, done: Done) -> Results:
@@ -280,23 +225,19 @@ def results_of(plan: PaperPlan, done: Done) -> Results:
         modes={m: variants for m, variants in modes.items() if variants},
         linear=linear,
         runs=runs,
-        merging={m: {b: done[n] for b in plan.criteria if (n := f"merging {m} {b:g}") in done} for m in MATERIALS},
         contact={m: done[n] for m in MATERIALS if (n := f"contact {m}") in done},
         ramps={m: done[n] for m in MATERIALS if (n := f"ramp {m}") in done},
-        sensitivity=speeds.brackets(list(contact_model_cases(plan)), plan.hunting, done),
         over_radius={m: one for m, one in radii.items() if one is not None},
         effects={m: one for m, one in splits.items() if one is not None},
         traction=run,
-        theory=None if run is None else with_theory(run, traction_case(plan)),
-        exact_theory=None if exact is None else with_theory(exact, traction_case(plan, EXACT)),
+        theory=None if run is None else with_theory(run, traction_case()),
+        exact_theory=None if exact is None else with_theory(exact, traction_case(EXACT)),
     )
     if run is not None and found.theory is not None:
-        found.checks += traction_checks(run, found.theory, traction_case(plan))
+        found.checks += traction_checks(run, found.theory, traction_case())
     found.checks += _hunting_checks(found)
     return found
 
-
-# --------------------------------------------------------------------------------------------------------------- checks
 
 ORDER_REASON = "above the linear critical speed every disturbance grows; linear speed to 0.1 km/h"
 HUNTING_REASON = "of the energy turned over; the runs are integrated to a relative tolerance of 1e-4 per step"
@@ -315,16 +256,12 @@ def _hunting_checks(found: Results) -> Iterator[Check]:
     """Figure 7: energy of runs and ramps, and the order of the critical speeds where both are known."""
     for material in MATERIALS:
         own, ramp = found.runs_of(RIG).get(material), found.ramps.get(material)
-        audits = {
-            f"energy of the runs at constant speed, {material}: the worst": [one.motion for one in own.runs]
-            if own
-            else [],
-            f"energy of the ramp, {material}": [] if ramp is None else [ramp],
-        }
+        steady = [one.motion for one in own.runs] if own else []
+        audits = {"runs at constant speed, {}: the worst": steady, "ramp, {}": [] if ramp is None else [ramp]}
         for name, runs in audits.items():
             if runs:
                 worst = max(float(run.attrs["energy_relative_residual"]) for run in runs)
-                yield Check(name, worst, 0.0, 1e-5, HUNTING_REASON)
+                yield Check(f"energy of the {name.format(material)}", worst, 0.0, 1e-5, HUNTING_REASON)
     for material, variant in itertools.product(MATERIALS, (RIG, VEHICLE)):
         by, linear = found.by_disturbance(material, variant), found.linear_kmh(material, variant)
         if by.known and math.isfinite(linear):
@@ -382,8 +319,6 @@ def around_onset(runs: list[HuntingRun], onset: float, count: int = 6) -> list[H
     return [unique[speed] for speed in sorted(unique)][:count]
 
 
-# ----------------------------------------------------------------------------------------------------- numbers and files
-
 ENDS = (
     ("sliding_mmps", "sliding", 1e3),
     ("longitudinal_creep_force_n", "longitudinal_creep_force", 1.0),
@@ -400,7 +335,6 @@ def numbers_of(results: Results) -> dict[str, Any]:
     return {
         "materials": found,
         "exact_contact": {"materials": exact, "traction": _traction_numbers(results.exact_theory)},
-        "critical_speed_by_contact_model": sensitivity_numbers(results.sensitivity),
         "traction": _traction_numbers(results.theory),
         "checks": [check.as_dict() for check in results.checks],
         **counts(results.checks),
@@ -421,10 +355,7 @@ def _contact_numbers(results: Results, contact: str, material: str) -> dict[str,
 
 def _material_numbers(results: Results, material: str) -> dict[str, Any]:
     """What is reported with the paper's contact alone."""
-    found: dict[str, Any] = {
-        "merging_criterion": {f"{b:g}": scan.speed_kmh for b, scan in results.merging.get(material, {}).items()},
-        "onset_wavelength_m": results.onset_wavelength(material),
-    }
+    found: dict[str, Any] = {}
     if material in results.contact:
         state = results.contact[material]
         found["contact"] = {

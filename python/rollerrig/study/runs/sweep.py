@@ -217,7 +217,7 @@ class _Reader:
     def problem(self, key: str, value: object, allowed: str) -> ConfigError:
         """One mistake."""
         shown = value if isinstance(value, str) else show_value(value)
-        return ConfigError([ConfigProblem(self._file, f"{self._at}.{key}", shown, allowed)])
+        return ConfigError.of(self._file, f"{self._at}.{key}", shown, allowed)
 
     def one(self, key: str, value: Any) -> Any:
         """A value that the key may have; words and lists as they are."""
@@ -357,14 +357,8 @@ class Statistics:
         known = self.values[np.isfinite(self.values)]
         least, median, most = (float(f(known)) if known.size else math.nan for f in (np.min, np.median, np.max))
         ends = {key: {"low": low, "high": high} for key, (low, high) in self.tornado.items()}
-        found: dict[str, Any] = {"least": least, "median": median, "largest": most, "tornado": ends}
-        if self.words:
-            found["words"] = {key: dict(one) for key, one in self.words.items()}
-        if self.quantiles:
-            found["quantiles"] = {share: dict(one) for share, one in self.quantiles.items()}
-        if self.sobol:
-            found["sobol"] = {key: dict(one) for key, one in self.sobol.items()}
-        return found
+        found = {"least": least, "median": median, "largest": most, "tornado": ends}
+        return found | {name: table for name in ("words", "quantiles", "sobol") if (table := getattr(self, name))}
 
 
 def statistics(data: xr.Dataset, points: Points) -> dict[str, Statistics]:

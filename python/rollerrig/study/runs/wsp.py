@@ -18,16 +18,8 @@ from typing import Any, Literal
 import numpy as np
 import xarray as xr
 
-from rollerrig.analysis.slide_statistics import (
-    LEAST_SPEED,
-    SLIP_EDGES,
-    TestRecord,
-    axle_load,
-    longest_flat,
-    test_record,
-    under_test,
-    wheel_radius,
-)
+from rollerrig.analysis import slide_statistics as slides
+from rollerrig.analysis.slide_statistics import SLIP_EDGES, TestRecord
 from rollerrig.analysis.virtual_rail import available_adhesion, patch_of
 from rollerrig.assembly.model import assemble
 from rollerrig.cases import wheelsets
@@ -39,7 +31,7 @@ from rollerrig.config.write.toml import plain
 from rollerrig.results.run_info import RunInfo
 from rollerrig.results.summary import LONGEST_SPELL, contact_losses
 from rollerrig.simulation.run import ENERGY_WARNING
-from rollerrig.study.assessment import NOT_DECIDED, Outcome, outcome, overall
+from rollerrig.study.assessment import NOT_DECIDED, Outcome, outcome
 from rollerrig.study.ensemble import Estimate, check_ensemble, estimate, stepped, values_of
 from rollerrig.study.jobs import Progress, whole_run
 from rollerrig.study.runs.adhesion import track_case, verdict_rows
@@ -54,7 +46,7 @@ def check_case(case: Case, programme: Programme) -> None:
     for name in ("brake", "slide_protection"):
         if getattr(case, name) is None:
             needed = f"needed: [{name}]; a programme for wheel slide protection tests what it does to a braked axle"
-            raise ConfigError([ConfigProblem(case.name, name, "missing", needed)])
+            raise ConfigError.of(case.name, name, "missing", needed)
     train = case.train.axles
     along = train.positions if train else sorted(body.position[0] for body in wheelsets(case))
     least = min((b - a for a, b in zip(along, along[1:], strict=False)), default=0.0)
@@ -65,7 +57,7 @@ def check_case(case: Case, programme: Programme) -> None:
             raise ConfigError([problem])
         if isinstance(stop, PatchStop) and not stop.length < least:
             allowed = f"allowed: less than the least spacing of the axles, {least:g} m, so that one axle at a time is on a patch"
-            raise ConfigError([ConfigProblem(programme.name, f"stop.{stop.name}.length", f"{stop.length:g}", allowed)])
+            raise ConfigError.of(programme.name, f"stop.{stop.name}.length", f"{stop.length:g}", allowed)
         check_ensemble(stop_case(case, programme, stop))
 
 
@@ -163,11 +155,11 @@ def stop_record(case: Case, flat: FlatWear, keep: bool, progress: Progress | Non
     """
     begun = time.process_time()
     run = whole_run(case, progress=progress)
-    record = test_record(run, case)
+    record = slides.test_record(run, case)
     own = {
         "large_slip_share": float(record.slip_shares[np.flatnonzero(SLIP_EDGES[:-1] > LARGE_SLIP - 1e-9)].sum()),
         "adhesion_utilisation": adhesion_utilisation(run, case),
-        "flat_length_m": longest_flat(under_test(run), flat.wear, flat.width),
+        "flat_length_m": slides.longest_flat(slides.under_test(run), flat.wear, flat.width),
         "contact_lost_s": max((loss.longest_s for loss in contact_losses(run)), default=0.0),
         "build_up_s": build_up(run),
     }
@@ -189,10 +181,10 @@ def adhesion_utilisation(run: xr.Dataset, case: Case) -> float:
     for axle, place in places.items():
         one = run[["brake_torque", "creep_force"]].sel(axle=axle)
         at = clock if case.adhesion.over_time else way + place
-        braked = (abs(one["brake_torque"]).to_numpy() > 1.0) & (speed > LEAST_SPEED)
+        braked = (abs(one["brake_torque"]).to_numpy() > 1.0) & (speed > slides.LEAST_SPEED)
         if braked.any():
             used += float(np.abs(one["creep_force"].to_numpy()[braked]).sum())
-            offered += float(available_adhesion(case, patch, at[braked], speed[braked]).sum()) * axle_load(run)
+            offered += float(available_adhesion(case, patch, at[braked], speed[braked]).sum()) * slides.axle_load(run)
     return used / offered if offered > 0.0 else math.nan
 
 
@@ -214,7 +206,7 @@ def signals(run: xr.Dataset) -> dict[str, Array]:
     found = {"time_s": clock[kept], "train_speed_kmh": 3.6 * run["train_speed"].to_numpy()[kept]}
     for axle in run["axle"].to_numpy():
         one = run[["axle_speed", "cylinder_pressure"]].sel(axle=axle)
-        found[f"{axle}_speed_kmh"] = 3.6 * wheel_radius(run) * one["axle_speed"].to_numpy()[kept]
+        found[f"{axle}_speed_kmh"] = 3.6 * slides.wheel_radius(run) * one["axle_speed"].to_numpy()[kept]
         found[f"{axle}_pressure_bar"] = 1e-5 * one["cylinder_pressure"].to_numpy()[kept]
     return found
 
@@ -326,14 +318,6 @@ def judgements(programme: Programme, found: StopTests, other: StopTests) -> list
         mean = found.estimate(name).times(factor)
         judged.append(Judgement(found.stop.name, found.support, limit, mean, worst, (*common, *own)))
     return judged
-
-
-def verdict_of(found: Sequence[Judgement]) -> Outcome | None:
-    """Outcome of several criteria: met where all are, not met where one is not, else not decided; None: nothing was judged."""
-    return overall(one.verdict for one in found)
-
-
-# ----------------------------------------------------------------------------------------------------- what is a bad run
 
 
 def faults(found: StopTests) -> Iterator[str]:
