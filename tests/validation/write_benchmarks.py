@@ -5,6 +5,7 @@ python tests/validation/write_benchmarks.py
 
 from __future__ import annotations
 
+import sys
 from functools import cache
 from math import sqrt
 from pathlib import Path
@@ -14,8 +15,11 @@ import numpy as np
 import rollerrig as rr
 from rollerrig.analysis import linear_critical_speed
 from rollerrig.config import Case
-from validation.textbook_bogie import Bogie, effects
-from validation.write_measured import table
+
+sys.path[:0] = [str(Path(__file__).parents[1])]
+
+from validation.textbook_bogie import Bogie, effects  # noqa: E402
+from validation.write_measured import table  # noqa: E402
 
 PAGE = Path(__file__).parents[2] / "docs" / "benchmarks.md"
 PUBLISHED = 68.66
