@@ -223,6 +223,15 @@ class Results:
         return Interval.of_bracket(self.by_disturbance.get(label))
 
 
+def between(found: CriticalSpeedByDisturbance) -> str:
+    """The critical speed by disturbance in words."""
+    speeds_kmh = Interval.of_bracket(found)
+    if not speeds_kmh.known:
+        return "not found: no run was decided"
+    undecided = math.isnan(found.decays) and any(run.speed < found.persists for run in found.ended_early)
+    return speeds_kmh.text("km/h", 1) + (", or not at all: runs below were not decided" if undecided else "")
+
+
 @dataclass(frozen=True)
 class CompareStudy(Study[Results]):
     """One vehicle on several supports.
@@ -391,8 +400,7 @@ class CompareStudy(Study[Results]):
     def _by_disturbance(self, results: Results, label: str) -> str:
         if label not in results.by_disturbance:
             return "not computed"
-        found = results.by_disturbance_kmh(label)
-        return found.text("km/h", 1) if found.known else "not found: no run was decided"
+        return between(results.by_disturbance[label])
 
     def _critical(self, results: Results) -> Table:
         rows = []

@@ -14,7 +14,8 @@ from rollerrig.analysis.critical_speed import HIGHEST_KMH, bracket
 from rollerrig.analysis.hunting import HuntingRun, hunting_table
 from rollerrig.analysis.modes import DIRECTIONS, Lineariser
 from rollerrig.analysis.signals import FinalMotion
-from rollerrig.study.critical_speeds import between, ended_early_sentence
+from rollerrig.study.compare import between
+from rollerrig.study.critical_speeds import ended_early_sentence
 from rollerrig.study.limit_cycles import critical_speed
 
 
@@ -49,7 +50,11 @@ def test_a_run_that_did_not_come_to_its_end_neither_persists_nor_decays() -> Non
     assert math.isnan(found.persists)
     assert math.isnan(found.decays)
     assert between(found) == "not found: no run was decided"
+    assert between(bracket([*lost, run(60.0, True)], 3e-3)) == (
+        "at most 216.0 km/h, or not at all: runs below were not decided"
+    )
     mixed = bracket([run(20.0, False), *lost, run(60.0, True)], 3e-3)
+    assert between(mixed) == "72.0 … 216.0 km/h"
     assert (mixed.decays, mixed.persists) == (20.0, 60.0)
     assert len(mixed.ended_early) == 4
     assert ended_early_sentence(mixed) == (

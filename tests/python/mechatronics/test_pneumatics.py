@@ -143,7 +143,7 @@ def test_a_plant_that_is_saved_goes_on_with_the_pressure_in_its_pipes() -> None:
         ({"fill_conductance": 0.0}, "brake.air.fill_conductance: 0"),
         ({"reservoir_volume": 0.0}, "brake.air.reservoir_volume: 0"),
         ({"axles_per_reservoir": 0}, "brake.air.axles_per_reservoir: 0"),
-        ({"axles_per_reservoir": 9}, "brake.air.axles_per_reservoir: 9"),
+        ({"axles_per_reservoir": 33}, "brake.air.axles_per_reservoir: 33"),
         (
             {"reservoir_pressure": 0.0},
             "brake.air.reservoir_pressure: 0 bar; a reservoir that is empty from the start brakes nothing",

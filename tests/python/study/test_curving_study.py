@@ -106,7 +106,7 @@ def test_what_moves_the_tightest_curve_is_drawn_and_tabled(tmp_path: Path) -> No
     done = CliRunner().invoke(build_app(), [*words, "--out", str(tmp_path)])
     assert done.exit_code == 0, done.output
     summary = json.loads((tmp_path / "summary.json").read_text())
-    assert CurvingStudy.quantities.unexplained(summary) == []
+    assert unexplained(CurvingStudy.quantities, summary) == []
     case, rows = rr.load_case(WAGON), {row["parameter"]: row for row in summary["sensitivity"]}
     friction = rows["contact.friction.mu_0"]
     more = case.with_changes({"contact.friction.mu_0": 1.001 * friction["value"]})

@@ -12,7 +12,7 @@ import xarray as xr
 from reported import unexplained, unreported
 from rollerrig import ConfigError, ResultsError, load_case, simulate
 from rollerrig.analysis.adhesion_reconstruction import StopLog, check_case, read_stop, reconstruct
-from rollerrig.cli.app import main
+from rollerrig.cli import main
 from rollerrig.config import Case, case_from_toml
 from rollerrig.results import export
 from rollerrig.study.frame import Outcome

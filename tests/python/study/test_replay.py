@@ -17,7 +17,8 @@ from rollerrig import ConfigError, ResultsError, load_case, simulate
 from rollerrig import replay as replay_log
 from rollerrig.analysis.controller_replay import episodes, replay
 from rollerrig.analysis.rig_log import check_case, read_rig_log
-from rollerrig.cli.app import build_app, main
+from rollerrig.cli import main
+from rollerrig.cli.app import build_app
 from rollerrig.config import Case
 from rollerrig.results import export
 from rollerrig.study.replay import ReplayStudy
