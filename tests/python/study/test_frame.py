@@ -196,7 +196,7 @@ def test_ctrl_c_keeps_finished_jobs_for_the_same_command(tmp_path: Path) -> None
 def test_a_killed_program_goes_on_where_it_was(tmp_path: Path) -> None:
     script = f"""
 import os, signal, sys
-sys.path.insert(0, {str(Path(__file__).parent)!r})
+sys.path[:0] = {[str(Path(__file__).parent), str(Path(__file__).parents[2])]!r}
 import test_frame as t
 def kill(value):
     if value == 3.0:
