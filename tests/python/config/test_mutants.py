@@ -39,7 +39,8 @@ class Mutator:
     def value(self, old: Any) -> Any:
         """Something else: another size, another type, a word, a number that is none."""
         choose = self.random
-        if isinstance(old, float | int) and not isinstance(old, bool) and choose.random() < 0.5:
+        sized = isinstance(old, float | int) and not isinstance(old, bool) and abs(old) < 1e300
+        if sized and choose.random() < 0.5:
             return old * choose.choice([-1.0, 0.0, 1e-3, 0.1, 0.9, 1.1, 10.0, 1e3, 1e9])
         new = choose.choice(
             [choose.choice(WORDS), choose.choice(NUMBERS), [], {}, True, [old, old], {"kind": old}, [1, 2, 3], None]
