@@ -18,7 +18,7 @@ ControlValve const control_valve{.application_rate = 1e12,
                                  .follow_rate = 100.0,
                                  .ambient_pressure = ambient,
                                  .volume = cylinder_volume};
-CylinderPipe const pipe{.length = 4.0, .diameter = 0.02, .relay_conductance = 5e-7};
+CylinderPipe const usual_pipe{.length = 4.0, .diameter = 0.02, .relay_conductance = 5e-7};
 
 ReservoirAir air_of(std::optional<CylinderPipe> const& piping) {
   return {.fill_conductance = 2.5e-7,
@@ -146,14 +146,14 @@ TEST_CASE(
 }
 
 TEST_CASE("a pipe fills at the choked rate of its relay valve, a cylinder at that of tube and inlet") {
-  ReservoirAir air = air_of(pipe);
+  ReservoirAir air = air_of(usual_pipe);
   air.charging_conductance = 0.0;
   Bench bench(air, 1);
   bench.step = 1e-4;
   bench.run(2e-3, {hold}, 7.9e5);  // the relay valve is wide open
   double const before = bench.unit.pipe_pressure(0);
   bench.run(2e-3, {hold}, 7.9e5);
-  double const rate = 1e5 * pipe.relay_conductance * (8e5 + ambient) / pipe.volume();
+  double const rate = 1e5 * usual_pipe.relay_conductance * (8e5 + ambient) / usual_pipe.volume();
   CHECK(bench.unit.pipe_pressure(0) + ambient < 0.3 * (8e5 + ambient));
   CHECK((bench.unit.pipe_pressure(0) - before) / 2e-3 == doctest::Approx(rate).epsilon(0.02));  // the reservoir gives
   CHECK(bench.pressure(0) == 0.0);
@@ -170,7 +170,7 @@ TEST_CASE("a pipe fills at the choked rate of its relay valve, a cylinder at tha
 }
 
 TEST_CASE("with everything shut but the inlets pipes and cylinders come to one pressure, that of Boyle's law") {
-  ReservoirAir air = air_of(pipe);
+  ReservoirAir air = air_of(usual_pipe);
   Bench bench(air, 2);
   bench.run(5.0, {fill, vent}, 3.8e5);
   bench.run(0.02, {hold, hold}, 3.8e5);
@@ -180,8 +180,8 @@ TEST_CASE("with everything shut but the inlets pipes and cylinders come to one p
   CHECK(piped > 3.7e5);
   CHECK(second < 1e3);
   bench.run(20.0, {fill, fill}, 0.0);
-  double const total = 2.0 * pipe.volume() + 2.0 * cylinder_volume;
-  double const equal = (2.0 * pipe.volume() * piped + cylinder_volume * (first + second)) / total;
+  double const total = 2.0 * usual_pipe.volume() + 2.0 * cylinder_volume;
+  double const equal = (2.0 * usual_pipe.volume() * piped + cylinder_volume * (first + second)) / total;
   for (double pressure : {bench.unit.pipe_pressure(1), bench.pressure(0), bench.pressure(1)})
     CHECK(pressure == doctest::Approx(equal).epsilon(1e-9));
 }
@@ -235,13 +235,13 @@ TEST_CASE("a vented cylinder that fills again takes from its neighbour what the 
     CHECK(bench.pressure(1) == doctest::Approx(3.8e5).epsilon(2e-3));
     return least;
   };
-  CylinderPipe weak = pipe, strong = pipe;
+  CylinderPipe weak = usual_pipe, strong = usual_pipe;
   weak.relay_conductance = 1e-7, strong.relay_conductance = 1e-5;
   double const shared = cylinder_volume * 3.8e5 / (2.0 * cylinder_volume);
   double const dropped = lowest(weak, {0, 0});
   CHECK(dropped > shared);
   CHECK(dropped < 3.65e5);
-  CHECK(lowest(pipe, {0, 0}) > dropped);
+  CHECK(lowest(usual_pipe, {0, 0}) > dropped);
   CHECK(lowest(strong, {0, 0}) > 3.75e5);
   CHECK(lowest(weak, {0, 1}) > 3.75e5);  // a relay valve each
 }
@@ -258,7 +258,7 @@ TEST_CASE("the time to 95 % of the pressure grows with the length and falls with
 }
 
 TEST_CASE("a relay valve makes the mean of what its axles are asked for") {
-  Bench bench(air_of(pipe), 3, {0, 2, 0}, {0, 1, 0});  // in any order, and no axle at the reservoir between
+  Bench bench(air_of(usual_pipe), 3, {0, 2, 0}, {0, 1, 0});  // in any order, and no axle at the reservoir between
   PerAxle<double> const asked{1e5, 3e5, 2e5};
   for (int k = 0; k < 6000; ++k) bench.unit.step(bench.pneumatics, {}, asked, 1e-3);
   CHECK(bench.pressure(0) == doctest::Approx(1.5e5).epsilon(5e-3));
@@ -279,11 +279,11 @@ TEST_CASE("a result hardly depends on the step: pipes that a step of 1 ms resolv
 }
 
 TEST_CASE("a state that is saved and restored goes on as it was") {
-  Bench bench(air_of(pipe), 2, {}, {0, 0});
+  Bench bench(air_of(usual_pipe), 2, {}, {0, 0});
   bench.run(0.3, {fill, vent}, 3.8e5);
   StateWriter writer;
   writer(bench.unit);
-  Bench other(air_of(pipe), 2, {}, {0, 0});
+  Bench other(air_of(usual_pipe), 2, {}, {0, 0});
   StateReader reader(writer.out.bytes());
   reader(other.unit);
   CHECK(other.unit.pipe_pressure(1) == bench.unit.pipe_pressure(1));
