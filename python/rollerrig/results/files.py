@@ -309,6 +309,7 @@ def _dataset(path: Path) -> xr.Dataset:
     variables = {}
     with h5py.File(path, "r") as file:
         for name, stored in file.items():
+            name.encode()
             text = h5py.check_string_dtype(stored.dtype)
             if not h5py.h5ds.is_scale(stored.id):
                 dimensions = [scales[0].name.lstrip("/") for scales in stored.dims]
@@ -328,6 +329,8 @@ def _attributes(stored: Any) -> dict[str, Any]:
     for name, value in found.items():
         if isinstance(value, np.ndarray):
             found[name] = value.flat[0] if value.size == 1 else value.tolist() if value.dtype == object else value
+        for text in (name, *np.ravel(found[name])):
+            str(text).encode()  # UnicodeEncodeError: h5py lets bytes through that are no UTF-8
     return found
 
 

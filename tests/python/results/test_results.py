@@ -209,6 +209,16 @@ def test_a_damaged_file_is_refused_in_one_line(run: xr.Dataset, tmp_path: Path) 
     assert read > 2
 
 
+@pytest.mark.parametrize("text", ["lateral displacement", "vertical_force"])
+def test_a_text_with_bytes_that_are_no_utf_8_is_refused(run: xr.Dataset, tmp_path: Path, text: str) -> None:
+    """In an attribute, in a name: what is read could not be written again."""
+    assert run["lateral"].attrs["long_name"].startswith("lateral displacement")
+    path = tmp_path / "damaged.nc"
+    path.write_bytes(bytes(results.netcdf_bytes(run)).replace(text.encode(), b"\x9c" + text[1:].encode()))
+    with pytest.raises(ResultsError, match=r"damaged.nc: no NetCDF file of results such as run.nc, or a damaged one"):
+        results.load_run(path)
+
+
 def test_a_collection_of_texts_without_an_end_is_refused(run: xr.Dataset, tmp_path: Path) -> None:
     """The HDF5 library walks through it for ever: an object that has neither index nor size."""
     whole = bytearray(results.netcdf_bytes(run))
