@@ -224,11 +224,6 @@ class CriticalSpeedOverRadius:
         """Critical speed [km/h]; NaN if there is none or it was not computed."""
         return self.found.get((part, radius), LinearCriticalSpeed()).speed_kmh
 
-    def rises_with_radius(self, part: str) -> bool:
-        """Whether smaller rollers always have the lower critical speed, and all of them a lower one than the track."""
-        speeds = [self.kmh(part, radius) for radius in self.radii]
-        return bool(np.all(np.diff(speeds) > 0))  # NaN compares as false
-
 
 @dataclass(frozen=True)
 class EffectSplit:

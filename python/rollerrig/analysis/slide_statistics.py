@@ -5,7 +5,7 @@
 Equations: docs/theory/rig_control.md. A ratio to the speed of a train slower than LEAST_SPEED is not defined: NaN.
 
 Slide protection and wheel-slip control make a limit cycle whose phase differs from start to start: two such tests are compared
-by what is counted, averaged or distributed over each of them, never point by point; `point_by_point` is for inspection alone.
+by what is counted, averaged or distributed over each of them, never point by point.
 
 The volume worn off a wheel that does not turn is in proportion to the energy, and a segment of its circle under a chord:
 V = k E, V = b L^3 / (12 r) for L << r, (H1) and (H2) of docs/theory/wheel_flats.md. Heat, martensite and the rounding of the
@@ -157,27 +157,6 @@ def ripple_windows(time: Array, torque: Array) -> tuple[Array, Array] | None:
     high = sosfiltfilt(butter(4, RIPPLE_ABOVE, "highpass", fs=1.0 / step, output="sos"), torque, axis=0)
     count = len(high) // window
     return np.sqrt(np.mean(high[: count * window].reshape(count, window, -1) ** 2, axis=1)), high
-
-
-def point_by_point(track: xr.Dataset, other: xr.Dataset) -> dict[str, Any]:
-    """Another run, of the rig or of a second start, against the track's at the same times, as far as both ran.
-
-    Of the axles under test.
-    """
-    count = min(track.sizes["time"], other.sizes["time"])
-    a, b = (under_test(run).isel(time=slice(0, count)) for run in (track, other))
-    speed = a["train_speed"].to_numpy()
-    fast = speed > LEAST_SPEED
-    difference = wheel_radius(other) * (b["axle_speed"].to_numpy() - a["axle_speed"].to_numpy())
-    relative = difference[fast] / speed[fast, None]
-    torque = sum(b[name].to_numpy() - a[name].to_numpy() for name in ("brake_torque", "traction_torque"))
-    return {
-        "wheel_speed_rms": rms(relative),
-        "wheel_speed_largest": float(np.abs(relative).max(initial=0.0)),
-        "train_speed_largest_mps": float(np.abs(b["train_speed"].to_numpy() - speed).max()),
-        "slip_difference_rms": rms(slip(b).to_numpy() - slip(a).to_numpy()),
-        "torque_difference_rms_nm": rms(np.asarray(torque)),
-    }
 
 
 def by_own_motion(run: xr.Dataset) -> float | None:

@@ -87,20 +87,6 @@ def _own_motion(run: xr.Dataset) -> xr.DataArray:
     return run["longitudinal_velocity"].sel(body=run["axle"].to_numpy()).rename(body="axle")
 
 
-def errors(track: xr.Dataset, rig: xr.Dataset, radius: float) -> Figure:
-    """Rig less track at the same time: wheels, train, distance."""
-    count = min(track.sizes["time"], rig.sizes["time"])
-    a, b = (run.isel(time=slice(0, count)).drop_vars("time") for run in (track, rig))
-    away = rig.isel(time=slice(0, count))
-    labels = ("speed, rig\nless track [m/s]", "distance, rig\nless track [m]")
-    with panels(labels, "time [s]", 4.4) as (figure, (speed, distance)):
-        for number, axle in enumerate(b["axle"].to_numpy()):
-            line(speed, away["time"], radius * (b - a)["axle_speed"].sel(axle=axle), number, "-", str(axle))
-        line(speed, away["time"], b["train_speed"] - a["train_speed"], 5, "--", "train")
-        line(distance, away["time"], b["train_distance"] - a["train_distance"], 5, "--", "train")
-        return figure
-
-
 @house_style()
 def cause_bars(shares: Mapping[str, tuple[float, float, bool]]) -> Figure:
     """Bars of what each imperfection contributes to the difference in distance; the last one is all of them.

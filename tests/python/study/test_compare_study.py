@@ -157,12 +157,9 @@ def scan(kmh: float) -> LinearCriticalSpeed:
 def test_a_table_over_the_radius_has_changes_against_the_track() -> None:
     found = {("bogie", 0.5): scan(200), ("bogie", 1.0): scan(190), ("bogie", TRACK): scan(300)}
     table = CriticalSpeedOverRadius(("bogie", "wheelset"), (0.5, 1.0, TRACK), found)
-    assert not table.rises_with_radius("bogie")
     rows = radius_table(table, "").rows
     assert rows[0] == ["track", "300.0", "", "not computed", ""]
     assert rows[2] == ["rollers of 0.5 m", "200.0", "-33.3 %", "not computed", ""]
-    rising = CriticalSpeedOverRadius(("bogie",), (0.5, 1.0, TRACK), found | {("bogie", 1.0): scan(210)})
-    assert rising.rises_with_radius("bogie")
 
 
 def test_a_loss_of_independent_effects_leaves_no_interaction() -> None:
