@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import rollerrig as rr
 from catalogued import profile_table
 from rollerrig import ConfigError
 from rollerrig.config import Track, load_support
@@ -112,3 +113,11 @@ def test_mistakes_are_one_line_each(tmp_path: Path) -> None:
 
 def test_the_line_of_a_track_without_rails_of_its_own_is_checked_as_before() -> None:
     assert check_line(load_support("curved_track_600"), "x.toml") == []
+
+
+def test_a_misalignment_whose_moment_the_core_does_not_take_is_refused() -> None:
+    case = rr.load_case("bogie_rollers_constant")
+    stiff = {"yaw": {"stiffness": 1e12}, "misalignment": [0.0, -1e-3]}
+    with pytest.raises(rr.ConfigError, match=r"misalignment: .*allowed: at most 0.0001 rad with this yaw stiffness"):
+        case.with_changes({"support.mounting": stiff})
+    assert rr.assemble(case.with_changes({"support.mounting": stiff | {"misalignment": [0.0, -1e-4]}}))

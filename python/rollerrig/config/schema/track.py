@@ -136,6 +136,10 @@ class AngularSupport(Table):
     damping: AngularDamping = optional(0.0, "damping")
 
 
+_LARGEST_MOMENT = 1e8
+"""At rest, in the support of a roller axle with a yaw misalignment [N m]: the range of preloads in the core."""
+
+
 class Mounting(Table):
     """How a roller axle is mounted; what is absent is rigid."""
 
@@ -153,6 +157,12 @@ class Mounting(Table):
     def _can_turn(self) -> "Mounting":
         if any(self.misalignment) and self.yaw is None:
             raise refused("yaw", "needed: the support about z of a roller axle with a yaw misalignment")
+        if (
+            self.yaw is not None
+            and self.yaw.stiffness * max(map(abs, self.misalignment), default=0.0) > _LARGEST_MOMENT
+        ):
+            largest = f"{_LARGEST_MOMENT / self.yaw.stiffness:.3g} rad with this yaw stiffness"
+            raise refused("misalignment", f"allowed: at most {largest}, a moment of {_LARGEST_MOMENT:g} N m at rest")
         return self
 
     @property
