@@ -54,10 +54,9 @@ void bind_statics(nb::module_& m) {
                Argument{"springs"}, Argument{"gravity"});
 }
 
-nb::dict start_of(std::shared_ptr<Model const> const& model, double t, std::vector<Disturbance> const& disturbances,
-                  std::vector<double> const& near) {
+nb::dict start_of(std::shared_ptr<Model const> const& model, double t, std::vector<Disturbance> const& disturbances) {
   constexpr char const* found[] = {"ok", "no_equilibrium", "no_support"};
-  StartingState start = starting_state(model, t, disturbances, near);
+  StartingState start = starting_state(model, t, disturbances);
   std::size_t const states = start.x.size();
   nb::dict d;
   d["found"] = found[start.found];
@@ -72,11 +71,10 @@ void bind_start(nb::module_& m) {
   bind_struct<Disturbance>(m, "Disturbance", "A coordinate that a run starts off its equilibrium.");
   def_function(m, "coasting_model", "The model whose equilibrium a run starts from.", &coasting_model,
                Argument{"model"});
-  def_function(
-      m, "starting_state",
-      "Equilibrium at the model's speed at a time, undisturbed (rest) and with disturbances (x); found: ok, "
-      "no_equilibrium, or no_support of a disturbed body; near: state of a model that differs little, or none.",
-      &start_of, Argument{"model"}, Argument{"t"}, Argument{"disturbances"}, Argument{"near"});
+  def_function(m, "starting_state",
+               "Equilibrium at the model's speed at a time, undisturbed (rest) and with disturbances (x); found: ok, "
+               "no_equilibrium, or no_support of a disturbed body.",
+               &start_of, Argument{"model"}, Argument{"t"}, Argument{"disturbances"});
 }
 
 }  // namespace

@@ -67,10 +67,12 @@ struct ModelParameters::Walk {
       auto const number = [&](double& of) { add(inner, field.unit, field.meaning, field.range, {&of}, fixed); };
       if constexpr (std::is_same_v<V, double>) {
         number(value);
-      } else if constexpr (std::is_same_v<V, std::optional<double>>) {
-        if (value) number(*value);
-      } else if constexpr (std::is_same_v<V, std::optional<CylinderPipe>>) {
-        if (value) fields(*value, inner, fixed);
+      } else if constexpr (requires { value.has_value(); }) {
+        if (!value) return;
+        if constexpr (Described<typename V::value_type>)
+          fields(*value, inner, fixed);
+        else
+          number(*value);
       } else if constexpr (Described<V>) {
         fields(value, inner, fixed);
       } else if constexpr (IsVariant<V>::value) {

@@ -36,13 +36,12 @@ void check_disturbances(std::span<Disturbance const> disturbances, Model const& 
 }
 
 StartingState starting_state(std::shared_ptr<Model const> const& model, double t,
-                             std::span<Disturbance const> disturbances, std::vector<double> const& near) {
+                             std::span<Disturbance const> disturbances) {
   check_disturbances(disturbances, *model);
-  if (!near.empty() && near.size() != at(model->map.states())) throw std::invalid_argument("near: another model's");
   Dynamics dynamics(coasting_model(model));
   double const speed = model->speed.at(t);
   StateMap const& map = dynamics.map();
-  auto rest = solve_equilibrium(dynamics, speed, t, {}, disturbances.empty() ? near : std::vector<double>());
+  auto rest = solve_equilibrium(dynamics, speed, t);
   StartingState start;
   start.found = rest.converged ? StartingState::ok : StartingState::no_equilibrium;
   start.residual = rest.residual;
@@ -63,7 +62,7 @@ StartingState starting_state(std::shared_ptr<Model const> const& model, double t
 
   // Far from equilibrium the others may have none: they stay where they were.
   for (auto const* fixed : {&disturbed, &all}) {
-    auto const found = solve_equilibrium(dynamics, speed, t, *fixed, near.empty() ? rest.x : near);
+    auto const found = solve_equilibrium(dynamics, speed, t, *fixed, rest.x);
     // A wheelset is stood on its rollers to begin with, even where a disturbance lifts it.
     bool const kept = std::ranges::all_of(
         disturbed, [&](auto const& one) { return found.x[at(place(one.body, one.coordinate))] == one.value; });

@@ -181,7 +181,6 @@ def prepare(
     *,
     may_drift: bool = False,
     output_step: float | None = None,
-    near: Array | None = None,
 ) -> _core.Simulation:
     """A simulation of a model with everything that acts on it, at its start.
 
@@ -190,7 +189,6 @@ def prepare(
         users: the user's controllers, by table of the case.
         may_drift: also where nothing holds the vehicle along the track on its rollers.
         output_step: interval of what it records [s]; None: that of the case.
-        near: start of a model that differs little, from which its own is found soonest.
 
     Raises:
         ConfigError: the fixed step is unstable, a disturbance moves what is locked, or nothing holds the vehicle on its rollers.
@@ -198,7 +196,7 @@ def prepare(
     """
     if not users:
         refuse_faults(model.case)
-    start = starting_state(model, may_drift=may_drift, near=near)
+    start = starting_state(model, may_drift=may_drift)
     simulation = _core.Simulation(model.core, mechatronic_setup(model, users))
     begin(simulation, model, start, output_step=output_step)
     return simulation

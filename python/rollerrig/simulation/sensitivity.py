@@ -101,7 +101,7 @@ def sensitivity(
     simulation = prepare(model)
     layout = _layout(model, simulation.width, outputs)
     kept = np.unique(np.concatenate([layout[name].values.ravel() for name in outputs])).astype(np.intp)
-    pairs = [_changed_runs(model, simulation, key, value) for key, value in zip(parameters, values, strict=True)]
+    pairs = [_changed_runs(model, key, value) for key, value in zip(parameters, values, strict=True)]
     run = _core.TangentRun(simulation, pairs, np.zeros((0, 0)), kept.tolist(), list(model.breakpoints))
     times, rows, derivatives = [], [], []
     duration, code, done = case.time.duration, _core.status_codes["ok"], 0
@@ -199,7 +199,7 @@ def _number_at(tables: Mapping[str, Any], path: Sequence[str], key: str, file: s
 
 
 def _changed_runs(
-    model: AssembledModel, simulation: _core.Simulation, key: str, value: float
+    model: AssembledModel, key: str, value: float
 ) -> tuple[_core.Simulation, _core.Simulation, float, bool]:
     """Runs with the number above and below its own, half their difference, and whether contact forces depend on the number."""
 
@@ -208,7 +208,7 @@ def _changed_runs(
         if model.breakpoints != one.breakpoints:
             allowed = "allowed: numbers that move no corner in time of a torque or speed"
             raise ConfigError.of(model.case.name, key, "moves one", allowed)
-        return prepare(one, may_drift=True, near=simulation.state)
+        return prepare(one, may_drift=True)
 
     width = RELATIVE_WIDTH * abs(value)
     return changed(value + width), changed(value - width), width, _BESIDE_CONTACTS.fullmatch(key) is None

@@ -141,7 +141,7 @@ class StartError(Exception):
     """No state was found from which the run can start; the message says what to change."""
 
 
-def starting_state(model: AssembledModel, *, may_drift: bool = False, near: Array | None = None) -> Array:
+def starting_state(model: AssembledModel, *, may_drift: bool = False) -> Array:
     """Equilibrium at the starting speed, with the disturbed coordinates prescribed at their offsets.
 
     An offset counts from the undisturbed equilibrium. A disturbed body keeps its equilibrium yaw unless the
@@ -152,13 +152,12 @@ def starting_state(model: AssembledModel, *, may_drift: bool = False, near: Arra
     Args:
         model: the model.
         may_drift: also of a vehicle that nothing holds along the track on its rollers.
-        near: start of a model that differs little: it is looked for from there.
 
     Raises:
         ConfigError: a disturbance moves a coordinate that is locked; nothing holds the vehicle on its rollers.
         StartError: no equilibrium was found, or no support for a disturbed body, or the start is beyond what the core takes.
     """
-    start = _core.starting_state(model.start_core, 0.0, disturbances(model), [] if near is None else near.tolist())
+    start = _core.starting_state(model.start_core, 0.0, disturbances(model))
     if start["found"] == "no_equilibrium":
         raise _no_equilibrium(model, start["residual"])
     if not may_drift:

@@ -9,11 +9,9 @@ import numpy as np
 import pytest
 
 import rollerrig as rr
-from rollerrig.assembly.model import assemble
 from rollerrig.config import Case, ConfigError
 from rollerrig.simulation import sensitivity as module
 from rollerrig.simulation.sensitivity import Sensitivity, changed_case, changed_cases
-from rollerrig.simulation.starting_state import starting_state
 
 FINE = {
     "time.relative_tolerance": 1e-9,
@@ -88,17 +86,6 @@ def test_differences_in_few_columns_shake_contacts_no_more_than_the_exact_jacobi
     one, many = (rr.sensitivity(case, [key] * count, ["normal_force"]).derivatives for count in (1, 12))
     of_one, of_many = (found["normal_force"].values[0] for found in (one, many))
     assert np.abs(of_one - of_many).max() < 2.5e-5 * np.abs(of_many).max()
-
-
-def test_the_start_of_a_changed_model_is_the_same_from_that_of_the_run() -> None:
-    """Disturbed, where it is looked for from afar otherwise; to what Newton's method leaves, 1e-7 N over the softest spring."""
-    case = rr.load_case("bogie_rollers_constant")
-    key = "vehicle.element.primary_*.x.stiffness"
-    own, changed = assemble(case), assemble(changed_cases(case, key)[1][0])
-    afar, start = starting_state(changed), starting_state(own)
-    assert np.abs(starting_state(changed, near=start) - afar).max() < 1e-4 * np.abs(afar - start).max()
-    with pytest.raises(ValueError, match="near: another model's"):
-        starting_state(changed, near=start[:-1])
 
 
 @pytest.mark.slow

@@ -42,9 +42,7 @@ void check_disturbances(std::span<Disturbance const> disturbances, Model const& 
 ///
 /// Everything else is in equilibrium with the disturbed bodies. Where there is no such equilibrium (on a flange), everything else
 /// stays at the undisturbed one, and the disturbed bodies are set down.
-///
-/// @param near  state of a model that differs little, from which Newton's method starts; empty: there is none
 StartingState starting_state(std::shared_ptr<Model const> const& model, double t,
-                             std::span<Disturbance const> disturbances, std::vector<double> const& near = {});
+                             std::span<Disturbance const> disturbances);
 
 }  // namespace rollerrig
