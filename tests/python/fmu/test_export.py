@@ -117,6 +117,11 @@ def test_powers_of_base_units() -> None:
     assert base_units("m/s/s") == base_units("m/s^2") == {"m": 1, "s": -2}
     with pytest.raises(ValueError, match="'km/h' is not a unit of SI"):
         base_units("km/h")
+    for unit in ("%", "m^0.5", "m^9^9^9"):  # the last one would keep pint busy for ever
+        with pytest.raises(ValueError, match="is not a unit"):
+            base_units(unit)
+    with pytest.raises(ValueError, match="powers that are no whole numbers"):
+        base_units("m^(1/2)")
 
 
 def refusal(monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], *words: object) -> str:

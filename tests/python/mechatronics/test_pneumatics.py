@@ -166,7 +166,7 @@ def test_a_plant_that_is_saved_goes_on_with_the_pressure_in_its_pipes() -> None:
         ),
         (
             {"axles_per_reservoir": 3, "pipe": {"length": "4 m"}},
-            "brake.air.pipe.axles_per_relay_valve: 2; allowed: a part of brake.air.axles_per_reservoir, 3",
+            "brake.air.pipe.axles_per_relay_valve: 2; allowed: a divisor of brake.air.axles_per_reservoir, 3",
         ),
         ({"critical_ratio": 1.0}, "brake.air.critical_ratio: 1"),
         ({"fill_rate": 6.0}, "brake.air.fill_rate"),

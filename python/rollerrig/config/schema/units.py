@@ -145,12 +145,17 @@ def base_powers(unit: str) -> tuple[float, dict[str, int]]:
     Raises:
         ValueError: not a unit.
     """
-    registry = _registry()
+    text, registry = unit or "1", _registry()
+    if not _UNIT_TEXT.fullmatch(text) or _POWER_TOWER.search(text):
+        raise ValueError(f"{unit!r} is not a unit")
     try:
-        base: Any = registry.Quantity(1.0, "1" if unit == "%" else unit).to_base_units()
+        base: Any = registry.Quantity(*((0.01, "1") if unit == "%" else (1.0, text))).to_base_units()
+        powers = {registry.get_symbol(name): Fraction(power) for name, power in base.unit_items()}
     except Exception:  # as in _factor_by_pint
         raise ValueError(f"{unit!r} is not a unit") from None
-    return base.magnitude, {registry.get_symbol(name): int(power) for name, power in base.unit_items()}
+    if any(power.denominator > 1 for power in powers.values()):
+        raise ValueError(f"{unit!r} has powers that are no whole numbers")
+    return base.magnitude, {name: int(power) for name, power in powers.items()}
 
 
 def is_quantity(value: object) -> bool:

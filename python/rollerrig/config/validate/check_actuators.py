@@ -136,7 +136,7 @@ def _pipes(case: CaseTables) -> Iterator[Mistake]:
         return
     own, together = air.pipe, air.axles_per_reservoir
     if together is not None and together % own.axles_per_relay_valve:
-        allowed = f"allowed: a part of brake.air.axles_per_reservoir, {together}"
+        allowed = f"allowed: a divisor of brake.air.axles_per_reservoir, {together}"
         yield "brake.air.pipe.axles_per_relay_valve", str(own.axles_per_relay_valve), allowed
     axles = len(case.train.axles.positions if case.train.axles else case.vehicle.wheelsets)
     conductance = max(air.fill_conductance, own.relay_conductance / min(axles, own.axles_per_relay_valve))
