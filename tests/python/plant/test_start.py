@@ -44,7 +44,7 @@ def test_a_run_a_plant_and_a_changed_plant_start_alike(name: str) -> None:
     run = prepare(assemble_with_actuators(case) if case.sampled else assemble(case))
     np.testing.assert_array_equal(run.state, assembled.x0)
     again = _core.read_model(_core.write_model(assembled))  # with its disturbances
-    found = _core.starting_state(again.model, again.t0, again.disturbances, [])
+    found = _core.starting_state(again.model, again.t0, again.disturbances)
     assert found["found"] == "ok"
     np.testing.assert_array_equal(found["x"], assembled.x0)
     plant = _core.Plant(assembled)

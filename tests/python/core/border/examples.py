@@ -345,8 +345,7 @@ class Examples:
             "Model.with_speed": Call(self.plain.with_speed, {"speed": [(0.0, 30.0), (1.0, 20.0)]}),
             "coasting_model": Call(_core.coasting_model, {"model": self.models["brake"]}),
             "starting_state": Call(
-                _core.starting_state,
-                {"model": self.plain, "t": 0.0, "disturbances": [objects["Disturbance"]], "near": []},
+                _core.starting_state, {"model": self.plain, "t": 0.0, "disturbances": [objects["Disturbance"]]}
             ),
             "static_loads": Call(
                 _core.static_loads, {"bodies": bodies, "springs": [objects["LoadSpring"]], "gravity": 9.81}
