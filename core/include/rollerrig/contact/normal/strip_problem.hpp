@@ -97,66 +97,64 @@ template <class T, std::size_t n>
 void read_influences(StripKernel const& kernel, Strips<T, n> const& s, Influences<T, n>& out) {
   using F = StripKernel::Function;
   T const for_deflection = s.ellipse.deflection, for_curvature = 0.25 * s.ellipse.curvature;
+  StripRow<T, n> inverse, width, wide_deflection, wide_curvature;
   for (std::size_t i = 0; i < n; ++i) {
-    T const inverse = reciprocal(s.half_length[i]);
-    T const width = s.width[i] * inverse;
-    T const own = 0.5 * width;
+    inverse[i] = reciprocal(s.half_length[i]);
+    width[i] = s.width[i] * inverse[i];
+    T const own = 0.5 * width[i];
     out.deflection[i][i] = 2.0 * for_deflection * kernel.read(F::own_deflection, own);
     out.curvature[i][i] = 2.0 * for_curvature * kernel.read(F::own_curvature, own);
-    T const wide_deflection = for_deflection * width, wide_curvature = for_curvature * width;
-    for (std::size_t j = 0; j < n; ++j) {
+    wide_deflection[i] = for_deflection * width[i], wide_curvature[i] = for_curvature * width[i];
+  }
+  for (std::size_t j = 0; j < n; ++j)
+    for (std::size_t i = 0; i < n; ++i) {
       if (i == j) continue;
-      T const k = (i < j ? s.position[j] - s.position[i] : s.position[i] - s.position[j]) * inverse;
+      T const k = (i < j ? s.position[j] - s.position[i] : s.position[i] - s.position[j]) * inverse[i];
       // One division for three: by k, by 1 + (2/pi) k and by 1 + k^2.
       T const far = 1.0 + (2.0 / pi) * k, near = 1.0 + k * k;
       T const by_all = reciprocal(T(k * far * near));
-      T const part = width * (by_all * far * near);  // of the strip over its distance
+      T const part = width[i] * (by_all * far * near);  // of the strip over its distance
       T const part2 = part * part;
       T const log_mean = part2 * (1.0 / 24.0 + part2 * (1.0 / 320.0 + part2 * (1.0 / 2688.0)));
       T const psi = kernel.read(F::deflection, k) + (4.0 / pi) * log_mean * (by_all * k * near);
-      out.deflection[j][i] = wide_deflection * psi;
-      out.curvature[j][i] = wide_curvature * psi * (by_all * k * far);  // (S2)
+      out.deflection[j][i] = wide_deflection[i] * psi;
+      out.curvature[j][i] = wide_curvature[i] * psi * (by_all * k * far);  // (S2)
     }
-  }
 }
 
-/// M x = b, with derivatives: M dx = db - dM x, one after the other by the same factors.
+/// x of M x = b, with derivatives: M dx = db - dM x, one after the other by the same factors. Spoils M.
 template <class T, std::size_t n>
-class LinearSystem {
+StripRow<T, n> solution(Matrix<T, n>& m, StripRow<T, n> const& b) {
   using N = NumberOf<T>;
-
- public:
-  explicit LinearSystem(Matrix<T, n> const& matrix) : matrix_(matrix) {
-    for (std::size_t j = 0; j < n; ++j)
-      for (std::size_t i = 0; i < n; ++i) factors_[j][i] = value_of(matrix[j][i]);
-    factorise<N, n>(factors_);
-  }
-  StripRow<T, n> solve(StripRow<T, n> const& b) const {
+  if constexpr (std::same_as<T, N>) {
+    StripRow<T, n> x = b;
+    factorise<N, n>(m);
+    solve_factored<N, n>(m, x);
+    return x;
+  } else {
+    Matrix<N, n> factors;
     StripRow<N, n> v;
-    for (std::size_t j = 0; j < n; ++j) v[j] = value_of(b[j]);
-    solve_factored<N, n>(factors_, v);
-    StripRow<T, n> x;
-    for (std::size_t j = 0; j < n; ++j) x[j] = T(v[j]);
-    if constexpr (!std::same_as<T, N>) {
-      StripRow<T, n> residual;
-      for (std::size_t j = 0; j < n; ++j) {
-        T sum(0.0);
-        for (std::size_t i = 0; i < n; ++i) sum += matrix_[j][i] * v[i];
-        residual[j] = b[j] - sum;
-      }
-      for (int seed = 0; seed < residual[0].d.size(); ++seed) {
-        for (std::size_t j = 0; j < n; ++j) v[j] = residual[j].d[seed];
-        solve_factored<N, n>(factors_, v);
-        for (std::size_t j = 0; j < n; ++j) x[j].d[seed] = v[j];
-      }
+    for (std::size_t j = 0; j < n; ++j) {
+      for (std::size_t i = 0; i < n; ++i) factors[j][i] = value_of(m[j][i]);
+      v[j] = value_of(b[j]);
+    }
+    factorise<N, n>(factors);
+    solve_factored<N, n>(factors, v);
+    StripRow<T, n> x, residual;
+    for (std::size_t j = 0; j < n; ++j) {
+      x[j] = T(v[j]);
+      T sum(0.0);
+      for (std::size_t i = 0; i < n; ++i) sum += m[j][i] * v[i];
+      residual[j] = b[j] - sum;
+    }
+    for (int seed = 0; seed < residual[0].d.size(); ++seed) {
+      for (std::size_t j = 0; j < n; ++j) v[j] = residual[j].d[seed];
+      solve_factored<N, n>(factors, v);
+      for (std::size_t j = 0; j < n; ++j) x[j].d[seed] = v[j];
     }
     return x;
   }
-
- private:
-  Matrix<T, n> const& matrix_;
-  Matrix<N, n> factors_;
-};
+}
 
 /// Loads of (S3), not negative: w = s(e) where e = w + (d - K w)/K_jj is what a strip would carry with the others as they are, and
 /// s(e) = (e + sqrt(e^2 + 4 f^2))/2, f a small load: e where strips carry load, almost nothing where they do not. Its slope is
@@ -169,10 +167,13 @@ class LoadStep {
   }
 
   /// All strips carry, pushed or pulled.
-  StripRow<T, n> first() const { return LinearSystem<T, n>(k_).solve(d_); }
+  StripRow<T, n> first(Matrix<T, n>& m) const {
+    m = k_;
+    return solution(m, d_);
+  }
 
   /// @param on  result: how far strips take part, 0 to 1
-  /// @param m   result: the matrix of the step
+  /// @param m   scratch
   StripRow<T, n> next(StripRow<T, n> const& w, StripRow<T, n>& on, Matrix<T, n>& m) const {
     using std::sqrt;
     T sum(0.0), length(0.0);
@@ -193,7 +194,7 @@ class LoadStep {
       m[j][j] += 1.0 - slope;
       b[j] = scale * d_[j] + 0.5 * (e + root) - slope * e;
     }
-    return LinearSystem<T, n>(m).solve(b);
+    return solution(m, b);
   }
 
  private:
@@ -212,7 +213,7 @@ StripRow<T, n> conformities(Matrix<T, n> const& s, StripRow<T, n> const& on, Str
     m[j][j] += (1.0 - on[j]) * s[j][j];
     b[j] = on[j] * curvature[j];
   }
-  return LinearSystem<T, n>(m).solve(b);
+  return solution(m, b);
 }
 
 /// a from w and q (S4), kept above zero.
@@ -260,7 +261,7 @@ void solve_strips(StripTables const& tables, Strips<T, n>& s, int passes) {
   for (int pass = 0; pass < passes; ++pass) {
     read_influences(tables.kernel, s, influence);
     LoadStep<T, n> const step(influence.deflection, s.interpenetration, s.width);
-    if (pass == 0) w = step.next(step.first(), on, m);
+    if (pass == 0) w = step.next(step.first(m), on, m);
     w = step.next(w, on, m);
     last = force;
     force = T(0.0);
