@@ -1,6 +1,6 @@
 #include "rollerrig/system/equilibrium.hpp"
 
-#include <Eigen/LU>
+#include "rollerrig/math/lu.hpp"
 #include <algorithm>
 #include <cmath>
 

@@ -13,7 +13,7 @@
 // Source  block elimination; Hairer, Wanner, Solving ODEs II (1996), IV.8 "second order equations".
 #pragma once
 #include <Eigen/Core>
-#include <Eigen/LU>
+#include "rollerrig/math/lu.hpp"
 #include <cassert>
 #include <utility>
 #include <vector>

@@ -2,7 +2,7 @@
 #include "rollerrig/contact/creep/rolling_reference.hpp"
 
 #include <Eigen/Core>
-#include <Eigen/LU>
+#include "rollerrig/math/lu.hpp"
 #include <algorithm>
 #include <cmath>
 
