@@ -4,6 +4,8 @@
 
 #include "rollerrig/plant/archive.hpp"
 
+template rollerrig::archive::Type const& rollerrig::archive::type_of<rollerrig::SampledController>();
+
 namespace rollerrig {
 namespace {
 

@@ -52,6 +52,15 @@ struct ModelParameters::Walk {
     own.first_.push_back(value);
   }
 
+  void add(double& value, std::string const& name, char const* unit, char const* meaning, Range const& range,
+           bool fixed) {
+    add(name, unit, meaning, range, {&value}, fixed);
+  }
+
+  bool acts(std::string_view field) const {
+    return !field.starts_with("sand") || (own.setup_ && own.setup_->sanding);
+  }
+
   /// Every number of a struct and of the structs and laws in it that acts on something.
   template <Described S>
   void fields(S& s, std::string const& owner, bool fixed) {
@@ -60,11 +69,11 @@ struct ModelParameters::Walk {
       auto& value = s.*field.member;
       using V = std::remove_cvref_t<decltype(value)>;
       std::string_view const name = field.name;
-      if (name.starts_with("sand") && !(own.setup_ && own.setup_->sanding)) return;
+      if (!acts(name)) return;
       if constexpr (std::is_same_v<S, Friction>)
         if (name == "gauge_face" ? s.gauge_face < 0.0 : s.map != nullptr) return;
       std::string const inner = name == "law" || std::is_same_v<V, FrictionLaw> ? owner : owner + "." + field.name;
-      auto const number = [&](double& of) { add(inner, field.unit, field.meaning, field.range, {&of}, fixed); };
+      auto const number = [&](double& of) { add(of, inner, field.unit, field.meaning, field.range, fixed); };
       if constexpr (std::is_same_v<V, double>) {
         number(value);
       } else if constexpr (requires { value.has_value(); }) {

@@ -249,6 +249,8 @@ Type const& type_of() {
   return type;
 }
 
+extern template Type const& type_of<SampledController>();  // compiled with the model file
+
 void put(ByteWriter& out, Type const& type, void const* value);
 
 /// One value that takes all of the bytes; throws FormatError where it does not, std::invalid_argument for a number out of its range.
