@@ -57,10 +57,6 @@ struct ModelParameters::Walk {
     add(name, unit, meaning, range, {&value}, fixed);
   }
 
-  bool acts(std::string_view field) const {
-    return !field.starts_with("sand") || (own.setup_ && own.setup_->sanding);
-  }
-
   /// Every number of a struct and of the structs and laws in it that acts on something.
   template <Described S>
   void fields(S& s, std::string const& owner, bool fixed) {
@@ -69,7 +65,7 @@ struct ModelParameters::Walk {
       auto& value = s.*field.member;
       using V = std::remove_cvref_t<decltype(value)>;
       std::string_view const name = field.name;
-      if (!acts(name)) return;
+      if (name.starts_with("sand") && !(own.setup_ && own.setup_->sanding)) return;
       if constexpr (std::is_same_v<S, Friction>)
         if (name == "gauge_face" ? s.gauge_face < 0.0 : s.map != nullptr) return;
       std::string const inner = name == "law" || std::is_same_v<V, FrictionLaw> ? owner : owner + "." + field.name;

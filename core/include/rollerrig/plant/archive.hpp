@@ -112,80 +112,68 @@ struct Part {
 struct Type {
   enum Kind { number, flag, text, list, array, optional, shared, laws, fields };
   struct Content {
-    void const* first;  ///< element, or the law that it is
+    void* first;        ///< element, or the law that it is
     std::size_t count;  ///< of elements; of laws the place of the one that it is
   };
   Kind kind;
-  std::size_t size;
-  void (*check_range)(void const* value, Range const& range, Label label);  ///< throws std::invalid_argument, range.hpp
-  TypeOf element{};                                                         ///< of what has any
-  char letter{};                                                            ///< of a number: f, u or i
-  Content (*content)(void const* value){};
+  TypeOf element{};  ///< of what has any
+  Content (*content)(void* value){};
   void (*resize)(void* value, std::size_t count){};  ///< of laws: begins the one of that place
   std::shared_ptr<void> (*make)(){};                 ///< what is shared
   void (*share)(void* value, std::shared_ptr<void const> const& made){};
   std::span<Part const> parts{};
-  void const* (*field)(void const* value, std::size_t part){};
-  void (*check)(void const* value){};  ///< the struct's own check()
+  void* (*field)(void* value, std::size_t part){};
+  void (*check)(void* value){};  ///< the struct's own check()
+  char letter{};                 ///< of a number: f, u or i
+  std::size_t size{};
+  void (*check_range)(void* value, Range const& range, Label label){};  ///< throws std::invalid_argument, range.hpp
 };
 
 template <class V>
 Type const& type_of();
 
 template <class V>
-V const& as(void const* value) {
-  return *static_cast<V const*>(value);
-}
-
-template <class V>
-constexpr Type begun(Type::Kind kind, TypeOf element = nullptr) {
-  return {
-      kind, sizeof(V),
-      [](void const* value, Range const& range, Label label) { check_value(as<V>(value), range, "model file", label); },
-      element};
+V& as(void* value) {
+  return *static_cast<V*>(value);
 }
 
 template <class V>
 constexpr Type described(std::type_identity<std::vector<V>> /*of*/) {
   using List = std::vector<V>;
-  Type type = begun<List>(Type::list, type_of<V>);
-  type.content = [](void const* value) -> Type::Content { return {as<List>(value).data(), as<List>(value).size()}; };
-  type.resize = [](void* value, std::size_t count) { static_cast<List*>(value)->resize(count); };
-  return type;
+  return {.kind = Type::list,
+          .element = type_of<V>,
+          .content = [](void* value) -> Type::Content { return {as<List>(value).data(), as<List>(value).size()}; },
+          .resize = [](void* value, std::size_t count) { as<List>(value).resize(count); }};
 }
 template <class V, std::size_t n>
 constexpr Type described(std::type_identity<std::array<V, n>> /*of*/) {
-  Type type = begun<std::array<V, n>>(Type::array, type_of<V>);
-  type.content = [](void const* value) -> Type::Content { return {value, n}; };
-  return type;
+  return {
+      .kind = Type::array, .element = type_of<V>, .content = [](void* value) -> Type::Content { return {value, n}; }};
 }
 template <class V>
 constexpr Type described(std::type_identity<std::optional<V>> /*of*/) {
   using Optional = std::optional<V>;
-  Type type = begun<Optional>(Type::optional, type_of<V>);
-  type.content = [](void const* value) -> Type::Content {
-    auto const& held = as<Optional>(value);
+  Type type{.kind = Type::optional, .element = type_of<V>};
+  type.content = [](void* value) -> Type::Content {
+    auto& held = as<Optional>(value);
     return {held ? &*held : nullptr, held ? 1u : 0u};
   };
   type.resize = [](void* value, std::size_t count) {
-    auto& held = *static_cast<Optional*>(value);
-    if (count > 0)
-      held.emplace();
-    else
-      held.reset();
+    as<Optional>(value) = count > 0 ? Optional(std::in_place) : std::nullopt;
   };
   return type;
 }
 template <class V>
 constexpr Type described(std::type_identity<std::shared_ptr<V const>> /*of*/) {
   using Pointer = std::shared_ptr<V const>;
-  Type type = begun<Pointer>(Type::shared, type_of<V>);
-  type.content = [](void const* value) -> Type::Content { return {as<Pointer>(value).get(), 1}; };
-  type.make = []() -> std::shared_ptr<void> { return std::make_shared<V>(); };
-  type.share = [](void* value, std::shared_ptr<void const> const& made) {
-    *static_cast<Pointer*>(value) = std::static_pointer_cast<V const>(made);
-  };
-  return type;
+  return {.kind = Type::shared,
+          .element = type_of<V>,
+          .content = [](void* value) -> Type::Content { return {const_cast<V*>(as<Pointer>(value).get()), 1}; },
+          .make = []() -> std::shared_ptr<void> { return std::make_shared<V>(); },
+          .share =
+              [](void* value, std::shared_ptr<void const> const& made) {
+                as<Pointer>(value) = std::static_pointer_cast<V const>(made);
+              }};
 }
 
 template <class... Laws>
@@ -194,26 +182,21 @@ inline constexpr std::array<Part, sizeof...(Laws)> parts_of_laws{Part{Laws::name
 template <class... Laws>
 constexpr Type described(std::type_identity<std::variant<Laws...>> /*of*/) {
   using Registry = std::variant<Laws...>;
-  Type type = begun<Registry>(Type::laws);
-  type.parts = parts_of_laws<Laws...>;
-  type.content = [](void const* value) -> Type::Content {
-    auto const& law = as<Registry>(value);
-    return {std::visit([](auto const& own) -> void const* { return &own; }, law), law.index()};
+  Type type{.kind = Type::laws, .parts = parts_of_laws<Laws...>};
+  type.content = [](void* value) -> Type::Content {
+    return {std::visit([](auto& law) -> void* { return &law; }, as<Registry>(value)), as<Registry>(value).index()};
   };
   type.resize = [](void* value, std::size_t place) {
     std::size_t i = 0;
-    ((i++ == place ? void(static_cast<Registry*>(value)->template emplace<Laws>()) : void()), ...);
+    ((i++ == place ? void(as<Registry>(value).template emplace<Laws>()) : void()), ...);
   };
   return type;
 }
 
-template <class Struct, class Value>
-constexpr Part part_of(Member<Struct, Value> const& field) {
-  return {field.name, type_of<Value>, field.unit, field.range};
-}
-template <class Struct, class Value>
-constexpr Part part_of(OptionalMember<Struct, Value> const& field) {
-  return {field.name, type_of<Value>, field.unit, field.range, true};
+template <template <class, class> class Kind, class Struct, class Value>
+constexpr Part part_of(Kind<Struct, Value> const& field) {
+  bool const may_be_null = std::is_same_v<Kind<Struct, Value>, OptionalMember<Struct, Value>>;
+  return {field.name, type_of<Value>, field.unit, field.range, may_be_null};
 }
 template <class V>
 inline constexpr auto parts_of_struct = fields_of(std::type_identity<V>{})(
@@ -222,30 +205,35 @@ inline constexpr auto parts_of_struct = fields_of(std::type_identity<V>{})(
 template <class V>
 constexpr Type described(std::type_identity<V> /*of*/) {
   if constexpr (std::is_same_v<V, bool>) {
-    return begun<V>(Type::flag);
+    return {.kind = Type::flag};
   } else if constexpr (std::is_same_v<V, std::string>) {
-    return begun<V>(Type::text);
+    return {.kind = Type::text};
   } else if constexpr (PlainNumber<V>) {
-    Type type = begun<V>(Type::number);
-    type.letter = std::is_floating_point_v<V> ? 'f' : std::is_unsigned_v<V> ? 'u' : 'i';
-    return type;
+    return {.kind = Type::number, .letter = std::is_floating_point_v<V> ? 'f' : std::is_unsigned_v<V> ? 'u' : 'i'};
   } else {
-    Type type = begun<V>(Type::fields);
-    type.parts = parts_of_struct<V>;
-    type.field = [](void const* value, std::size_t part) {
+    Type type{.kind = Type::fields, .parts = parts_of_struct<V>};
+    type.field = [](void* value, std::size_t part) {
       return fields_of(std::type_identity<V>{})([&](auto const&... field) {
-        return std::array<void const*, sizeof...(field)>{&(as<V>(value).*field.member)...}[part];
+        return std::array<void*, sizeof...(field)>{&(as<V>(value).*field.member)...}[part];
       });
     };
-    if constexpr (requires(V const& value) { value.check(); })
-      type.check = [](void const* value) { as<V>(value).check(); };
+    if constexpr (requires(V& value) { value.check(); }) type.check = [](void* value) { as<V>(value).check(); };
     return type;
   }
 }
 
 template <class V>
+constexpr Type with_range(Type type) {
+  type.size = sizeof(V);
+  type.check_range = [](void* value, Range const& range, Label label) {
+    check_value(as<V>(value), range, "model file", label);
+  };
+  return type;
+}
+
+template <class V>
 Type const& type_of() {
-  static constexpr Type type = described(std::type_identity<V>{});
+  static constexpr Type type = with_range<V>(described(std::type_identity<V>{}));
   return type;
 }
 

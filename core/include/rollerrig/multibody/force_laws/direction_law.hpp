@@ -27,7 +27,28 @@ concept HasNode = requires(Law const& law) {
 };
 
 /// How a law's inner node relaxes; none where it has no node.
-std::optional<InnerNode> inner_node(ForceLaw const& law);
+template <class... Laws>
+std::optional<InnerNode> inner_node(std::variant<Laws...> const& law) {
+  return std::visit(
+      []<class Law>(Law const& chosen) -> std::optional<InnerNode> {
+        if constexpr (HasNode<Law>) return chosen.node();
+        return std::nullopt;
+      },
+      law);
+}
+
+/// Energy stored at a deflection [m or rad], with the inner node at s [J]; a law without `potential` stores none.
+template <class... Laws>
+double potential(std::variant<Laws...> const& law, double d, double s) {
+  return std::visit(
+      [&](auto const& chosen) {
+        if constexpr (requires { chosen.potential(d, s); })
+          return chosen.potential(d, s);
+        else
+          return 0.0;
+      },
+      law);
+}
 
 /// Beyond it a vehicle is thrown wheels deep into the rail, where a step takes milliseconds.
 inline constexpr Range preload_range{0.0, 1e8, "at most 1e8", false, false, true};
@@ -64,7 +85,12 @@ DirectionForce<T> direction_force(DirectionLaw const& direction, T const& d, T c
   return on_b;
 }
 
-/// Energy stored in one direction [J], `node` as in direction_force; a law without `potential` stores none.
-double potential(DirectionLaw const& direction, double d, double const* node);
+/// Energy stored in one direction [J]; `node` as in direction_force.
+template <std::same_as<double> T>
+T potential(DirectionLaw const& direction, T d, T const* node) {
+  double sum = -direction.preload * d;
+  for (ForceLaw const& law : direction.laws) sum += potential(law, d, inner_node(law) ? *node++ : 0.0);
+  return sum;
+}
 
 }  // namespace rollerrig
