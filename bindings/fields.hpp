@@ -7,15 +7,9 @@
 
 #include "convert.hpp"
 
-using rollerrig::OptionalMember;
-
-template <class Record, class Value>
-auto keyword(Member<Record, Value> const& field) {
-  return nb::arg(field.name);
-}
-template <class Record, class Value>
-auto keyword(OptionalMember<Record, Value> const& field) {
-  return nb::arg(field.name).none();
+template <template <class, class> class Kind, class Record, class Value>
+auto keyword(Kind<Record, Value> const& field) {
+  return nb::arg(field.name).none(std::is_same_v<Kind<Record, Value>, rollerrig::OptionalMember<Record, Value>>);
 }
 
 /// mass that these axles carry and brake, M [kg]
@@ -23,14 +17,12 @@ inline std::string docstring(std::string meaning, std::string_view unit) {
   return unit.empty() ? meaning : meaning.append(" [").append(unit).append("]");
 }
 
-inline void add_unit(nb::dict& units, char const* name, char const* unit) { units[name] = unit; }
-
 /// Whatever kind of field: one compiled copy for all of a class that hold the same type.
 template <class Record, class Value>
 void bind_field(nb::class_<Record>& type, nb::dict& units, char const* name, Value Record::* member,
                 char const* meaning, char const* unit) {
   type.def_ro(name, member, docstring(meaning, unit).c_str());
-  add_unit(units, name, unit);
+  units[name] = unit;
 }
 
 /// Binds a struct by its own list of fields: Python gives every one of them by name, each within its range, and may read it:

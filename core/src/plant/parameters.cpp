@@ -52,11 +52,6 @@ struct ModelParameters::Walk {
     own.first_.push_back(value);
   }
 
-  void add(double& value, std::string const& name, char const* unit, char const* meaning, Range const& range,
-           bool fixed) {
-    add(name, unit, meaning, range, {&value}, fixed);
-  }
-
   /// Every number of a struct and of the structs and laws in it that acts on something.
   template <Described S>
   void fields(S& s, std::string const& owner, bool fixed) {
@@ -69,7 +64,7 @@ struct ModelParameters::Walk {
       if constexpr (std::is_same_v<S, Friction>)
         if (name == "gauge_face" ? s.gauge_face < 0.0 : s.map != nullptr) return;
       std::string const inner = name == "law" || std::is_same_v<V, FrictionLaw> ? owner : owner + "." + field.name;
-      auto const number = [&](double& of) { add(of, inner, field.unit, field.meaning, field.range, fixed); };
+      auto const number = [&](double& of) { add(inner, field.unit, field.meaning, field.range, {&of}, fixed); };
       if constexpr (std::is_same_v<V, double>) {
         number(value);
       } else if constexpr (requires { value.has_value(); }) {

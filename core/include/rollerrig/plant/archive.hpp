@@ -193,14 +193,12 @@ constexpr Type described(std::type_identity<std::variant<Laws...>> /*of*/) {
   return type;
 }
 
-template <template <class, class> class Kind, class Struct, class Value>
-constexpr Part part_of(Kind<Struct, Value> const& field) {
-  bool const may_be_null = std::is_same_v<Kind<Struct, Value>, OptionalMember<Struct, Value>>;
-  return {field.name, type_of<Value>, field.unit, field.range, may_be_null};
-}
 template <class V>
 inline constexpr auto parts_of_struct = fields_of(std::type_identity<V>{})(
-    [](auto const&... field) { return std::array<Part, sizeof...(field)>{part_of(field)...}; });
+    []<template <class, class> class... Kinds, class... Values>(Kinds<V, Values> const&... field) {
+      return std::array<Part, sizeof...(field)>{Part{field.name, type_of<Values>, field.unit, field.range,
+                                                     std::is_same_v<Kinds<V, Values>, OptionalMember<V, Values>>}...};
+    });
 
 template <class V>
 constexpr Type described(std::type_identity<V> /*of*/) {
@@ -223,17 +221,15 @@ constexpr Type described(std::type_identity<V> /*of*/) {
 }
 
 template <class V>
-constexpr Type with_range(Type type) {
-  type.size = sizeof(V);
-  type.check_range = [](void* value, Range const& range, Label label) {
-    check_value(as<V>(value), range, "model file", label);
-  };
-  return type;
-}
-
-template <class V>
 Type const& type_of() {
-  static constexpr Type type = with_range<V>(described(std::type_identity<V>{}));
+  static constexpr Type type = [] {
+    Type of = described(std::type_identity<V>{});
+    of.size = sizeof(V);
+    of.check_range = [](void* value, Range const& range, Label label) {
+      check_value(as<V>(value), range, "model file", label);
+    };
+    return of;
+  }();
   return type;
 }
 

@@ -25,14 +25,10 @@ using CreepLaw = OneOf<KalkerSaturated,  // the paper's
                        TableLaw,         //
                        StripTheory>;
 
-template <class Law>
-concept FollowsStrips = requires { requires Law::follows_strips; };
-
 /// Whether the law wants the strips of a patch as well.
 template <class... Laws>
 bool follows_strips(std::variant<Laws...> const& law) {
-  static constexpr bool follows[]{FollowsStrips<Laws>...};
-  return follows[law.index()];
+  return std::visit([]<class Law>(Law const&) { return requires { requires Law::follows_strips; }; }, law);
 }
 
 /// The answer of `ask` to query and rail: in one call, or lane by lane.
