@@ -9,7 +9,10 @@
 
 template <template <class, class> class Kind, class Record, class Value>
 auto keyword(Kind<Record, Value> const& field) {
-  return nb::arg(field.name).none(std::is_same_v<Kind<Record, Value>, rollerrig::OptionalMember<Record, Value>>);
+  if constexpr (std::is_same_v<Kind<Record, Value>, rollerrig::OptionalMember<Record, Value>>)
+    return nb::arg(field.name).none();
+  else
+    return nb::arg(field.name);
 }
 
 /// mass that these axles carry and brake, M [kg]
