@@ -70,40 +70,6 @@ struct type_caster<rollerrig::TimeTable>
 }  // namespace nanobind::detail
 
 using rollerrig::Member;
-using rollerrig::OptionalMember;
-
-template <class Record, class Value>
-auto keyword(Member<Record, Value> const& field) {
-  return nb::arg(field.name);
-}
-template <class Record, class Value>
-auto keyword(OptionalMember<Record, Value> const& field) {
-  return nb::arg(field.name).none();
-}
-
-/// mass that these axles carry and brake, M [kg]
-std::string docstring(auto const& field) {
-  return *field.unit == '\0' ? field.meaning : std::string(field.meaning) + " [" + field.unit + "]";
-}
-
-/// Binds a struct whose fields Python gives by name, every one of them and each within its range, and may read: defaults live
-/// in Python. Nothing of it can be written, so that what was checked stays so.
-template <class Record, template <class, class> class... Members, class... Values>
-nb::class_<Record> bind_description(nb::module_& m, char const* name, char const* doc,
-                                    Members<Record, Values>... fields) {
-  nb::class_<Record> type(m, name, doc);
-  auto const make = [fields..., owner = std::string(name)](Record* self, Values... values) {
-    (check_value(values, fields.range, owner, fields.label()), ...);
-    new (self) Record{};
-    ((self->*fields.member = std::move(values)), ...);
-  };
-  if constexpr (sizeof...(fields) == 0)
-    type.def("__init__", make);
-  else
-    type.def("__init__", make, nb::kw_only(), keyword(fields)...);
-  (type.def_ro(fields.name, fields.member, docstring(fields).c_str()), ...);
-  return type;
-}
 
 /// Binds a struct that the core returns: its fields by name, to be read.
 template <class Record, class... Values>

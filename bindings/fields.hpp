@@ -7,16 +7,50 @@
 
 #include "convert.hpp"
 
-/// Binds a struct by its own list of fields; the class has their names and units as `fields`.
+template <template <class, class> class Kind, class Record, class Value>
+auto keyword(Kind<Record, Value> const& field) {
+  if constexpr (std::is_same_v<Kind<Record, Value>, rollerrig::OptionalMember<Record, Value>>)
+    return nb::arg(field.name).none();
+  else
+    return nb::arg(field.name);
+}
+
+/// mass that these axles carry and brake, M [kg]
+inline std::string docstring(std::string meaning, std::string_view unit) {
+  return unit.empty() ? meaning : meaning.append(" [").append(unit).append("]");
+}
+
+/// Whatever kind of field: one compiled copy for all of a class that hold the same type.
+template <class Record, class Value>
+void bind_field(nb::class_<Record>& type, nb::dict& units, char const* name, Value Record::* member,
+                char const* meaning, char const* unit) {
+  type.def_ro(name, member, docstring(meaning, unit).c_str());
+  units[name] = unit;
+}
+
+/// Binds a struct by its own list of fields: Python gives every one of them by name, each within its range, and may read it:
+/// defaults live in Python. Nothing of it can be written, so that what was checked stays so. The class has their names and units
+/// as `fields`.
 template <rollerrig::Described S>
 nb::class_<S> bind_struct(nb::module_& m, char const* name, char const* doc) {
-  return S::fields()([&](auto... fields) {
-    auto type = bind_description<S>(m, name, doc, fields...);
-    nb::dict units;
-    ((units[fields.name] = fields.unit), ...);
-    type.attr("fields") = units;
-    return type;
+  nb::class_<S> type(m, name, doc);
+  nb::dict units;
+  S::fields()([&]<template <class, class> class... Members, class... Values>(Members<S, Values> const&... field) {
+    auto const make = [owner = std::string(name)](S* self, Values... values) {
+      S::fields()([&](auto const&... own) {
+        (check_value(values, own.range, owner, own.label()), ...);
+        new (self) S{};
+        ((self->*own.member = std::move(values)), ...);
+      });
+    };
+    if constexpr (sizeof...(field) == 0)
+      type.def("__init__", make);
+    else
+      type.def("__init__", make, nb::kw_only(), keyword(field)...);
+    (bind_field(type, units, field.name, field.member, field.meaning, field.unit), ...);
   });
+  type.attr("fields") = units;
+  return type;
 }
 
 /// kalker_saturated -> KalkerSaturated; with a family behind it where names alone say too little

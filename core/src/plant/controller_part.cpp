@@ -17,7 +17,7 @@ constexpr std::size_t checksum_at = 16, layout_at = 24, header_size = 32;
 [[noreturn]] void refuse(std::string const& what) { throw std::invalid_argument("controller: " + what); }
 
 std::uint64_t layout() {
-  static std::string const text = archive::Layout<ControllerPart>::below("");
+  static std::string const text = archive::layout(archive::type_of<ControllerPart>());
   return crc64(std::as_bytes(std::span(text)));
 }
 
@@ -45,8 +45,7 @@ void check_part(ControllerPart const& part) {
 std::vector<std::byte> write_part(ControllerPart const& part) {
   check_part(part);
   ByteWriter content;
-  archive::Shared shared;
-  archive::put(content, shared, part);
+  archive::put(content, archive::type_of<ControllerPart>(), &part);
   ByteWriter out;
   for (char const c : mark) out.number(c);
   out.number(std::uint64_t{0});
@@ -69,7 +68,7 @@ ControllerPart read_part(std::span<std::byte const> bytes) {
     refuse("of another version: its layout is not that of this rollerrig; export it again");
   ControllerPart part;
   try {
-    archive::get_all(bytes.subspan(header_size), part);
+    archive::get(bytes.subspan(header_size), archive::type_of<ControllerPart>(), &part);
   } catch (FormatError const& error) {
     refuse(error.what());
   }

@@ -4,6 +4,8 @@
 
 #include "rollerrig/plant/archive.hpp"
 
+template rollerrig::archive::Type const& rollerrig::archive::type_of<rollerrig::SampledController>();
+
 namespace rollerrig {
 namespace {
 
@@ -65,15 +67,14 @@ std::span<std::byte const> checked(std::span<std::byte const> bytes) {
 }  // namespace
 
 std::string const& model_layout() {
-  static std::string const text = archive::Layout<Content>::below("");
+  static std::string const text = archive::layout(archive::type_of<Content>());
   return text;
 }
 
 std::vector<std::byte> write_model(AssembledModel const& a) {
   Content const content{a.name, parts_of(*a.model), a.setup, a.names, a.options, a.start_time, a.start, a.disturbances};
   ByteWriter model;
-  archive::Shared shared;
-  archive::put(model, shared, content);
+  archive::put(model, archive::type_of<Content>(), &content);
   ByteWriter out;
   for (char const c : mark) out.number(c);
   out.number(model_file_version);
@@ -93,7 +94,7 @@ AssembledModel read_model(std::span<std::byte const> bytes) {
   Content content;
   auto const stored = checked(bytes);
   try {
-    archive::get_all(stored, content);
+    archive::get(stored, archive::type_of<Content>(), &content);
   } catch (FormatError const& error) {
     refuse(error.what());
   }

@@ -1,9 +1,8 @@
 #include "rollerrig/simulate/held_speed.hpp"
 
-#include <Eigen/QR>
-
 #include <algorithm>
 
+#include "rollerrig/math/least_norm.hpp"
 #include "rollerrig/simulate/linear_model.hpp"
 
 namespace rollerrig {
@@ -68,7 +67,7 @@ class Search {
     MatrixXd by(rate.size(), states + torques);
     for (Index k = 0; k < states; ++k) by.col(k) = linear.a.col(free_[at(k)]);
     for (Index k = 0; k < torques; ++k) by.col(states + k) = torque_scale * linear.b.col(first + k);
-    VectorXd const change = by.completeOrthogonalDecomposition().solve(-rate);
+    VectorXd const change = LeastNorm(by).solve(-rate);
     if (!change.allFinite() || change.cwiseAbs().maxCoeff() > longest_step) return false;
     for (Index k = 0; k < states; ++k) x_[at(free_[at(k)])] += change[k];
     for (Index k = 0; k < torques; ++k) torque_[at(k)] += torque_scale * change[states + k];

@@ -48,6 +48,10 @@ MechatronicSystem::MechatronicSystem(MechatronicSetup setup)
   if (RigController const* law = rig()) caller_.roller_speed.fill(setup_.speed / law->assumed.roller_radius);
 }
 
+void MechatronicSystem::set_controllers(std::vector<SampledController> const& controllers) {
+  setup_.controllers = controllers;
+}
+
 void MechatronicSystem::prepare(Model const& model, Inputs& inputs) const {
   inputs.axle_torque.assign(model.axle_torques.size(), {});
   inputs.roller_torque.assign(model.roller_torques.size(), {});

@@ -1,6 +1,6 @@
 #include "rollerrig/system/couplings.hpp"
 
-#include <Eigen/LU>
+#include "rollerrig/math/lu.hpp"
 
 namespace rollerrig {
 

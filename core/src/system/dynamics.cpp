@@ -13,6 +13,18 @@ static_assert(HasJacobian<Dynamics> && HasAccept<Dynamics> && HasKinematicStates
 static_assert(HasJacobian<DrivenDynamics> && HasAccept<DrivenDynamics> && HasKinematicStates<DrivenDynamics> &&
               HasStiffModes<DrivenDynamics>);
 
+Evaluation::Evaluation(Model const& model)
+    : work(model),
+      element_force(model.elements.size()),
+      element_deflection(model.elements.size()),
+      brake_torque(model.brakes.size(), 0.0),
+      rolling_force(model.rolling_constraints.size(), 0.0) {
+  for (auto const& c : model.contacts) {
+    RailHeads const& heads = c.right ? model.right_heads : model.left_heads;
+    head.emplace_back(heads.empty() ? 0 : model.profiles[static_cast<std::size_t>(heads.profiles[0])]->pieces.size());
+  }
+}
+
 Dynamics::Dynamics(std::shared_ptr<Model const> model)
     : model_(std::move(model)),
       evaluation_(*model_),

@@ -1,10 +1,10 @@
 #include "rollerrig/system/equilibrium.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
 #include "rollerrig/math/least_norm.hpp"
+#include "rollerrig/math/lu.hpp"
 
 namespace rollerrig {
 namespace {

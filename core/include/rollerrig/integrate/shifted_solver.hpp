@@ -13,12 +13,12 @@
 // Source  block elimination; Hairer, Wanner, Solving ODEs II (1996), IV.8 "second order equations".
 #pragma once
 #include <Eigen/Core>
-#include <Eigen/LU>
 #include <cassert>
 #include <utility>
 #include <vector>
 
 #include "rollerrig/integrate/differential_equation.hpp"
+#include "rollerrig/math/lu.hpp"
 
 namespace rollerrig::integrate {
 

@@ -1,13 +1,12 @@
 // plant/archive.hpp - any described struct to bytes and back, by its own list of fields; and that list as a text.
 //
-//   struct -> [Archive: fields()] -> bytes, in the order of the fields -> the same struct, every number within its range
+//   struct -> [Type: fields()] -> bytes, in the order of the fields -> the same struct, every number within its range
 //
 // A struct that names its fields needs nothing here; one that cannot (it stands left of fields.hpp) has its list below. Tables that
-// several parts share are written once, at their first place, and referred to by number from then on.
+// several parts share are written once, at their first place, and referred to by number from then on. What templates know of a
+// type is a Type; whoever goes through values is compiled once, for all of them.
 #pragma once
-#include <algorithm>
 #include <array>
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -97,222 +96,153 @@ constexpr auto fields_of(std::type_identity<integrate::Options> /*of*/) {
 
 namespace archive {
 
-template <class V>
-constexpr auto fields() {
-  return fields_of(std::type_identity<V>{});
-}
+struct Type;
+using TypeOf = Type const& (*)();
 
-/// One number for each type.
-template <class V>
-inline constexpr char type_mark{};
-
-/// Tables that have been met, in the order of their first places.
-struct Shared {
-  std::map<void const*, std::uint64_t> written;
-  std::vector<std::pair<char const*, std::shared_ptr<void const>>> read;  ///< and what each is
+/// A field of a struct, or a law of a registry.
+struct Part {
+  char const* name;
+  TypeOf type;
+  char const* unit{""};
+  Range range{finite_number};
+  bool may_be_null{false};
 };
 
-// ---------------------------------------------------------------------------------------------------- to bytes
-
-template <class V>
-void put(ByteWriter& out, Shared& shared, V const& value);
-
-template <class V>
-void put(ByteWriter& out, Shared& shared, std::vector<V> const& values) {
-  out.count(values.size());
-  if constexpr (PlainNumber<V>)
-    out.numbers(values.data(), values.size());
-  else
-    for (auto const& value : values) put(out, shared, value);
-}
-template <class V, std::size_t n>
-void put(ByteWriter& out, Shared& shared, std::array<V, n> const& values) {
-  for (V const& value : values) put(out, shared, value);
-}
-template <class V>
-void put(ByteWriter& out, Shared& shared, std::optional<V> const& value) {
-  out.flag(value.has_value());
-  if (value) put(out, shared, *value);
-}
-template <class... Laws>
-void put(ByteWriter& out, Shared& shared, std::variant<Laws...> const& value) {
-  std::visit(
-      [&](auto const& law) {
-        out.text(law.name);
-        put(out, shared, law);
-      },
-      value);
-}
-/// 0: none; else its number from 1, and behind a new number the table itself.
-template <class V>
-void put(ByteWriter& out, Shared& shared, std::shared_ptr<V const> const& value) {
-  if (value == nullptr) return out.count(0);
-  auto const [place, fresh] = shared.written.try_emplace(value.get(), shared.written.size() + 1);
-  out.number(place->second);
-  if (fresh) put(out, shared, *value);
-}
-template <class V>
-void put(ByteWriter& out, Shared& shared, V const& value) {
-  if constexpr (std::is_same_v<V, bool>)
-    out.flag(value);
-  else if constexpr (PlainNumber<V>)
-    out.number(value);
-  else if constexpr (std::is_same_v<V, std::string>)
-    out.text(value);
-  else
-    fields<V>()([&](auto const&... field) { (put(out, shared, value.*field.member), ...); });
-}
-
-// ---------------------------------------------------------------------------------------------------- from bytes
-
-template <class V>
-void get(ByteReader& in, Shared& shared, V& value);
-
-template <class V>
-void get(ByteReader& in, Shared& shared, std::vector<V>& values) {
-  std::size_t const count = in.count();
-  if constexpr (PlainNumber<V>) {
-    if (count > in.left() / sizeof(V)) throw FormatError("it ends too early");
-    values.resize(count);
-    in.numbers(values.data(), count);
-  } else {
-    values.clear();
-    for (std::size_t i = 0; i < count; ++i) get(in, shared, values.emplace_back());
-  }
-}
-template <class V, std::size_t n>
-void get(ByteReader& in, Shared& shared, std::array<V, n>& values) {
-  for (V& value : values) get(in, shared, value);
-}
-template <class V>
-void get(ByteReader& in, Shared& shared, std::optional<V>& value) {
-  value.reset();
-  if (in.flag()) get(in, shared, value.emplace());
-}
-template <class... Laws>
-void get(ByteReader& in, Shared& shared, std::variant<Laws...>& value) {
-  std::string const name = in.text();
-  auto const read = [&]<class Law>(std::type_identity<Law>) {
-    if (name != Law::name) return false;
-    get(in, shared, value.template emplace<Law>());
-    return true;
+/// What is known of the values of a type, which the functions below take by their addresses.
+struct Type {
+  enum Kind { number, flag, text, list, array, optional, shared, laws, fields };
+  struct Content {
+    void* first;        ///< element, or the law that it is
+    std::size_t count;  ///< of elements; of laws the place of the one that it is
   };
-  if (!(read(std::type_identity<Laws>{}) || ...)) throw FormatError("it names the law " + name.substr(0, 40));
-}
-template <class V>
-void get(ByteReader& in, Shared& shared, std::shared_ptr<V const>& value) {
-  value = nullptr;
-  auto const number = in.number<std::uint64_t>();
-  if (number == 0) return;
-  if (number > shared.read.size() + 1) throw FormatError("a shared table is missing");
-  if (number <= shared.read.size()) {
-    auto const& [mark, table] = shared.read[static_cast<std::size_t>(number) - 1];
-    if (mark != &type_mark<V>) throw FormatError("a shared table is one of another kind");
-    value = std::static_pointer_cast<V const>(table);
-    return;
-  }
-  auto made = std::make_shared<V>();
-  shared.read.emplace_back(&type_mark<V>, made);
-  get(in, shared, *made);
-  value = std::move(made);
-}
-/// What the range says, and that no table is missing.
-template <class Struct, class Field>
-void check_field(Struct const& owner, Member<Struct, Field> const& field) {
-  check_value(owner.*field.member, field.range, "model file", field.label());
-  if constexpr (requires { (owner.*field.member) == nullptr; })
-    if ((owner.*field.member) == nullptr) throw FormatError(std::string("model file: there is no ") + field.name);
-}
-template <class Struct, class Field>
-void check_field(Struct const& /*owner*/, OptionalMember<Struct, Field> const& /*field*/) {}
+  Kind kind;
+  TypeOf element{};  ///< of what has any
+  Content (*content)(void* value){};
+  void (*resize)(void* value, std::size_t count){};  ///< of laws: begins the one of that place
+  std::shared_ptr<void> (*make)(){};                 ///< what is shared
+  void (*share)(void* value, std::shared_ptr<void const> const& made){};
+  std::span<Part const> parts{};
+  void* (*field)(void* value, std::size_t part){};
+  void (*check)(void* value){};  ///< the struct's own check()
+  char letter{};                 ///< of a number: f, u or i
+  std::size_t size{};
+  void (*check_range)(void* value, Range const& range, Label label){};  ///< throws std::invalid_argument, range.hpp
+};
 
 template <class V>
-void get(ByteReader& in, Shared& shared, V& value) {
+Type const& type_of();
+
+template <class V>
+V& as(void* value) {
+  return *static_cast<V*>(value);
+}
+
+template <class V>
+constexpr Type described(std::type_identity<std::vector<V>> /*of*/) {
+  using List = std::vector<V>;
+  return {.kind = Type::list,
+          .element = type_of<V>,
+          .content = [](void* value) -> Type::Content { return {as<List>(value).data(), as<List>(value).size()}; },
+          .resize = [](void* value, std::size_t count) { as<List>(value).resize(count); }};
+}
+template <class V, std::size_t n>
+constexpr Type described(std::type_identity<std::array<V, n>> /*of*/) {
+  return {
+      .kind = Type::array, .element = type_of<V>, .content = [](void* value) -> Type::Content { return {value, n}; }};
+}
+template <class V>
+constexpr Type described(std::type_identity<std::optional<V>> /*of*/) {
+  using Optional = std::optional<V>;
+  Type type{.kind = Type::optional, .element = type_of<V>};
+  type.content = [](void* value) -> Type::Content {
+    auto& held = as<Optional>(value);
+    return {held ? &*held : nullptr, held ? 1u : 0u};
+  };
+  type.resize = [](void* value, std::size_t count) {
+    as<Optional>(value) = count > 0 ? Optional(std::in_place) : std::nullopt;
+  };
+  return type;
+}
+template <class V>
+constexpr Type described(std::type_identity<std::shared_ptr<V const>> /*of*/) {
+  using Pointer = std::shared_ptr<V const>;
+  return {.kind = Type::shared,
+          .element = type_of<V>,
+          .content = [](void* value) -> Type::Content { return {const_cast<V*>(as<Pointer>(value).get()), 1}; },
+          .make = []() -> std::shared_ptr<void> { return std::make_shared<V>(); },
+          .share =
+              [](void* value, std::shared_ptr<void const> const& made) {
+                as<Pointer>(value) = std::static_pointer_cast<V const>(made);
+              }};
+}
+
+template <class... Laws>
+inline constexpr std::array<Part, sizeof...(Laws)> parts_of_laws{Part{Laws::name, type_of<Laws>}...};
+
+template <class... Laws>
+constexpr Type described(std::type_identity<std::variant<Laws...>> /*of*/) {
+  using Registry = std::variant<Laws...>;
+  Type type{.kind = Type::laws, .parts = parts_of_laws<Laws...>};
+  type.content = [](void* value) -> Type::Content {
+    return {std::visit([](auto& law) -> void* { return &law; }, as<Registry>(value)), as<Registry>(value).index()};
+  };
+  type.resize = [](void* value, std::size_t place) {
+    std::size_t i = 0;
+    ((i++ == place ? void(as<Registry>(value).template emplace<Laws>()) : void()), ...);
+  };
+  return type;
+}
+
+template <class V>
+inline constexpr auto parts_of_struct = fields_of(std::type_identity<V>{})(
+    []<template <class, class> class... Kinds, class... Values>(Kinds<V, Values> const&... field) {
+      return std::array<Part, sizeof...(field)>{Part{field.name, type_of<Values>, field.unit, field.range,
+                                                     std::is_same_v<Kinds<V, Values>, OptionalMember<V, Values>>}...};
+    });
+
+template <class V>
+constexpr Type described(std::type_identity<V> /*of*/) {
   if constexpr (std::is_same_v<V, bool>) {
-    value = in.flag();
-  } else if constexpr (PlainNumber<V>) {
-    value = in.number<V>();
+    return {.kind = Type::flag};
   } else if constexpr (std::is_same_v<V, std::string>) {
-    value = in.text();
+    return {.kind = Type::text};
+  } else if constexpr (PlainNumber<V>) {
+    return {.kind = Type::number, .letter = std::is_floating_point_v<V> ? 'f' : std::is_unsigned_v<V> ? 'u' : 'i'};
   } else {
-    auto const read = [&](auto const& field) {
-      get(in, shared, value.*field.member);
-      check_field(value, field);
+    Type type{.kind = Type::fields, .parts = parts_of_struct<V>};
+    type.field = [](void* value, std::size_t part) {
+      return fields_of(std::type_identity<V>{})([&](auto const&... field) {
+        return std::array<void*, sizeof...(field)>{&(as<V>(value).*field.member)...}[part];
+      });
     };
-    fields<V>()([&](auto const&... field) { (read(field), ...); });
-    if constexpr (requires { value.check(); }) value.check();
+    if constexpr (requires(V& value) { value.check(); }) type.check = [](void* value) { as<V>(value).check(); };
+    return type;
   }
 }
 
-/// One value that takes all of the bytes; throws FormatError where it does not.
 template <class V>
-void get_all(std::span<std::byte const> bytes, V& value) {
-  ByteReader in(bytes);
-  Shared shared;
-  get(in, shared, value);
-  if (in.left() > 0) throw FormatError("there are bytes behind its end");
+Type const& type_of() {
+  static constexpr Type type = [] {
+    Type of = described(std::type_identity<V>{});
+    of.size = sizeof(V);
+    of.check_range = [](void* value, Range const& range, Label label) {
+      check_value(as<V>(value), range, "model file", label);
+    };
+    return of;
+  }();
+  return type;
 }
 
-// ---------------------------------------------------------------------------------------------------- as a text
+extern template Type const& type_of<SampledController>();  // compiled with the model file
+
+void put(ByteWriter& out, Type const& type, void const* value);
+
+/// One value that takes all of the bytes; throws FormatError where it does not, std::invalid_argument for a number out of its range.
+void get(std::span<std::byte const> bytes, Type const& type, void* value);
 
 /// A line for each field, with its unit behind a comma, and what it is made of below it. Lists: [ ]; what may be missing: ?; a
 /// table that may be shared: @; laws: each by its name.
-template <class V>
-struct Layout {
-  static std::string word() {
-    if constexpr (std::is_same_v<V, bool>)
-      return "bool";
-    else if constexpr (std::is_same_v<V, std::string>)
-      return "text";
-    else if constexpr (PlainNumber<V>)
-      return std::string(std::is_floating_point_v<V> ? "f"
-                         : std::is_unsigned_v<V>     ? "u"
-                                                     : "i")
-          .append(std::to_string(8 * sizeof(V)));
-    else
-      return "";
-  }
-  static std::string below(std::string const& indent) {
-    if constexpr (PlainNumber<V> || std::is_same_v<V, bool> || std::is_same_v<V, std::string>) {
-      return "";
-    } else {
-      auto const line = [&]<class Field>(Field const& field) {
-        using Value = std::remove_cvref_t<decltype(std::declval<V&>().*field.member)>;
-        std::string const kind = Layout<Value>::word();
-        return indent + field.name + std::string(kind.empty() ? "" : " ") + kind + (*field.unit == '\0' ? "" : ", ") +
-               field.unit + "\n" + Layout<Value>::below(indent + "  ");
-      };
-      return fields<V>()([&](auto const&... field) { return (std::string() + ... + line(field)); });
-    }
-  }
-};
-template <class V>
-struct Layout<std::vector<V>> {
-  static std::string word() { return std::string("[").append(Layout<V>::word()) + "]"; }
-  static std::string below(std::string const& indent) { return Layout<V>::below(indent); }
-};
-template <class V, std::size_t n>
-struct Layout<std::array<V, n>> {
-  static std::string word() { return Layout<V>::word() + " x " + std::to_string(n); }
-  static std::string below(std::string const& indent) { return Layout<V>::below(indent); }
-};
-template <class V>
-struct Layout<std::optional<V>> {
-  static std::string word() { return Layout<V>::word() + "?"; }
-  static std::string below(std::string const& indent) { return Layout<V>::below(indent); }
-};
-template <class V>
-struct Layout<std::shared_ptr<V const>> {
-  static std::string word() { return "@"; }
-  static std::string below(std::string const& indent) { return Layout<V>::below(indent); }
-};
-template <class... Laws>
-struct Layout<std::variant<Laws...>> {
-  static std::string word() { return "law"; }
-  static std::string below(std::string const& indent) {
-    return (std::string() + ... + (indent + "= " + Laws::name + "\n" + Layout<Laws>::below(indent + "  ")));
-  }
-};
+std::string layout(Type const& type, std::string const& indent = "");
 
 }  // namespace archive
 }  // namespace rollerrig

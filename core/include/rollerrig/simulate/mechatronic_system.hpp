@@ -62,7 +62,7 @@ class MechatronicSystem {
   int measurement_width(std::size_t controller) const;
   void measure(std::size_t controller, double* row) const;
   /// The same controllers with other numbers, from their next samples on; no list in them may be of another length.
-  void set_controllers(std::vector<SampledController> const& controllers) { setup_.controllers = controllers; }
+  void set_controllers(std::vector<SampledController> const& controllers);
   /// What a caller asks for; it may change at every instant.
   CallerDemands& caller() { return caller_; }
   /// Whoever waits does so no longer, and keeps his last command.

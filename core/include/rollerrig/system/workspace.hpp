@@ -76,17 +76,7 @@ struct Evaluation {
   std::vector<double> rolling_force;                      ///< per rolling constraint [N]
   double longitudinal_force{0.0};                         ///< of all contacts on the wheels [N]
 
-  explicit Evaluation(Model const& model)
-      : work(model),
-        element_force(model.elements.size()),
-        element_deflection(model.elements.size()),
-        brake_torque(model.brakes.size(), 0.0),
-        rolling_force(model.rolling_constraints.size(), 0.0) {
-    for (auto const& c : model.contacts) {
-      RailHeads const& heads = c.right ? model.right_heads : model.left_heads;
-      head.emplace_back(heads.empty() ? 0 : model.profiles[static_cast<std::size_t>(heads.profiles[0])]->pieces.size());
-    }
-  }
+  explicit Evaluation(Model const& model);
 
   int patch_count(int contact) const { return work.patch_count[static_cast<std::size_t>(contact)]; }
   Patch<double> const& patch(int contact, int k) const {

@@ -2,10 +2,10 @@
 #include "rollerrig/contact/creep/rolling_reference.hpp"
 
 #include <Eigen/Core>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
+#include "rollerrig/math/lu.hpp"
 #include "rollerrig/scalar.hpp"
 
 namespace rollerrig {

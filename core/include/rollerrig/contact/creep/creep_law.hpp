@@ -26,7 +26,8 @@ using CreepLaw = OneOf<KalkerSaturated,  // the paper's
                        StripTheory>;
 
 /// Whether the law wants the strips of a patch as well.
-inline bool follows_strips(CreepLaw const& law) {
+template <class... Laws>
+bool follows_strips(std::variant<Laws...> const& law) {
   return std::visit([]<class Law>(Law const&) { return requires { requires Law::follows_strips; }; }, law);
 }
 

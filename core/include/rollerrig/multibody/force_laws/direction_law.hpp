@@ -27,7 +27,8 @@ concept HasNode = requires(Law const& law) {
 };
 
 /// How a law's inner node relaxes; none where it has no node.
-inline std::optional<InnerNode> inner_node(ForceLaw const& law) {
+template <class... Laws>
+std::optional<InnerNode> inner_node(std::variant<Laws...> const& law) {
   return std::visit(
       []<class Law>(Law const& chosen) -> std::optional<InnerNode> {
         if constexpr (HasNode<Law>) return chosen.node();
@@ -37,7 +38,8 @@ inline std::optional<InnerNode> inner_node(ForceLaw const& law) {
 }
 
 /// Energy stored at a deflection [m or rad], with the inner node at s [J]; a law without `potential` stores none.
-inline double potential(ForceLaw const& law, double d, double s) {
+template <class... Laws>
+double potential(std::variant<Laws...> const& law, double d, double s) {
   return std::visit(
       [&](auto const& chosen) {
         if constexpr (requires { chosen.potential(d, s); })
@@ -84,7 +86,8 @@ DirectionForce<T> direction_force(DirectionLaw const& direction, T const& d, T c
 }
 
 /// Energy stored in one direction [J]; `node` as in direction_force.
-inline double potential(DirectionLaw const& direction, double d, double const* node) {
+template <std::same_as<double> T>
+T potential(DirectionLaw const& direction, T d, T const* node) {
   double sum = -direction.preload * d;
   for (ForceLaw const& law : direction.laws) sum += potential(law, d, inner_node(law) ? *node++ : 0.0);
   return sum;

@@ -1,0 +1,3 @@
+#include "rollerrig/math/lu.hpp"
+
+template void Eigen::PartialPivLU<Eigen::MatrixXd>::compute();
