@@ -100,18 +100,23 @@ class HuntingRun:
 
 def hunting_case(case: Case, speed: float, settings: HuntingSettings) -> Case:
     """The case at one speed [m/s], disturbed and integrated as the settings say."""
-    scale = case.similitude.time if case.similitude else 1.0
-    jumps = case.contact.normal.kind == "hertz"  # from one ellipse to another: no method of several steps passes that
+    normal = case.contact.normal
+    jumps = normal.kind == "hertz" and normal.merging_criterion == 0.0  # no method of several steps passes those
     return displaced(at_speed(case, speed), settings.disturbance).with_changes(
         {
             "time.duration": settings.duration,
             "time.output_step": settings.output_step,
             "time.method": "rodas4" if jumps else "exponential_adams",
-            "time.step": None if jumps else f"{STEP / scale} s",
+            "time.step": None if jumps else longest_step(case),
             "time.relative_tolerance": settings.relative_tolerance,
             "time.absolute_tolerance": settings.absolute_tolerance,
         }
     )
+
+
+def longest_step(case: Case) -> str:
+    """STEP at the scale of the case, as configuration."""
+    return f"{STEP / (case.similitude.time if case.similitude else 1.0)} s"
 
 
 def observed_body(case: Case) -> str:

@@ -16,7 +16,7 @@ import numpy as np
 import xarray as xr
 
 from rollerrig import _core
-from rollerrig.analysis.hunting import HuntingSettings, hunting_case
+from rollerrig.analysis.hunting import HuntingSettings, hunting_case, longest_step
 from rollerrig.assembly.model import AssembledModel, assemble
 from rollerrig.common.arrays import Array
 from rollerrig.config import Case
@@ -96,7 +96,10 @@ def _one_way_case(
     chosen = hunting_case(case, first, own)
     beyond = 1.001  # the table reaches a little beyond the end, so that no stage of the last step meets its corner
     table = [[0.0, f"{first} m/s"], [beyond * duration, f"{first + beyond * (last - first)} m/s"]]
-    return chosen.with_changes({"motion.speed_table": table})
+    # With ellipses, too, where one takes over from another within a step: of a motion over speed that is 1 % of the amplitude and
+    # some 1e-6 of the energy, in a third of the time.
+    fast = {"time.method": "exponential_adams", "time.step": longest_step(case)}
+    return chosen.with_changes({"motion.speed_table": table, **fast})
 
 
 def _share(progress: Callable[[float, str], None], done: float, per_second: float) -> Callable[[float], None]:

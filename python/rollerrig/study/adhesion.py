@@ -343,8 +343,8 @@ def findings(numbers: Numbers) -> Iterator[str]:
         most = number(numbers["track"]["reference_speed_error_largest_mps"]["mean"], 2)
         yield (
             f"The train's odometer, the reference speed of its slide protection integrated, counts {abs(counted):.3g} m "
-            f"{'more' if counted > 0.0 else 'less'} on track than the {number(numbers['track']['distance_m']['mean'])} m that the "
-            f"train runs; that speed is off by up to {most} m/s."
+            f"{'more' if counted > 0.0 else 'less'} on track than the {number(numbers['track']['distance_m']['mean'])} m that "
+            f"the train runs; that speed is off by up to {most} m/s."
         )
     if numbers["causes"]:
         yield from _cause_lines(numbers)
