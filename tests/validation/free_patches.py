@@ -30,6 +30,7 @@ from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import ndimage
 
 from rollerrig.profiles import ProfileTable
 from validation.half_space import (
@@ -188,7 +189,10 @@ def framed(surfaces: Surfaces, pose: Pose, region: Region, cells: int, others: l
         patch = press(surfaces, pose, region, grid, others, 1e-2)
         if not patch.force:
             return patch
-        loaded = patch.grid.places()[patch.pressures > 0]
+        held = patch.pressures > 0
+        if held.sum() < 4:  # a patch that the others nearly lift off: of so few cells the extent is not known
+            held = ndimage.binary_dilation(held)
+        loaded = patch.grid.places()[held]
         grid = around(loaded, patch.mean_normal, (cells, cells), margin + 2.5 / np.sqrt(len(loaded)))
     return press(surfaces, pose, region, grid, others, tolerance)
 

@@ -260,6 +260,8 @@ def pressures(
     for _ in range(1000):
         residual, loaded = deflection(p) - depth, p > 0
         square = (residual[loaded] ** 2).sum()
+        if square == 0.0:  # a single cell
+            return p
         direction = np.where(loaded, residual + conjugate * square / last * direction, 0.0)
         last = square
         step = (residual * direction)[loaded].sum() / (direction * deflection(direction))[loaded].sum()
