@@ -198,7 +198,7 @@ def test_ctrl_c_ends_a_server_that_waits_and_tells_what_it_was(case: str) -> Non
         assert server.stderr is not None
         while "encrypted" not in server.stderr.readline():
             assert server.poll() is None
-        time.sleep(0.2)
+        time.sleep(1.0)  # until it waits
         server.send_signal(signal.SIGINT)
         out, _ = server.communicate(timeout=20)
     assert server.returncode == 130
