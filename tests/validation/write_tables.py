@@ -62,6 +62,12 @@ up to 50 mrad. `transition`: between tread and flange, poses in which an earlier
 patches' forces, largest pressure, largest distance of a patch's centre, whole area, largest approach: median / 95 % / worst, in %
 and, of the centre, mm.
 
+In 100 000 other poses, 5 to 200 µm below their first touch (`HALF_SPACE_POSES=100000 pytest
+tests/validation/test_half_space_pairs.py --long -s -k exact_one`), the force of the strips is off by 0.2 % in the median, by 1
+% at 95 % and 2 to 3 % at 99.9 %. The one beyond 13 %, 45 %, is the reference's: where regions from tread to flange become one,
+its one plane lets the force fall by a quarter while the wheel is pressed 5 µm deeper. The two next ones are within 1 % on finer
+grids.
+
 """
 
 
