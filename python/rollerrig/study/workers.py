@@ -30,6 +30,7 @@ from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import CancelledError, Executor, Future, ThreadPoolExecutor
 from contextlib import contextmanager
 from dataclasses import dataclass
+from multiprocessing import resource_tracker
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
 from queue import Empty, SimpleQueue
@@ -316,6 +317,7 @@ def _interrupt_calls(stop: Callable[[], None]) -> Iterator[None]:
 def _block_interrupts() -> None:
     """Ctrl-C in a terminal reaches every process; those that this thread starts leave it to this process."""
     if hasattr(signal, "pthread_sigmask"):
+        resource_tracker.ensure_running()  # started with the first process otherwise, and unblocks the signal then
         signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
 
 

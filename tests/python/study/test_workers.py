@@ -270,3 +270,17 @@ t.run(t.say_and_work, dict.fromkeys("ab", Path({str(tmp_path)!r})), processes=2)
     finally:
         for worker in filter(alive, workers):
             os.kill(worker, signal.SIGKILL)
+
+
+@pytest.mark.skipif(not hasattr(signal, "pthread_sigmask"), reason="signals cannot be blocked")
+def test_workers_never_see_ctrl_c_from_their_first_line_on() -> None:
+    """Also the first one: multiprocessing starts its resource tracker with it, and unblocks the signal by that."""
+    script = (
+        "import signal\n"
+        "from rollerrig.study.workers import Job, run_jobs\n"
+        "blocked = {}\n"
+        "jobs = {name: Job(signal.pthread_sigmask, (signal.SIG_BLOCK, [])) for name in 'ab'}\n"
+        "run_jobs(jobs, lambda name, mask: blocked.update({name: signal.SIGINT in mask}) or {}, print, processes=2)\n"
+        "assert blocked == {'a': True, 'b': True}, blocked\n"
+    )
+    subprocess.run([sys.executable, "-c", script], check=True, timeout=60)
