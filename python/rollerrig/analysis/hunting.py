@@ -100,8 +100,7 @@ class HuntingRun:
 
 def hunting_case(case: Case, speed: float, settings: HuntingSettings) -> Case:
     """The case at one speed [m/s], disturbed and integrated as the settings say."""
-    normal = case.contact.normal
-    jumps = normal.kind == "hertz" and normal.merging_criterion == 0.0  # no method of several steps passes those
+    jumps = case.contact.normal.kind == "hertz"  # from one ellipse to another: no method of several steps passes that
     return displaced(at_speed(case, speed), settings.disturbance).with_changes(
         {
             "time.duration": settings.duration,

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import json
+import random
 
 import numpy as np
 import pytest
 import xarray as xr
 
 from rollerrig.analysis import HuntingSettings, RampSettings, end_of_hunting, ramp_run
+from rollerrig.analysis import ramp as module
 from rollerrig.config import load_case
 
 RAMP = RampSettings(100 / 3.6, 120 / 3.6, acceleration=20 / 3.6, perturbation_every=10 / 3.6)
@@ -38,6 +40,50 @@ def test_the_nudge_moves_all_bodies_sideways(ramp) -> None:
 
 def test_energy_balances_over_all_segments(ramp) -> None:
     assert ramp.attrs["energy_relative_residual"] < 1e-5  # at a tolerance of 1e-4 per step
+
+
+TIGHT = HuntingSettings(relative_tolerance=1e-6, absolute_tolerance=1e-9)
+
+
+def largest_difference(seed: int, monkeypatch: pytest.MonkeyPatch) -> float:
+    """Of the amplitudes of all bodies in any half second, over the largest: a ramp with ellipses, by its method and by `rodas4`.
+
+    Up to the speeds at which the flanges strike: beyond, runs of any method and tolerance differ by some percent.
+    """
+    choose = random.Random(seed)
+    material, fastest = choose.choice([("steel", 240.0), ("paper", 180.0)])
+    changes = {
+        "contact.friction.mu_0": choose.choice([0.2, 0.3, 0.4]),
+        "contact.normal": {"kind": "hertz", "merging_criterion": choose.choice([0.001, 0.01, 0.1])},
+        "contact.creep": choose.choice(["kalker_saturated", "table"]),
+        "contact.material": material,
+    }
+    high = choose.uniform(100.0, fastest) / 3.6
+    settings = RampSettings(high - 20.0 / 3.6, high, 20.0 / 3.6, perturbation_every=10.0 / 3.6)
+    case = load_case("bogie_rollers_constant").with_changes(changes)
+    runs = [ramp_run((case, settings, HuntingSettings()), lambda _f, _t: None)]
+    with monkeypatch.context() as slow:
+        slow.setattr(module, "_method", lambda _case: {})
+        runs.append(ramp_run((case, settings, TIGHT), lambda _f, _t: None))
+    assert [run.attrs["status"] for run in runs] == ["ok", "ok"]
+    calls = [json.loads(run.attrs["solver_statistics"])["jacobian_calls"] for run in runs]
+    assert 10 * calls[0] < calls[1]  # of two methods
+    assert runs[0].attrs["energy_relative_residual"] < 1e-5
+    lateral = [np.abs(run["lateral"].transpose("time", "body").to_numpy()) for run in runs]
+    count = min(map(len, lateral)) // 100
+    fast, exact = (one[: 100 * count].reshape(count, 100, -1).max(axis=1) for one in lateral)
+    return float(np.abs(fast - exact).max() / exact.max())
+
+
+def test_a_ramp_with_ellipses_is_that_of_the_slow_method(monkeypatch: pytest.MonkeyPatch) -> None:
+    assert max(largest_difference(seed, monkeypatch) for seed in (0, 1)) < 5e-3
+
+
+@pytest.mark.long
+def test_many_ramps_with_ellipses_are_those_of_the_slow_method(monkeypatch: pytest.MonkeyPatch) -> None:
+    found = [largest_difference(seed, monkeypatch) for seed in range(100, 180)]
+    assert max(found) < 1e-2, 100 + np.argsort(found)[-3:]
+    assert np.median(found) < 5e-4
 
 
 def test_the_end_of_hunting_is_where_it_was_last_seen() -> None:
