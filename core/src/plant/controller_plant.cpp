@@ -124,7 +124,13 @@ void ControllerPlant::add_outputs() {
     for (std::size_t i = 0; i < part_.axles.size(); ++i)
       add(part_.axles[i] + ".virtual_speed", "rad/s", "speed of each axle of the virtual train", part_.axle_speed[i]);
     add("train.speed", "m/s", "of the virtual train", part_.train_speed);
-  } else if (!of_brakes()) {
+  } else if (of_brakes()) {
+    for (std::string const& axle : part_.axles) {
+      add(axle + ".inlet_open", "1", "1 while the dump valve lets air into the cylinder", 1.0);
+      add(axle + ".outlet_open", "1", "1 while the dump valve's outlet to the ambient is open", 0.0);
+      add(axle + ".dump_cycles", "1", "times that the dump valve has opened to vent", 0.0);
+    }
+  } else {
     add("train.reference_speed", "m/s", "train speed as the controller estimates it", part_.train_speed);
   }
 }
@@ -204,6 +210,15 @@ void ControllerPlant::sample() {
   if (auto const* rig = std::get_if<RigController::State>(&state_)) {
     for (std::size_t i = 0; i < axles; ++i) value_[rest + i] = rig->train.axle_speed(static_cast<int>(i));
     value_[rest + axles] = rig->train.speed();
+    return;
+  }
+  if (auto const* brake = std::get_if<BrakeUnit::State>(&state_)) {
+    for (std::size_t i = 0; i < axles; ++i) {
+      Cylinder const& cylinder = brake->cylinder(i);
+      value_[rest + 3 * i] = static_cast<double>(cylinder.inlet_open);
+      value_[rest + 3 * i + 1] = static_cast<double>(cylinder.outlet_open);
+      value_[rest + 3 * i + 2] = static_cast<double>(cylinder.dump_cycles);
+    }
     return;
   }
   std::visit(

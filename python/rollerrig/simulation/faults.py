@@ -60,14 +60,16 @@ class OwnController:
     Attributes:
         name: of its table, for messages.
         sample_time: of the case's table [s].
-        estimates: time [s] and reference speed [m/s] after each sample; none of a brake unit.
+        times: from which on what is known after each sample holds [s].
+        known: signal -> values after each sample, one for each axle: a brake unit's valves; one of the train: reference_speed.
     """
 
     def __init__(self, model: AssembledModel, role: str) -> None:
         """Begin at the speed of the case's start."""
         case, axles = model.case, list(model.axle_names)
         self.name, self.sample_time = role, getattr(case, role).sample_time
-        self.estimates: list[tuple[float, float]] = []
+        self.times: list[float] = []
+        self.known: dict[str, list[list[float]]] = {}
         step, speed = case.time.sampling_step, case.motion.speed
         sampling = _core.Sampling(every=round(self.sample_time / step), delay=0, external=False)
         turning = [speed / case.vehicle.data.wheel.radius] * len(axles)
@@ -81,24 +83,25 @@ class OwnController:
         self._command = COMMANDS[role].name
         self._inputs: list[tuple[int, str, int]] = []
         self._outputs: list[int] = []
-        self._reference: int | None = None
+        self._known: dict[str, list[int]] = {}
         for place, variable in enumerate(self._plant.variables):
             axle, _, name = variable.name.rpartition(".")
             if variable.causality == "input":
                 self._inputs.append((place, name, axles.index(axle)))
             elif name == f"{self._command}_command":
                 self._outputs.append(place)
-            elif name == "reference_speed":
-                self._reference = place
+            elif variable.causality == "output":
+                self._known.setdefault(name, []).append(place)
 
     def step(self, measurements: Measurements) -> dict[str, Any]:
         """Commands of one sample."""
         for place, name, axle in self._inputs:
             self._plant.set_input(place, measurements[name][axle])
-        time = measurements["time"]
-        self._plant.advance((round(time / self.sample_time) + 1) * self.sample_time)
-        if self._reference is not None:
-            self.estimates.append((time, self._plant.get(self._reference)))
+        sample = round(measurements["time"] / self.sample_time)
+        self._plant.advance((sample + 1) * self.sample_time)
+        self.times.append((sample + (self.name == BRAKE_UNIT)) * self.sample_time)  # a brake unit's is that at the end
+        for name, places in self._known.items():
+            self.known.setdefault(name, []).append([self._plant.get(place) for place in places])
         return {self._command: [self._plant.get(place) for place in self._outputs]}
 
 
@@ -153,17 +156,18 @@ PRESSURE: Mapping[str, Callable[[float, Any, Any], float]] = {
 """Kind of a fault -> cylinder pressure that acts, of that which the brake unit makes."""
 
 
-def add_reference_speed(draft: Draft, users: Mapping[str, UserController]) -> None:
-    """Write into results the reference speed of our slide protection, where it was asked as a user's is."""
-    inner = getattr(users.get("slide_protection"), "inner", None)
-    if not isinstance(inner, OwnController) or not inner.estimates:
-        return
-    times, values = np.array(inner.estimates).T
-    at = np.searchsorted(times, draft.values("time") + 1e-9, side="right") - 1
-    estimate = values[np.maximum(at, 0)]
-    for name, found in (
-        ("reference_speed", estimate),
-        ("reference_speed_error", estimate - draft.values("train_speed")),
-    ):
-        dims, old, attributes = draft.variables[name]
-        draft.variables[name] = (dims, found.astype(np.asarray(old).dtype), attributes)
+def add_signals_of_ours(draft: Draft, users: Mapping[str, UserController]) -> None:
+    """Write into results what our slide protection and brake unit know, where they were asked as a user's are."""
+    for user in users.values():
+        inner = getattr(user, "inner", None)
+        if not isinstance(inner, OwnController) or not inner.times:
+            continue
+        at = np.searchsorted(np.array(inner.times), draft.values("time") + 1e-9, side="right") - 1
+        for name, values in inner.known.items():
+            dims, old, attributes = draft.variables[name]
+            found = np.array(values)[np.maximum(at, 0)].reshape(np.shape(old))
+            draft.variables[name] = (dims, found.astype(np.asarray(old).dtype), attributes)
+        if "reference_speed" in inner.known:
+            dims, old, attributes = draft.variables["reference_speed_error"]
+            error = draft.values("reference_speed") - draft.values("train_speed")
+            draft.variables["reference_speed_error"] = (dims, error.astype(np.asarray(old).dtype), attributes)

@@ -40,7 +40,7 @@ from rollerrig.simulation.controllers import (
     users_controllers,
     with_brake_unit,
 )
-from rollerrig.simulation.faults import add_reference_speed, faulty_roles, refuse_faults, with_faults
+from rollerrig.simulation.faults import add_signals_of_ours, faulty_roles, refuse_faults, with_faults
 from rollerrig.simulation.mechatronics import mechatronic_setup
 from rollerrig.simulation.starting_state import recorded_state, rolled_off, starting_state
 
@@ -144,7 +144,7 @@ def _results(
             read = int(np.searchsorted(recording.reading_times[:read], recording.times[filled]))
     draft = run_draft(model, recording.times[:filled], recording.rows[:filled], ended)
     add_readings(draft, model, recording.reading_times[:read], recording.readings[:read])
-    add_reference_speed(draft, asked)
+    add_signals_of_ours(draft, asked)
     add_termination(draft, model)
     spells = simulation.contact_losses()
     names = [wheel.name for wheel in model.wheels]
