@@ -46,7 +46,9 @@ COUNT = int(os.environ.get("HALF_SPACE_POSES", "500"))
 #: No force may be further from the exact one than this factor; no jump larger than this share of the load per um of approach.
 FACTOR, JUMP = 1.5, 0.01
 #: Of the poses whose force is compared: tests they are shared among, depths below each first touch, their range [mm].
-BLOCKS, DEPTHS, DEEP = 10, 5, (0.005, 0.2)
+BLOCKS, DEPTHS, DEEP = 10, 5, (0.005, 0.8)
+#: Spread of the normals in a patch from which on the exact half-space, one plane, is no reference for it [rad].
+BENT = 0.35
 
 
 @pytest.fixture(scope="module", params=["strips", "hertz"])
@@ -124,11 +126,11 @@ def test_the_half_space_is_one_where_it_is_used() -> None:
 @pytest.mark.long
 @pytest.mark.parametrize("block", range(BLOCKS))
 def test_no_force_is_outside_a_factor_of_the_exact_one(block: int) -> None:
-    """At five depths below the first touch of each random pose, on grids of 16 x 16 cells (0.4 % of the force, in most poses).
+    """At five depths below the first touch of each random pose, up to 2 MN, on grids of 16 x 16 cells (0.4 % in most poses).
 
-    The largest differences are the reference's: where regions from tread to flange become one, its one plane lets the force fall
-    by a quarter while the wheel is pressed 5 um deeper (191 instead of 131 kN, just before 166 and 166); on grids of 40 x 40 the
-    two next ones, 13 and 12 %, are 0.3 and 0.9 %.
+    Where regions from tread to flange become one, the reference has one plane for them, and lets the force fall by a fifth to two
+    thirds while the wheel is pressed 10 um deeper (1 015 to 360 kN, ours 1 008 and 1 112); the strips pass such places without a
+    jump. Poses with so bent a patch are left out.
     """
     rng = np.random.default_rng((11, block))
     found = []
@@ -138,7 +140,10 @@ def test_no_force_is_outside_a_factor_of_the_exact_one(block: int) -> None:
         for depth in np.exp(rng.uniform(*np.log(DEEP), DEPTHS)):
             pose = replace(touching, height=touching.height - float(depth))
             at = PairPose(pair, "", radius, pose.x, pose.y, pose.height, pose.yaw, pose.roll)
-            theirs = sum(patch.force for patch in patches(surfaces_of(pair), pose, 16, 1e-3))
+            exact_ones = patches(surfaces_of(pair), pose, 16, 1e-3)
+            if max((patch.spread for patch in exact_ones), default=0.0) > BENT:
+                continue
+            theirs = sum(patch.force for patch in exact_ones)
             ours = sum(patch.normal for patch in our_patches(at, "strips"))
             found.append((abs(np.log(ours / theirs)) if ours > 0.0 else np.inf, ours, theirs, at))
     found.sort(key=lambda one: -one[0])
@@ -146,6 +151,7 @@ def test_no_force_is_outside_a_factor_of_the_exact_one(block: int) -> None:
     shares = ", ".join(f"{100 * e:.2f}" for e in np.quantile(error, (0.5, 0.95, 0.999)))
     worst = "\n".join(f"{ours:.0f} instead of {theirs:.0f} N: {at}" for _, ours, theirs, at in found[:3])
     print(f"\n{len(found)} poses: {shares} % (median, 95 %, 99.9 %); worst:\n{worst}")
+    assert len(found) > 0.97 * (COUNT // (BLOCKS * DEPTHS)) * DEPTHS, "the reference must stand for nearly all"
     assert error[0] < FACTOR - 1, worst
 
 

@@ -56,15 +56,16 @@ inline void put(Wheel const& wheel, RelativePose<double> const& pose, Interpenet
   }
 }
 
-/// Poses of all kinds, pressed until the wheel carries a load between 3 and 150 kN.
-inline std::vector<RelativePose<double>> loaded_poses(Wheel const& wheel, int count, unsigned seed, double yaw_range) {
+/// Poses of all kinds, pressed until the wheel carries a load between these [N].
+inline std::vector<RelativePose<double>> loaded_poses(Wheel const& wheel, int count, unsigned seed, double yaw_range,
+                                                      double least = 3e3, double most = 150e3) {
   std::mt19937_64 generator(seed);
   std::uniform_real_distribution<double> any(-1.0, 1.0);
   std::vector<RelativePose<double>> out;
   while (out.size() < static_cast<std::size_t>(count)) {
     double const y = 9e-3 * any(generator), roll = 8e-3 * any(generator), yaw = yaw_range * any(generator);
     double const x = wheel.profiles.pair.inverse_radius > 0.0 ? 4e-3 * any(generator) : 0.0;
-    double const load = 3e3 * std::pow(50.0, 0.5 * (any(generator) + 1.0));
+    double const load = least * std::pow(most / least, 0.5 * (any(generator) + 1.0));
     double low = -0.03, high = 0.03;
     for (int i = 0; i < 40; ++i) {
       double const middle = 0.5 * (low + high);

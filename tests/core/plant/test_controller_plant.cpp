@@ -135,7 +135,7 @@ TEST_CASE(
   ControllerPart part = slide_protection();
   part.controller = {.sampling = {.every = 2}, .controller = unit};
   ControllerPlant plant(part);
-  CHECK(plant.variables().size() == 6);  // two inputs and a pressure per axle, no parameter
+  CHECK(plant.variables().size() == 12);  // two inputs, a pressure and what its dump valve does per axle, no parameter
   plant.start(1.0);
   BrakeCylinders inside(unit.pneumatics, unit.reservoir, {}, 2);
   for (int k = 0; k < 1000; ++k) {
@@ -150,6 +150,8 @@ TEST_CASE(
     for (std::size_t i = 0; i < 2; ++i)
       REQUIRE(plant.get(index_of(plant, part.axles[i] + ".cylinder_pressure_command")) == inside.cylinder(i).pressure);
   }
+  for (auto const& [name, value] : {std::pair{"inlet_open", 0.0}, {"outlet_open", 1.0}, {"dump_cycles", 1.0}})
+    CHECK(plant.get(index_of(plant, part.axles[0] + "." + name)) == value);
   CHECK(inside.cylinder(0).pressure < 1e4);
   CHECK(inside.cylinder(1).pressure == doctest::Approx(2e5).epsilon(2e-3));
   double taken = 0.0;

@@ -1,5 +1,6 @@
 #include "rollerrig/contact/normal/strip_contact.hpp"
 
+#include <cmath>
 #include <vector>
 
 #include "rollerrig/contact/normal/region_pieces.hpp"
@@ -212,15 +213,21 @@ StripPatch<T> mixed(StripPatch<T> const& a, StripPatch<T> const& b, T const& s) 
           mix_number(a.width, b.width)};
 }
 
-/// Solves a region that has not settled once more, with many strips and passes, and leaves it to them as far as it has not.
+/// How far a solution has not settled, 0 to 1.
+template <Scalar T>
+T open_part(T const& change) {
+  T const size = select(change < 0.0, -change, change);
+  return strip_detail::smooth_step(T((size - unsettled) / (not_settled - unsettled)));
+}
+
+/// Solves a region that has not settled once more, with many strips and passes, and leaves it to them as far as they have.
 template <Scalar T>
 void refine(Batch<T>& batch, int index) {
   Region<T>& region = batch.region[at(index)];
-  T const change = select(region.change < 0.0, -region.change, region.change);
-  if (!(change > unsettled)) return;
+  if (std::abs(value_of(region.change)) <= unsettled) return;  // not: what is no number
   Region<T> const few = region;
   solve_pack<T, refined_strips>(batch, index, 1, refined_passes);
-  T const s = strip_detail::smooth_step(T((change - unsettled) / (not_settled - unsettled)));
+  T const s = open_part(few.change) * (1.0 - open_part(region.change));
   region.force = few.force + s * (region.force - few.force);
   for (std::size_t k = 0; k <= (region.parts > 1 ? region.parts : 0); ++k)
     region.patch[k] = mixed(few.patch[k], region.patch[k], s);

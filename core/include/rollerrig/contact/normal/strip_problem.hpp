@@ -33,6 +33,7 @@ struct Strips {
   StripRow<T, n> load;         ///< w [N/m], not negative
   StripRow<T, n> half_length;  ///< a [m]
   StripRow<T, n> on;           ///< how far a strip takes part, 0 to 1: over 1/2 where it would carry load by itself
+  StripRow<T, n> inverse_largest2;  ///< A/d: of the half-length over which the undeformed surfaces interpenetrate [1/m^2]
   T shortest2{0.0};            ///< square of the least half-length [m^2]
   T change;                    ///< of the force in the last pass, over the force [-]
 };
@@ -43,6 +44,8 @@ namespace strip_detail {
 // itself so much more than its neighbours do that every second strip was left without.
 inline constexpr double smallest_length = 0.05;
 inline constexpr double fading = 0.03;        // of the mean load: that of a strip which just touches
+// Square of a half-length over the largest: up to which it is as found, and most that (S4) may find.
+inline constexpr double freely = 0.7, most_found = 4.0;
 inline constexpr double start_length = 0.02;  // square of the start's least half-length over the largest
 inline constexpr double least_change = 0.1, most_change = 10.0;  // of a conformity in one pass
 
@@ -216,12 +219,17 @@ StripRow<T, n> conformities(Matrix<T, n> const& s, StripRow<T, n> const& on, Str
   return solution(m, b);
 }
 
-/// a from w and q (S4), kept above zero.
+/// a from w and q (S4), kept above zero and within the interpenetration: under pressure alone surfaces touch nowhere else.
 template <class T, std::size_t n>
-void lengths_from_load(Strips<T, n>& s, StripRow<T, n> const& conformity) {
+void lengths_from_load(Strips<T, n>& s, StripRow<T, n>& conformity) {
   using std::sqrt;
-  for (std::size_t i = 0; i < n; ++i)
-    s.half_length[i] = sqrt(2.0 * s.compliance * s.load[i] * reciprocal(conformity[i]) + s.shortest2);
+  for (std::size_t i = 0; i < n; ++i) {
+    T const load = 2.0 * s.compliance * s.load[i], flattest = load * s.inverse_largest2[i] * (1.0 / most_found);
+    conformity[i] = select(conformity[i] > flattest, conformity[i], flattest);
+    T const found2 = load * reciprocal(T(conformity[i] + 1e-30)), largest2 = reciprocal(s.inverse_largest2[i]);
+    T const beyond = select(found2 > freely * largest2, T(found2 - freely * largest2), T(0.0));
+    s.half_length[i] = sqrt(found2 - beyond * beyond * reciprocal(T((1.0 - freely) * largest2 + beyond)) + s.shortest2);
+  }
 }
 
 /// The region's paraboloid pressed after Hertz: conformity, and half-lengths from the interpenetration over that at its edge.
@@ -237,6 +245,9 @@ void start_from_hertz(Strips<T, n>& s, StripRow<T, n>& conformity) {
   for (std::size_t i = 0; i < n; ++i) {
     T const a2 = per_depth * (s.interpenetration[i] - edge);
     s.half_length[i] = sqrt(0.5 * (a2 + sqrt(a2 * a2 + 4.0 * floor * floor)));
+    T const least = floor * s.curvature[i];
+    T const depth = select(s.interpenetration[i] > least, s.interpenetration[i], least);
+    s.inverse_largest2[i] = s.curvature[i] * reciprocal(depth);
     conformity[i] = e.pressure_gradient;
   }
 }
