@@ -1,5 +1,5 @@
-"""The force of the strips grows smoothly while a wheel is lowered in steps of 0.1 um, in 2 000 random poses of new and worn pairs,
-with --long in 100 000 (two minutes). No reference is needed."""
+"""The force of the strips grows smoothly while a wheel is lowered in steps of 0.1 um, in 2 000 random poses of new and worn
+pairs, with --long in 100 000 (two minutes). No reference is needed."""
 
 from __future__ import annotations
 
