@@ -143,6 +143,8 @@ def test_a_vehicle_that_lifts_its_wheels_is_told_with_place_and_quotient() -> No
     message = run.attrs["status_message"]
     place = r"3\d\.\d+ m \(segment\[2\], a curve of radius 150 m to the right\), wheelset_1_right: "
     assert re.match(r"t = 1\.\d+ s, " + place, message)
+    touch = r"It last touched at t = 1\.0\d* s: its profile \(s1002\) at S = 1\d\.\d mm, the rail \(UIC60 .*\) at y = -2\.\d mm, "
+    assert re.search(touch + r"field side, contact angle 0 degrees, Y 0\.\d kN, Q 0\.\d kN", message)
     assert re.search(
         r"Largest unfiltered \|Y\|/Q of its wheelset in the 0\.5 s before: 1\.\d\d at wheelset_1_left\.$", message
     )
