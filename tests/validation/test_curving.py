@@ -143,6 +143,8 @@ def test_a_vehicle_that_lifts_its_wheels_is_told_with_place_and_quotient() -> No
     message = run.attrs["status_message"]
     place = r"3\d\.\d+ m \(segment\[2\], a curve of radius 150 m to the right\), wheelset_1_right: "
     assert re.match(r"t = 1\.\d+ s, " + place, message)
+    touch = r"It last touched at t = 1\.0\d* s: its profile \(s1002\) at S = 1\d\.\d mm, the rail \(UIC60 .*\) at y = -2\.\d mm, "
+    assert re.search(touch + r"field side, contact angle 0 degrees, Y 0\.\d kN, Q 0\.\d kN", message)
     assert re.search(
         r"Largest unfiltered \|Y\|/Q of its wheelset in the 0\.5 s before: 1\.\d\d at wheelset_1_left\.$", message
     )
@@ -159,8 +161,8 @@ ROADS = [
 WAGON = Path(__file__).parents[1] / "python" / "two_axle_wagon.toml"
 
 
-def through_a_curve(case: Case, radius: float, deficiency: float, friction: float, rails: str = RIGID) -> xr.Dataset:
-    """Out of the straight, through a transition, the curve and back: it comes to its end, and its energy closes."""
+def on_a_curve(case: Case, radius: float, deficiency: float, friction: float, rails: str = RIGID) -> Case:
+    """Out of the straight, through a transition, the curve and back."""
     cant = 0.1 if radius < 1000.0 or deficiency < 0.0 else 0.05
     speed = math.sqrt((cant + deficiency) * 9.81 * radius / BASE)
     transition = {"kind": "transition", "length": 60.0}
@@ -181,7 +183,12 @@ def through_a_curve(case: Case, radius: float, deficiency: float, friction: floa
         "time.step": "1 ms" if rails == RIGID else "0.25 ms",
         "contact.friction.mu_0": friction,
     }
-    run = rr.simulate(case.with_changes(changes))
+    return case.with_changes(changes)
+
+
+def through_a_curve(case: Case, radius: float, deficiency: float, friction: float, rails: str = RIGID) -> xr.Dataset:
+    """A run `on_a_curve` that comes to its end, and its energy closes."""
+    run = rr.simulate(on_a_curve(case, radius, deficiency, friction, rails))
     assert run.attrs["status"] == "ok"
     assert run.attrs["energy_relative_residual"] < 1e-5
     return run
@@ -237,6 +244,20 @@ def test_dry_flange_friction_shakes_a_stiff_wagon_on_rigid_rails_alone() -> None
     assert lightest(run) < 0.1
     assert longest_loss(run) < 1e-3
     assert lightest(through_a_curve(other_vehicle("two_axle_wagon"), 150.0, -0.06, 0.5, FLEXIBLE)) > 0.4
+
+
+@pytest.mark.long
+def test_a_run_whose_wheels_hop_on_rigid_rails_says_so() -> None:
+    """The locomotive in 300 m with 150 mm of cant deficiency and friction 0.5; on rails that give way its wheels stay down."""
+    curve = (other_vehicle("locomotive"), 300.0, 0.15, 0.5)
+    hopping = rr.simulate(on_a_curve(*curve).with_changes({"time.duration": "5.5 s"}))
+    lost, *others = hopping.attrs["warnings"].splitlines()
+    assert lost.startswith("wheels lost contact: wheelset_1_left without contact ")
+    assert "flexible_track" in lost
+    assert any("steps have an error above the tolerance" in other for other in others)
+    calm = through_a_curve(*curve, FLEXIBLE)
+    assert longest_loss(calm) == 0.0
+    assert lightest(calm) > 0.5  # measured 0.58
 
 
 def other_vehicle(name: str) -> Case:

@@ -19,9 +19,6 @@ Array = NDArray[np.float64]
 #: What is asked for: largest error of 95 % of the poses; no pose may be beyond twice that.
 TARGET = {"approach": 0.03, "pressure": 0.08, "centre": 0.15, "length": 1.0, "width": 1.0}
 LENGTH_RATIO, LENGTH_MM = 0.08, 0.3  # one or the other
-#: Worst pose where it is further off: a wheel with 50 or 100 kN at 5 mm, most of it on the tread; its lobe in the flange root is
-#: as wide as one strip of its overlap (1.3 mm), which has its load but not its peak of pressure, nor its edge.
-WORST = {("half-space", "pressure"): 0.49, ("half-space", "width"): 2.5, ("half-space", "centre"): 0.34}
 
 
 def of_length(ours: float, theirs: float) -> float:
@@ -70,7 +67,7 @@ def errors() -> dict[str, Array]:
 def test_strips_over_all_poses(errors: dict[str, Array], reference: str, quantity: str) -> None:
     error = errors[reference][:, list(TARGET).index(quantity)]
     assert np.mean(error <= TARGET[quantity]) >= 0.95, np.sort(error)[-12:]
-    assert error.max() <= WORST.get((reference, quantity), 2 * TARGET[quantity])
+    assert error.max() <= 2 * TARGET[quantity]
 
 
 def test_the_half_space_repeats_contact_in_all_its_poses() -> None:

@@ -60,7 +60,8 @@ Strips and Hertz at given heights against the exact half-space, which finds the 
 1:40; rail and rollers of 300 and 725 mm, half of the wheels on rollers with a longitudinal offset of up to 4 mm; 5 to 150 kN, yaw
 up to 50 mrad. `transition`: between tread and flange, poses in which an earlier contact of strips was most wrong. Sum of the
 patches' forces, largest pressure, largest distance of a patch's centre, whole area, largest approach: median / 95 % / worst, in %
-and, of the centre, mm.
+and, of the centre, mm. Asked for of the strips' centre were 0.2 mm in 95 % of all poses and 0.4 mm in the worst, which it misses
+narrowly; bars for it are at 0.24 and 0.45 mm.
 
 In 100 000 other poses, 5 to 200 µm below their first touch (`HALF_SPACE_POSES=100000 pytest
 tests/validation/test_half_space_pairs.py --long -s -k exact_one`), the force of the strips is off by 0.2 % in the median, by 1
@@ -232,8 +233,9 @@ def pose_statistics() -> str:
 def pair_statistics() -> str:
     """Distribution of the laws' errors in random poses, by category."""
     body = []
-    for law, category in itertools.product(("strips", "hertz"), pairs.CATEGORIES):
-        found = np.array([pairs.errors(at, exact, law) for at, exact in pairs.read() if at.category == category])
+    for law, category in itertools.product(("strips", "hertz"), ("all", *pairs.CATEGORIES)):
+        poses = [row for row in pairs.read() if category in ("all", row[0].category)]
+        found = np.array([pairs.errors(*row, law) for row in poses])
         factors = [1.0 if quantity == "centre" else 100.0 for quantity in pairs.ERRORS]
         sizes = np.quantile(found, (0.5, 0.95, 1.0), axis=0).T * np.array(factors)[:, None]
         body.append([law, category, str(len(found)), *(" / ".join(f"{size:.2f}" for size in three) for three in sizes)])

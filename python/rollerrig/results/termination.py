@@ -24,6 +24,9 @@ NO_FURTHER = 0.2e-3
 BESIDE = 1e-3
 """A contact further from the end of its profiles did not come to it [m]: core/src/system/contact_monitor.cpp has 0.5 mm."""
 
+PATCH = ("wheel_abscissa", "rail_abscissa", "contact_angle", "normal")
+FORCES = ("lateral_force", "vertical_force")
+
 FLEXIBLE = "The rails are rigid: support.foundation, as flexible_track has it, lets them give way."
 """What to try where a wheel chatters or leaves its rail."""
 
@@ -38,6 +41,8 @@ def add_termination(draft: Draft, model: AssembledModel) -> None:
     distance = float(distances[-1]) if len(distances) else 0.0
     segment = segment_in_words(model, distance)
     quotient, wheel = _largest_quotient(draft, model)
+    if draft.attributes["status"] == "contact_lost" and draft.attributes["stopped_wheel"]:
+        draft.attributes["status_message"] += _last_touch_in_words(draft, model)
     if wheel:
         place = f"{distance:.5g} m" + (f" ({segment})" if segment else "")
         message = draft.attributes["status_message"]
@@ -53,28 +58,49 @@ def add_termination(draft: Draft, model: AssembledModel) -> None:
 
 
 def contact_in_words(model: AssembledModel, wheel: str, status: str, last: xr.Dataset) -> str:
-    """Where the wheel that ended a run touched in the last state, what it carried, and what to try; with a blank before it."""
-    wanted = ("wheel_abscissa", "rail_abscissa", "contact_angle", "normal")
-    s, y, angle, load = (last[f"patch_{name}"].sel(wheel=wheel).to_numpy().ravel() for name in wanted)
-    side, up = (float(last[name].sel(wheel=wheel).squeeze()) for name in ("lateral_force", "vertical_force"))
+    """Where the wheel that ended a run touches in the last state, what it carries, and what to try; with a blank before it."""
+    s, y, angle, load = (last[f"patch_{name}"].sel(wheel=wheel).to_numpy().ravel() for name in PATCH)
+    forces = [float(last[name].sel(wheel=wheel).squeeze()) for name in FORCES]
     parts = []
     if np.any(load > 0):
-        rail = model.right_rail_profile if wheel.endswith("_right") else model.rail_profile
-        ends = (_end(model.wheel_profile, s), _end(rail, y))
+        ends = (_end(model.wheel_profile, s), _end(_rail(model, wheel), y))
         left, profile, place = min(ends, key=lambda end: end[0].min(where=load > 0, initial=np.inf))
-        k = int(np.argmax(load) if status == "contact_lost" else np.argmin(np.where(load > 0, left, np.inf)))
-        parts.append(
-            f"It touches its profile ({model.wheel_profile.name}) at S = {1e3 * s[k]:.1f} mm, the rail "
-            f"({rail.name}) at y = {1e3 * y[k]:.1f} mm, {'flange' if s[k] < 0 else 'field'} side, contact angle "
-            f"{math.degrees(abs(angle[k])):.0f} degrees, Y {1e-3 * side:.1f} kN, Q {1e-3 * up:.1f} kN, "
-            f"|Y|/Q {abs(side) / max(up, 1.0):.2f}."
-        )
+        k = int(np.argmin(np.where(load > 0, left, np.inf)))
+        parts.append(f"It touches {_touch_in_words(model, wheel, s[k], y[k], angle[k], *forces)}")
         if status == "off_profile":
             parts.append(_reach(profile, place[k], left[k]))
     rigid = isinstance(model.case.support.data, Track) and not model.rails
     if rigid and "reaches further" not in "".join(parts):
         parts.append(FLEXIBLE)
     return "".join(f" {part}" for part in parts)
+
+
+def _last_touch_in_words(draft: Draft, model: AssembledModel) -> str:
+    """Where a wheel that lost contact touched in the last record in which it carried; a blank before it; "" if in none."""
+    number = [wheel.name for wheel in model.wheels].index(wheel := draft.attributes["stopped_wheel"])
+    s, y, angle, load = (draft.values(f"patch_{name}")[:, number] for name in PATCH)
+    carried = np.flatnonzero(np.any(load > 0, axis=1))
+    if not len(carried):
+        return ""
+    row = carried[-1]
+    k = int(np.nanargmax(load[row]))
+    forces = [draft.values(name)[row, number] for name in FORCES]
+    when = draft.values("time")[row]
+    touch = _touch_in_words(model, wheel, s[row, k], y[row, k], angle[row, k], *forces)
+    return f" It last touched at t = {when:.4g} s: {touch}"
+
+
+def _touch_in_words(model: AssembledModel, wheel: str, s: float, y: float, angle: float, side: float, up: float) -> str:
+    """Abscissae of one patch on both profiles, its angle, and the forces of the wheel."""
+    return (
+        f"its profile ({model.wheel_profile.name}) at S = {1e3 * s:.1f} mm, the rail ({_rail(model, wheel).name}) at "
+        f"y = {1e3 * y:.1f} mm, {'flange' if s < 0 else 'field'} side, contact angle {math.degrees(abs(angle)):.0f} degrees, "
+        f"Y {1e-3 * side:.1f} kN, Q {1e-3 * up:.1f} kN, |Y|/Q {abs(side) / max(up, 1.0):.2f}."
+    )
+
+
+def _rail(model: AssembledModel, wheel: str) -> ProfileTable:
+    return model.right_rail_profile if wheel.endswith("_right") else model.rail_profile
 
 
 def _end(profile: ProfileTable, places: Array) -> tuple[Array, ProfileTable, Array]:

@@ -139,6 +139,15 @@ S = 'segment = [{ kind = "straight", length = 50 }'
         ("foundation = { roll = { stiffness = 1e4 } }",
          "case.toml: support.data.foundation.roll.stiffness: 10000; under the wheel load, 54.5 kN, the rail's head moves by "
          "1.6e+02 mm; allowed: 8.1e+04 to 1.6e+10 N m/rad; flexible_track has typical values; for a rigid rail leave it out"),
+        ('foundation = { rail_mass = "1 g", vertical = { stiffness = 1e8 } }',
+         "case.toml: support.data.foundation.rail_mass: 0.001 kg; allowed under the wheel load, 54.5 kN: 5.6 to 5.6e+04 kg; "
+         "flexible_track has typical values"),
+        ("foundation = { lateral = { stiffness = 4e7, damping = 1e9 } }",
+         "case.toml: support.data.foundation.lateral.damping: 1e+09; allowed: at most 8e+06 N s/m, 0.2 s times the stiffness; "
+         "flexible_track has typical values"),
+        ("foundation = { roll = { stiffness = 4e5, damping = 1e6 } }",
+         "case.toml: support.data.foundation.roll.damping: 1e+06; allowed: at most 8e+04 N m s/rad, 0.2 s times the stiffness; "
+         "flexible_track has typical values"),
         ('gauge = "1.48 m"',
          "case.toml: support.data.gauge: 1.48; wheel and rail of different gauge: the flanges, 1425.0 mm across, stand far "
          "inside of the rails; allowed: a gauge 1.425 to 1.465 m, or another wheel.back_to_back (1360 mm)"),

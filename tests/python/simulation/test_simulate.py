@@ -163,6 +163,7 @@ def test_leaving_the_model_is_named_with_time_and_wheel() -> None:
     assert 0.2 < run.attrs["stopped_at_s"] < 0.25
     assert run.attrs["status_message"].startswith("t = 0.2")
     assert "wheelset_1_left" in run.attrs["status_message"]
+    assert "touched" not in run.attrs["status_message"]  # it never did
     assert float(run["time"][-1]) == pytest.approx(run.attrs["stopped_at_s"], abs=2e-3)
     # free fall is exact for a method of order 4
     fallen = run["vertical"].sel(body="wheelset_1") - run["vertical"].sel(body="wheelset_1")[0]

@@ -32,6 +32,14 @@ from rollerrig.track import Segment, highest_speed, limit_of_lateral_force, plan
 GIVE = (1e-7, 20e-3)
 """Least and largest displacement of a full-scale rail under the wheel load [m]; the contact itself gives way by 1e-4."""
 
+RAIL_MASS = (1e-3, 10.0)
+"""Least and largest mass of a piece of rail, or of its share of the sleepers, over the mass that its wheel carries [-]."""
+
+SLOWEST_RETURN = 0.2
+"""Damping over stiffness of a support [s]: a rail that comes back more slowly is as good as clamped; usual are milliseconds."""
+
+TYPICAL = "flexible_track has typical values"
+
 FLATTEST_FLANGE = math.radians(45)
 """A wheel that is nowhere steeper has no flange to climb."""
 
@@ -136,10 +144,23 @@ def check_track(case: CaseTables) -> list[Mistake]:
     support = case.support.data
     found = [*_irregularity(case)]
     if isinstance(support, Track) and support.foundation is not None:
-        found += _give_way(case, support.foundation)
+        found += [*_rail_masses(case, support.foundation), *_give_way(case, support.foundation)]
     if isinstance(support, Track) and support.segment:
         found = found or [*_wheelbase_in_curves(case, support)] or [*_speed_in_curves(case, support)]
     return found
+
+
+def _rail_masses(case: CaseTables, foundation: Foundation) -> Iterator[Mistake]:
+    """Rails and sleepers have a mass, but not that of trains."""
+    load, sleeper = wheel_load(case), foundation.sleeper
+    lightest, heaviest = (share * load / case.gravity for share in RAIL_MASS)
+    masses = {"rail_mass": foundation.rail_mass, **({"sleeper.mass": sleeper.mass} if sleeper else {})}
+    for key, mass in masses.items():
+        if not lightest <= mass <= heaviest:
+            allowed = (
+                f"allowed under the wheel load, {1e-3 * load:.3g} kN: {lightest:.2g} to {heaviest:.2g} kg; {TYPICAL}"
+            )
+            yield f"support.data.foundation.{key}", f"{mass:g} kg", allowed
 
 
 def _give_way(case: CaseTables, foundation: Foundation) -> Iterator[Mistake]:
@@ -150,14 +171,20 @@ def _give_way(case: CaseTables, foundation: Foundation) -> Iterator[Mistake]:
         for key in ("lateral", "vertical", "roll"):
             law: LinearSupport | AngularSupport | None = getattr(part, key, None)
             arm, unit = (foundation.rail_height**2, "N m/rad") if key == "roll" else (1.0, "N/m")
-            if law is None or least <= (moved := load * arm / law.stiffness) <= largest:
+            if law is None:
+                continue
+            name = f"support.data.{where}.{key}"
+            if least <= (moved := load * arm / law.stiffness) <= largest:
+                if law.damping > (most := SLOWEST_RETURN * law.stiffness):
+                    damping = f"{most:.2g} {unit.replace('/', ' s/')}, {SLOWEST_RETURN:g} s times the stiffness"
+                    yield f"{name}.damping", f"{law.damping:g}", f"allowed: at most {damping}; {TYPICAL}"
                 continue
             allowed = (
                 f"under the wheel load, {1e-3 * load:.3g} kN, the rail's head moves by {1e3 * moved:.2g} mm; "
-                f"allowed: {load * arm / largest:.2g} to {load * arm / least:.2g} {unit}; flexible_track has typical values; "
+                f"allowed: {load * arm / largest:.2g} to {load * arm / least:.2g} {unit}; {TYPICAL}; "
                 "for a rigid rail leave it out"
             )
-            yield f"support.data.{where}.{key}.stiffness", f"{law.stiffness:g}", allowed
+            yield f"{name}.stiffness", f"{law.stiffness:g}", allowed
 
 
 def _wheelbase_in_curves(case: CaseTables, track: Track) -> Iterator[Mistake]:
