@@ -97,9 +97,9 @@ def open_input(path: str | Path, largest: int | None = None) -> BufferedReader:
 def check_hdf5(path: str | Path, largest: int | None) -> Path:
     """The path of a file of HDF5, if it may be opened, and its collections of texts end and do not overlap.
 
-    The library walks for ever through a collection that holds an object without index and size. Source: HDF5 File Format Specification 3.0, III.E "Global Heap": after a
-    head of 16 bytes objects of index and references (2 bytes each), 4 unused ones, size (8), and what they hold, filled up to
-    eights; index 0 is the room that is left.
+    The library walks for ever through a collection that holds an object without index and size. Source: HDF5 File Format
+    Specification 3.0, III.E "Global Heap": after a head of 16 bytes objects of index and references (2 bytes each), 4 unused
+    ones, size (8), and what they hold, filled up to eights; index 0 is the room that is left.
 
     Raises:
         InputError: it is damaged so, something else, or larger than allowed.

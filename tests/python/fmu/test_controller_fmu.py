@@ -19,6 +19,7 @@ from typer.testing import CliRunner
 
 from rollerrig import Case, _core, export_part, load_case, simulate
 from rollerrig.cli.app import build_app
+from rollerrig.cli.describe import describe_case
 from rollerrig.config import ConfigError, case_from_toml
 from rollerrig.simulation.fmu_file import cut_off
 
@@ -278,6 +279,7 @@ def relay(tmp_path_factory: pytest.TempPathFactory) -> Path:
         ("r1", "Real", "output", ""),
         ("r2", "Real", "output", ""),
         ("none_at", "Real", "parameter", 'start="1e9"'),
+        ("dies", "Real", "parameter", 'start="0"'),
     ]
     variables = "".join(
         f'<ScalarVariable name="{name}" valueReference="{i}" causality="{causality}" '
@@ -387,6 +389,26 @@ def test_a_library_that_cannot_be_loaded_ends_its_own_process_alone(
     run = simulate(with_relay(damaged, 0.1))
     assert run.attrs["status"] == "controller_failed"
     assert "its library cannot be loaded: OSError: " in run.attrs["status_message"]
+    assert list((tmp_path / "unpacked").iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    ("dies", "how"),
+    [(1, "ended that with SIGABRT"), (2, "ended that with exit code 0"), (3, "had not ended after 1 s")],
+)
+def test_an_fmu_that_ends_its_process_or_never_returns_ends_its_own_alone(
+    relay: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, dies: int, how: str
+) -> None:
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "unpacked"))
+    (tmp_path / "unpacked").mkdir()
+    monkeypatch.setattr("rollerrig.simulation.fmu_controller._SOUND", set())
+    monkeypatch.setattr("rollerrig.simulation.fmu_controller._PATIENCE", 1.0 if dies == 3 else 30.0)
+    case = with_relay(relay, 0.1, dies=dies)
+    run = simulate(case)
+    assert run.attrs["status"] == "controller_failed"
+    assert re.search(f"tried in a process of its own, .*{how}", run.attrs["status_message"])
+    with pytest.raises(ConfigError, match=rf"slide_protection\.fmu\.file: '.*relay\.fmu'; tried in .*{how}"):
+        describe_case(case, run_code=True)
     assert list((tmp_path / "unpacked").iterdir()) == []
 
 
