@@ -7,6 +7,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import warnings
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
@@ -417,6 +418,13 @@ def test_what_unpacks_to_too_much_is_refused(relay: Path, tmp_path: Path, monkey
     with pytest.raises(ConfigError, match=r"it unpacks to 0\.\d+ MB; allowed: up to 0\.001 MB"):
         simulate(with_relay(relay, 0.1))
     monkeypatch.undo()
+    many = shutil.copy(relay, tmp_path / "many.fmu")
+    with zipfile.ZipFile(many, "a") as archive, warnings.catch_warnings(action="ignore"):
+        for _ in range(3):
+            archive.writestr("resources/zeros", bytes(1_000_000), zipfile.ZIP_DEFLATED)
+    monkeypatch.setattr("rollerrig.simulation.fmu_file.LARGEST_UNPACKED", 2_000_000)
+    with pytest.raises(ConfigError, match=r"it unpacks to 3\.\d+ MB; allowed: up to 2 MB"):
+        simulate(with_relay(many, 0.1))
     monkeypatch.setattr("rollerrig.simulation.fmu_file.LARGEST_DESCRIPTION", 100)
     with pytest.raises(ConfigError, match=r"its modelDescription\.xml has .*allowed: up to 0\.0001 MB"):
         simulate(with_relay(relay, 0.1))
