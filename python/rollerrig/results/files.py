@@ -25,12 +25,18 @@ from rollerrig.results.run_info import ResultsError
 
 
 def available_memory() -> float:
-    """Memory that a process can still get [bytes]; infinite where the system does not say."""
+    """Memory that a process can still get, also under a limit on its addresses [bytes]; infinite where the system does not say."""
     try:
+        import resource  # none on Windows
+
         with open("/proc/meminfo", encoding="ascii") as file:  # noqa: PTH123
             fields = dict(line.split(":", 1) for line in file)
-        return 1024.0 * float(fields["MemAvailable"].split()[0])
-    except (OSError, KeyError, ValueError, IndexError):
+        free = 1024.0 * float(fields["MemAvailable"].split()[0])
+        with open("/proc/self/statm", encoding="ascii") as file:  # noqa: PTH123
+            used = int(file.read().split()[0]) * resource.getpagesize()
+        limit, _ = resource.getrlimit(resource.RLIMIT_AS)
+        return free if limit == resource.RLIM_INFINITY else max(0.0, min(free, float(limit - used)))
+    except (ImportError, OSError, KeyError, ValueError, IndexError):
         return math.inf
 
 
