@@ -25,7 +25,7 @@ from rollerrig.results.run_info import ResultsError
 
 
 def available_memory() -> float:
-    """Memory that a process can still get, also under a limit on its addresses [bytes]; infinite where the system does not say."""
+    """Memory that a process can still get, also under a limit on its addresses [bytes]; infinite where none is known."""
     try:
         import resource  # none on Windows
 
