@@ -33,7 +33,7 @@ from rollerrig.study.report import Block, Picture, Section, Table, Text
 from rollerrig.study.runs.fit import MODELS, OVER_TIME, Channel, Found, Record, search, starts
 
 LARGEST_MEASURED = 1e30
-"""Of a channel, in SI: squares of more are no finite numbers any more, and no free key can be blamed for it."""
+"""Largest value of a channel, in SI: squares of more are no finite numbers, and no free key can be blamed for it."""
 MOST_LISTED = 20
 """More outputs of a model are not listed in a message."""
 
