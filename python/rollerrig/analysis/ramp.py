@@ -100,7 +100,7 @@ def _one_way_case(
 
 
 def _method(case: Case) -> dict[str, object]:
-    """Method of several steps with ellipses, too, unless they vanish at full force: it shows amplitudes, no run is decided by it."""
+    """Method of several steps with ellipses, too, unless they vanish at full force: it shows amplitudes and decides no run."""
     normal = case.contact.normal
     if normal.kind == "hertz" and normal.merging_criterion == 0.0:
         return {}

@@ -282,7 +282,7 @@ class Assembly:
         )
 
     def _direction_laws(
-        self, key: str, laws: Mapping[str, Any], loads: Mapping[str, float]
+        self, key: str, laws: Mapping[Any, Any], loads: Mapping[str, float]
     ) -> list[_core.DirectionLaw]:
         """Laws and loads at rest of an element, in each direction.
 

@@ -12,19 +12,8 @@ from rollerrig.analysis.equivalent_dead_time import lags
 from rollerrig.analysis.slide_statistics import idle_valves
 from rollerrig.assembly.actuators import assemble_with_actuators
 from rollerrig.assembly.model import AssembledModel, assemble
-from rollerrig.config import (
-    GRAVITY,
-    Case,
-    ConfigError,
-    Element,
-    Material,
-    ProfileSpec,
-    Programme,
-    Rig,
-    Track,
-    Vehicle,
-    code_of,
-)
+from rollerrig.config import GRAVITY, Case, Element, Material, ProfileSpec, Programme, Rig, Track, Vehicle, code_of
+from rollerrig.config.errors import ConfigError
 from rollerrig.config.schema.faults import fault_text
 from rollerrig.config.schema.rig_control import BandwidthEstimator
 from rollerrig.config.schema.track import SpectrumIrregularity, rails_of_run

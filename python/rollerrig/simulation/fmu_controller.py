@@ -155,17 +155,16 @@ class FmuController:
 
 
 def _instance(folder: str, file: FmuFile, hear: Callable[..., None] | None = None) -> Any:
-    """FMPy's instance of an unpacked FMU with the parameters of the case; its messages go to `hear`."""
+    """FMPy's instance of an unpacked FMU; its messages go to `hear`."""
     import fmpy
 
-    made = fmpy.instantiate_fmu(folder, file.description, fmi_type="CoSimulation", logger=hear)
-    for link, value in file.parameters:
-        _set(made, link, [value])
-    return made
+    return fmpy.instantiate_fmu(folder, file.description, fmi_type="CoSimulation", logger=hear)
 
 
 def _enter(fmu: Any, file: FmuFile, time: float) -> None:
-    """Enter its initialisation at a time [s]."""
+    """Set the parameters of the case and enter the initialisation at a time [s]."""
+    for link, value in file.parameters:
+        _set(fmu, link, [value])
     if file.description.fmiVersion == "2.0":
         fmu.setupExperiment(startTime=time)
         fmu.enterInitializationMode()
@@ -198,7 +197,8 @@ def _in_process_of_its_own(folder: str, file: FmuFile, sample_time: float) -> No
     last = (ended.stderr.decode("utf-8", "replace").strip().splitlines() or [""])[-1]
     if last.startswith("OSError: "):
         raise FmuError(f"its library cannot be loaded: {last}")
-    how = Signals(-ended.returncode).name if ended.returncode < 0 else f"exit code {ended.returncode}"
+    code_or_error = last if ended.returncode > 0 and last else f"exit code {ended.returncode}"
+    how = Signals(-ended.returncode).name if ended.returncode < 0 else code_or_error
     raise FmuError(f"tried in a process of its own, it ended that with {how} before the end of its first step")
 
 
