@@ -15,6 +15,7 @@ from rollerrig.viewer.live import FRAME
 from rollerrig.viewer.play import Theatre, server
 
 REFUSALS = ()
+FOREIGN_SPEED = 123.456
 WORDS = ("speed", "friction", "nonsense", "", "a\0b", "x" * 500, "__class__", "wheel_radius")
 VALUES = ("1", "-1", "0", "1e400", "-1e308", "9" * 900, "NaN", "Infinity", "null", "true", "[]", "{}", '"x"', "[" * 999,
           '{"a":' * 160, "1e-400", '"1"', "[1]", "")  # fmt: skip
@@ -44,8 +45,9 @@ def prepare() -> Stage:
 
 
 def attack(stage: Stage, choose: random.Random) -> str:
+    asked = foreign(stage.port, choose) if choose.random() < 0.1 else request(stage.port, choose)
     with contextlib.suppress(OSError), socket.create_connection(("127.0.0.1", stage.port), 5.0) as line:
-        line.sendall(request(stage.port, choose))
+        line.sendall(asked)
         if choose.random() < 0.8:
             line.shutdown(socket.SHUT_WR)
             while line.recv(65536):
@@ -56,6 +58,8 @@ def attack(stage: Stage, choose: random.Random) -> str:
     status = pushed(stage.port) if choose.random() < 0.2 else 200
     if stage.tracebacks:
         raise AssertionError(stage.tracebacks.pop().splitlines()[-1])
+    if stage.theatre.run.values["speed"] == FOREIGN_SPEED:
+        return "nonsense another page has moved a slider"
     return "ran" if status == 200 else f"nonsense a push is answered with {status}"
 
 
@@ -67,6 +71,16 @@ def pushed(port: int) -> int:
     answer.read()
     line.close()
     return answer.status
+
+
+def foreign(port: int, choose: random.Random) -> bytes:
+    """A request of another page, or one that is refused, whose body is a request that names no page."""
+    command = f'{{"name": "speed", "value": {FOREIGN_SPEED}}}'
+    hidden = f"POST /set HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\nContent-Length: {len(command)}\r\n\r\n{command}"
+    origin = choose.choice(["Origin: http://example.org\r\n", "Origin: null\r\n", "Host: example.org\r\n", ""])
+    path, size = choose.choice(["/set", "/", "/nowhere"]), choose.choice([str(len(hidden)), "9" * 50, "x"])
+    head = f"POST {path} HTTP/1.1\r\nHost: 127.0.0.1:{port}\r\n{origin}Content-Length: {size}\r\n\r\n"
+    return (head + hidden).encode()
 
 
 def request(port: int, choose: random.Random) -> bytes:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+import tempfile
 from collections import Counter
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
@@ -25,6 +26,7 @@ KINDS = (
     "absurd",
     "log",
     "shared",
+    "plan",
 )
 SOUND = ("refused", "ran")
 FAULTS = ("crash", "hang", "traceback", "nonsense")
@@ -80,7 +82,9 @@ def _worker(kind: str, first: int, count: int) -> tuple[int, list[tuple[int, str
     command = [sys.executable, "-m", "hostile.worker", kind, str(first), str(count)]
     folder = str(Path(__file__).resolve().parents[1])
     environment = os.environ | {"PYTHONPATH": os.pathsep.join([folder, *filter(None, sys.path)])}
-    done = subprocess.run(command, capture_output=True, text=True, errors="replace", env=environment, check=False)
+    with tempfile.TemporaryDirectory(prefix="hostile") as left:  # also by what was killed
+        environment["TMPDIR"] = left
+        done = subprocess.run(command, capture_output=True, text=True, errors="replace", env=environment, check=False)
     return done.returncode, list(_parsed(done.stdout)), done.stderr
 
 

@@ -11,7 +11,7 @@ from hostile.runner import Counted, attack, table
 from rollerrig.interfaces.fmu.export import shells
 
 SHORT = {"border": 150, "config": 60, "fmu": 60, "model": 20, "packets": 60, "play": 80, "profile": 150, "run": 10,
-         "state": 100, "absurd": 8, "log": 200, "shared": 40}  # fmt: skip
+         "state": 100, "absurd": 8, "log": 200, "shared": 40, "plan": 60, "sizes": 3}  # fmt: skip
 LONG = 40
 """Times as many with --long."""
 
@@ -24,7 +24,7 @@ def end(kind: str, inputs: int) -> None:
     assert counted.outcomes.total() >= min(inputs, 1)
 
 
-@pytest.mark.parametrize("kind", SHORT)
+@pytest.mark.parametrize("kind", [pytest.param(k, marks=pytest.mark.slow) if k == "sizes" else k for k in SHORT])
 def test_no_input_is_more_than_refused(kind: str) -> None:
     if kind == "fmu" and not shells():
         pytest.skip("the library inside FMUs is built on Linux")
@@ -32,9 +32,9 @@ def test_no_input_is_more_than_refused(kind: str) -> None:
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("kind", [*SHORT, "sizes"])
+@pytest.mark.parametrize("kind", SHORT)
 def test_no_input_of_many_is_more_than_refused(kind: str) -> None:
-    end(kind, LONG * SHORT.get(kind, 1))
+    end(kind, LONG * SHORT[kind])
 
 
 def test_the_checksum_is_that_of_the_standard() -> None:

@@ -142,6 +142,17 @@ def test_results_that_do_not_fit_are_refused_by_their_size_unpacked(
         rr.load_run(path)
 
 
+@pytest.mark.skipif(sys.platform != "linux", reason="limits of addresses are read from /proc")
+def test_a_limit_on_addresses_is_a_limit_on_memory() -> None:
+    code = (
+        "import resource; from rollerrig.results.files import available_memory as left; "
+        "used = int(open('/proc/self/statm').read().split()[0]) * resource.getpagesize(); "
+        "resource.setrlimit(resource.RLIMIT_AS, (used + 50_000_000,) * 2); print(left())"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert 30e6 < float(done.stdout) <= 50e6
+
+
 def test_what_is_no_file_of_results_is_named(tmp_path: Path) -> None:
     (tmp_path / "text.nc").write_text("no results")
     with pytest.raises(ResultsError, match=r"text.nc: no NetCDF file of results such as run.nc, or a damaged one"):

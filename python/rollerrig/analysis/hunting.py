@@ -247,12 +247,14 @@ def lateral_rest(run: xr.Dataset) -> LateralRest | None:
     """What is left of the sideways motion of a run; None where that is not to be said.
 
     It did not come to its end, something else than the start disturbs the vehicle, it was at rest all the time, or it ended
-    within two half-waves.
+    within two half-waves or a turn of the wheels.
     """
     info, speed = RunInfo.of(run), run["speed"].to_numpy()
     if run.attrs["status"] != "ok" or len(speed) < 4 or info.actuators or curved(run) or irregular(run):
         return None
     if float(np.ptp(speed)) > CONSTANT * float(np.abs(speed).max()):
+        return None
+    if float(np.ptp(run["distance"].to_numpy())) < 2.0 * math.pi * info.wheel_radius:
         return None
     bodies = info.moving
     lateral = run["lateral"].sel(body=bodies).transpose("body", "time").to_numpy()

@@ -13,7 +13,7 @@ from typing import Any, Literal
 from rollerrig import _core
 from rollerrig.assembly.laws import Support, contact_laws, direction_law
 from rollerrig.assembly.model_parts import AxleActuators, WheelInfo, static_loads
-from rollerrig.config import Case, Foundation, Restraint, Rig, Track, Vehicle
+from rollerrig.config import Case, ConfigError, Foundation, Restraint, Rig, Track, Vehicle
 from rollerrig.config.schema.support import NOWHERE, RAIL_CURVES, RailHeads, RollerLosses, rail_heads, rail_layout
 from rollerrig.config.schema.track import rails_of_run
 from rollerrig.config.schema.vehicle import DIRECTIONS, Body, Element
@@ -271,18 +271,29 @@ class Assembly:
         x, y, z = element.end_b
         bx, by, bz = self.positions[element.between[1]]
         self.elements.append(element.name)
-        laws = element.laws
         self.builder.add_element(
             _core.ForceElement(
                 body_a=a,
                 body_b=b,
                 point_on_b=(x - self.cut.origin_x - bx, y - by, z - bz),
-                law=[
-                    direction_law(laws.get(direction), preload if direction == "z" else 0.0) for direction in DIRECTIONS
-                ],
+                law=self._direction_laws(f"vehicle.element.{element.name}", element.laws, {"z": preload}),
                 clamped=element.clamped,
             )
         )
+
+    def _direction_laws(
+        self, key: str, laws: Mapping[Any, Any], loads: Mapping[str, float]
+    ) -> list[_core.DirectionLaw]:
+        """Laws and loads at rest of an element, in each direction.
+
+        Raises:
+            ConfigError: what it carries is too heavy.
+        """
+        try:
+            return [direction_law(laws.get(c), loads.get(c, 0.0)) for c in DIRECTIONS]
+        except ValueError as error:
+            allowed = "allowed: lighter bodies above it"
+            raise ConfigError.of(self.case.name, key, str(error).partition(": ")[2], allowed) from None
 
     def _add_rollers(self, wheelset: Body, rig: Rig, axle_load: float, place: int) -> None:
         """The rollers under a wheelset, which is the `place`-th from the front."""
@@ -369,7 +380,7 @@ class Assembly:
         under: int = GROUND,
     ) -> None:
         """An element between the ground, or what else is under it, and a point of a body."""
-        laws = [direction_law(given.get(c), loads.get(c, 0.0)) for c in DIRECTIONS]
+        laws = self._direction_laws(name, given, loads)
         self.elements.append(name)
         self.builder.add_element(
             _core.ForceElement(body_a=under, body_b=body, point_on_b=point, law=laws, clamped=False)

@@ -13,12 +13,14 @@ from rollerrig.analysis.slide_statistics import idle_valves
 from rollerrig.assembly.actuators import assemble_with_actuators
 from rollerrig.assembly.model import AssembledModel, assemble
 from rollerrig.config import GRAVITY, Case, Element, Material, ProfileSpec, Programme, Rig, Track, Vehicle, code_of
+from rollerrig.config.errors import ConfigError
 from rollerrig.config.schema.faults import fault_text
 from rollerrig.config.schema.rig_control import BandwidthEstimator
 from rollerrig.config.schema.track import SpectrumIrregularity, rails_of_run
 from rollerrig.config.validate.check_track import highest_speed_on, speeds_on
 from rollerrig.irregularity import RailIrregularity
 from rollerrig.simulation.controllers import COMMANDS, fmu_controller, look_at_controller, users_controllers
+from rollerrig.simulation.fmu_controller import FmuError
 from rollerrig.simulation.mechatronics import estimator_response, feedback_gains, full_brake_torque, rig_controller
 from rollerrig.simulation.starting_state import degrees_of_freedom, equilibrium_dataset
 from rollerrig.track import Segment, equilibrium_speed, plane_acceleration
@@ -124,7 +126,7 @@ def actuator_lines(case: Case, *, run_code: bool = False) -> list[str]:
         table = getattr(case, name)
         if table is not None:
             if table.fmu is not None:
-                lines.append(_fmu(case, name))
+                lines.append(_fmu(case, name, run_code))
                 continue
             if table.user is not None and name not in users:
                 own = f"class {table.user.rpartition(':')[2]} of your own, acting {1e3 * table.delay:g} ms later"
@@ -140,9 +142,16 @@ def actuator_lines(case: Case, *, run_code: bool = False) -> list[str]:
     return [*lines, *idle_valves(case)]
 
 
-def _fmu(case: Case, role: str) -> str:
-    """An FMU, of which only the description has been read."""
+def _fmu(case: Case, role: str, run_code: bool) -> str:
+    """An FMU, of which only the description has been read unless its code may run."""
     table, controller = getattr(case, role), fmu_controller(case, role)
+    try:
+        if run_code:
+            controller.try_out()
+    except FmuError as error:
+        raise ConfigError.of(case.name, f"{role}.fmu.file", repr(table.fmu.file), str(error)) from None
+    finally:
+        controller.close()
     file = controller.file
     taken = ", ".join(link.signal for link in file.inputs)
     text = (

@@ -6,6 +6,7 @@ import sys
 import textwrap
 import tomllib
 from collections.abc import Callable, Mapping
+from pathlib import Path
 from typing import NoReturn, ParamSpec, TypeVar
 
 import typer
@@ -44,13 +45,22 @@ def exit_code(status: str) -> int:
     return {"ok": OK, "stopped": OK, "interrupted": INTERRUPTED}.get(status, LEFT_VALIDITY)
 
 
-def _with_file(message: str, options: Mapping[str, object]) -> str:
-    """The message with the user's file in place of the name of the case in it: what is found late knows only the name."""
+def _name_in(path: Path, depth: int = 8) -> str:
+    """The name of the case in a file, which is that of its base where it has none: of the catalogue, or of another file."""
     from rollerrig.common.input_files import LARGEST_TEXT, read_input
 
+    raw = tomllib.loads(read_input(path, LARGEST_TEXT).decode("utf-8"))
+    base = str(raw.get("base", ""))
+    if "name" in raw or not base.endswith(".toml") or not depth:
+        return str(raw.get("name", base))
+    return _name_in(path.parent / base, depth - 1)
+
+
+def _with_file(message: str, options: Mapping[str, object]) -> str:
+    """The message with the user's file in place of the name of the case in it: what is found late knows only the name."""
     source = str(options.get("case") or options.get("file") or "")
     try:
-        name = tomllib.loads(read_input(source, LARGEST_TEXT).decode("utf-8")).get("name")
+        name = _name_in(Path(source))
     except (OSError, ValueError, RecursionError):
         return message
     return "\n".join(

@@ -95,11 +95,11 @@ def open_input(path: str | Path, largest: int | None = None) -> BufferedReader:
 
 
 def check_hdf5(path: str | Path, largest: int | None) -> Path:
-    """The path of a file of HDF5, if it may be opened and no object of a collection of texts has neither index nor size.
+    """The path of a file of HDF5, if it may be opened, and its collections of texts end and do not overlap.
 
-    The library walks through such a collection for ever. Source: HDF5 File Format Specification 3.0, III.E "Global Heap": after a
-    head of 16 bytes objects of index and references (2 bytes each), 4 unused ones, size (8), and what they hold, filled up to
-    eights; index 0 is the room that is left.
+    The library walks for ever through a collection that holds an object without index and size. Source: HDF5 File Format
+    Specification 3.0, III.E "Global Heap": after a head of 16 bytes objects of index and references (2 bytes each), 4 unused
+    ones, size (8), and what they hold, filled up to eights; index 0 is the room that is left.
 
     Raises:
         InputError: it is damaged so, something else, or larger than allowed.
@@ -109,14 +109,15 @@ def check_hdf5(path: str | Path, largest: int | None) -> Path:
         if os.fstat(file.fileno()).st_size == 0:
             return Path(path)
         with mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content:
-            at = content.find(_COLLECTION)
+            at, objects = content.find(_COLLECTION), 0
             while at >= 0:
                 end = min(at + int.from_bytes(content[at + 8 : at + 16], "little"), len(content))
                 place = at + 16
                 while place + 16 <= end:
                     index = int.from_bytes(content[place : place + 2], "little")
                     size = int.from_bytes(content[place + 8 : place + 16], "little")
-                    if index == size == 0:
+                    objects += 1
+                    if index == size == 0 or objects > len(content) // 16:  # more than there is room for: they overlap
                         raise InputError(errno.EINVAL, "a damaged file of HDF5: its collection of texts has no end")
                     place += 16 + (size + 7) // 8 * 8 if index else size
                 at = content.find(_COLLECTION, at + 8)

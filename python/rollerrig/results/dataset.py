@@ -201,6 +201,28 @@ def _blocks() -> list[tuple[tuple[str, ...], list[Field], dict[str, str]]]:
     ]
 
 
+def recorded_names(results: xr.Dataset) -> list[str]:
+    """Variables of every run that has these dimensions."""
+    of_axles = () if "axle" in results.sizes else (_core.axle_fields, _core.train_fields)
+    return [names.get(one[0], one[0]) for _, fields, names in _blocks() if fields not in of_axles for one in fields]
+
+
+_OF_RUN = {
+    **dict.fromkeys(("title", "case", "status", "status_message", "warnings", "config_toml", run_info.ATTRIBUTE), str),
+    **dict.fromkeys(("stopped_at_s", "energy_turned_over_j", "energy_relative_residual"), float),
+}
+"""Attributes of a run that are read, and their types."""
+
+
+def wrong_attribute(results: xr.Dataset) -> str:
+    """Which attribute a run lacks or has of another type, in words; '' where all are right, or where it is no run."""
+    recorded = "patch_normal" in results and "time" in results.sizes
+    if not recorded and "energy_relative_residual" not in results.attrs:
+        return ""
+    wrong = (name for name, kind in _OF_RUN.items() if not isinstance(results.attrs.get(name), kind))
+    return next((f"its attribute {name} is missing or of another kind" for name in wrong), "")
+
+
 def wrong_dimensions(results: xr.Dataset) -> str:
     """Which variable of a run has other dimensions than a run gives it, in words; '' where none has, or where it is no run.
 

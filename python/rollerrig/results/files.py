@@ -19,18 +19,24 @@ import numpy as np
 import xarray as xr
 
 from rollerrig.common.input_files import check_hdf5
-from rollerrig.results.dataset import wrong_dimensions
+from rollerrig.results.dataset import wrong_attribute, wrong_dimensions
 from rollerrig.results.marks import PROGRAM, exists, is_ours
 from rollerrig.results.run_info import ResultsError
 
 
 def available_memory() -> float:
-    """Memory that a process can still get [bytes]; infinite where the system does not say."""
+    """Memory that a process can still get, also under a limit on its addresses [bytes]; infinite where none is known."""
     try:
+        import resource  # none on Windows
+
         with open("/proc/meminfo", encoding="ascii") as file:  # noqa: PTH123
             fields = dict(line.split(":", 1) for line in file)
-        return 1024.0 * float(fields["MemAvailable"].split()[0])
-    except (OSError, KeyError, ValueError, IndexError):
+        free = 1024.0 * float(fields["MemAvailable"].split()[0])
+        with open("/proc/self/statm", encoding="ascii") as file:  # noqa: PTH123
+            used = int(file.read().split()[0]) * resource.getpagesize()
+        limit, _ = resource.getrlimit(resource.RLIMIT_AS)
+        return free if limit == resource.RLIM_INFINITY else max(0.0, min(free, float(limit - used)))
+    except (ImportError, OSError, KeyError, ValueError, IndexError):
         return math.inf
 
 
@@ -286,7 +292,7 @@ def load_run(path: str | Path) -> xr.Dataset:
     try:
         _check_results(check_hdf5(path, None))
         run = _dataset(Path(path))
-        misplaced = wrong_dimensions(run)
+        wrong = wrong_dimensions(run) or wrong_attribute(run)
     except FileNotFoundError:
         raise FileNotFoundError(f"{path}: no such file") from None
     except ResultsError:
@@ -295,8 +301,8 @@ def load_run(path: str | Path) -> xr.Dataset:
         raise ResultsError(f"{path}: {error.strerror or damaged}") from None
     except Exception:  # whatever h5py and xarray meet in a damaged file
         raise ResultsError(f"{path}: {damaged}") from None
-    if misplaced:
-        raise ResultsError(f"{path}: a damaged file: {misplaced}")
+    if wrong:
+        raise ResultsError(f"{path}: a damaged file: {wrong}")
     for name in ("format", "program"):
         run.attrs.pop(name, None)
     return run
@@ -320,7 +326,7 @@ def _dataset(path: Path) -> xr.Dataset:
             values = (stored.asstr() if text else stored)[()]
             encoding = {"dtype": str} if text else None  # without it an index of texts is one of objects
             variables[name] = xr.Variable(dimensions, values, _attributes(stored), encoding)
-        return xr.decode_cf(xr.Dataset(variables, attrs=_attributes(file)))
+        return xr.decode_cf(xr.Dataset(variables, attrs=_attributes(file))).load()  # what is damaged shows here
 
 
 def _attributes(stored: Any) -> dict[str, Any]:

@@ -1,6 +1,7 @@
 """What a run computes without complaint and hardly anybody can have meant: a line each, beside the results.
 
-results, their model -> [plausibility] -> warnings: wheel loads, tolerance, steps beyond it, stiffness over mass and step
+results, their model -> [plausibility] -> warnings: wheel loads, speed, friction, tolerance, steps beyond it, stiffness over
+mass and step
 """
 
 import json
@@ -18,6 +19,9 @@ WHEEL_LOADS = (100.0, 400e3)
 LEAST_TOLERANCE = 1e-5
 """A smaller absolute tolerance is below any signal that is worth a run [m]."""
 
+LEAST_SPEED, LEAST_FRICTION = 0.01, 1e-3
+"""A slower run [m/s], and a more slippery rail, are none of a railway; 0 is rest, and no friction at all."""
+
 COARSE_STEPS, LARGEST_ERROR = 0.01, 10.0
 """Part of the steps that may exceed the tolerance, and by how many times one of them may."""
 
@@ -32,13 +36,14 @@ def plausibility_warnings(draft: Draft, model: AssembledModel) -> Iterator[str]:
                 "kN: masses, gravity or their units may not be what is meant"
             )
             break
+    yield from _absurdly_small(draft, model)
     time = model.case.time
     lateral, moving = draft.values("lateral"), [model.body_index(body) for body in model.lateral_bodies]
     largest = float(np.ptp(lateral[:, moving], axis=0).max()) if len(lateral) and moving else 0.0
     if not model.case.integration.fixed and time.absolute_tolerance > max(largest, LEAST_TOLERANCE):
         yield (
             f"the absolute tolerance, {1e3 * time.absolute_tolerance:.3g} mm, is larger than the largest lateral motion, "
-            f"{1e3 * largest:.3g} mm: the run resolves nothing of it"
+            f"{1e3 * largest:.3g} mm: the run resolves nothing of it; its unit may not be what is meant"
         )
     yield from _coarse(json.loads(draft.attributes["solver_statistics"]))
     name, frequency = _fastest(model)
@@ -48,6 +53,21 @@ def plausibility_warnings(draft: Draft, model: AssembledModel) -> Iterator[str]:
             f"{name} has a mode of {frequency:.3g} Hz, faster than the step of {1e3 * step:.3g} ms resolves: stiffness or masses "
             "may not be what is meant"
         )
+
+
+def _absurdly_small(draft: Draft, model: AssembledModel) -> Iterator[str]:
+    """Speeds and friction whose unit or exponent may not be what is meant."""
+    case, distance = model.case, draft.values("distance")
+    covered = float(np.ptp(distance)) if len(distance) else 0.0
+    if 0.0 < abs(case.motion.speed) < LEAST_SPEED and covered < 2.0 * math.pi * case.vehicle.data.wheel.radius:
+        yield (
+            f"at {case.motion.speed:.3g} m/s the run covers {covered:.3g} m, less than a turn of a wheel: the speed or its unit "
+            "may not be what is meant"
+        )
+    rails = [case.adhesion.rail, *(piece.rail for piece in case.adhesion.piece)] if case.adhesion else [case.contact]
+    least = min(rail.friction.mu_0 for rail in rails)
+    if 0.0 < least < LEAST_FRICTION:
+        yield f"a coefficient of friction of {least:.3g} is less than that of any rail: it may not be what is meant"
 
 
 def _coarse(counted: Mapping[str, float]) -> Iterator[str]:

@@ -8,15 +8,19 @@ table's `delay`.
 
 from __future__ import annotations
 
+import ctypes
 import io
+import os
+import pickle
 import shutil
 import subprocess
 import sys
 import tempfile
 import weakref
 import zipfile
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 from signal import Signals
 from typing import Any
@@ -103,34 +107,33 @@ class FmuController:
             self._remove()
             self._remove = None
 
-    def _begin(self, time: float, measurements: dict[str, Any]) -> None:
-        import fmpy
+    def try_out(self) -> str:
+        """Unpack it and take its first step in a process of its own, once: what is damaged inside can end that or never return.
 
+        Returns:
+            The folder where it is unpacked until `close`.
+
+        Raises:
+            FmuError: the process did not come to the end of that step. An error status is none: the run reports it.
+        """
         folder = tempfile.mkdtemp(prefix="rollerrig-fmu-")
         self._remove = weakref.finalize(self, shutil.rmtree, folder, ignore_errors=True)
         with zipfile.ZipFile(io.BytesIO(self.file.content)) as archive:
             archive.extractall(folder)
-        _try_to_load(folder, self.file)
-        description = self.file.description
-        old = description.fmiVersion == "2.0"
-        self._fmu = fmpy.instantiate_fmu(folder, description, fmi_type="CoSimulation", logger=self._hear)
-        for link, value in self.file.parameters:
-            self._set(link, [value])
-        if old:
-            self._fmu.setupExperiment(startTime=time)
-            self._fmu.enterInitializationMode()
-        else:
-            self._fmu.enterInitializationMode(startTime=time)
+        if self.file.checksum not in _SOUND and sys.executable:
+            _in_process_of_its_own(folder, self.file, self.sample_time)
+            _SOUND.add(self.file.checksum)
+        return folder
+
+    def _begin(self, time: float, measurements: dict[str, Any]) -> None:
+        self._fmu = _instance(self.try_out(), self.file, self._hear)
+        _enter(self._fmu, self.file, time)
         self._set_inputs(measurements)
         self._fmu.exitInitializationMode()
 
     def _set_inputs(self, measurements: dict[str, Any]) -> None:
         for link in self.file.inputs:
-            self._set(link, [float(value) for value in measurements[link.signal][: link.width]])
-
-    def _set(self, link: Link, values: list[Any]) -> None:
-        getattr(self._fmu, f"set{_kind(link)}")(list(link.references), values if _kind(link) == "String" else
-                                                [v if link.kind in FLOATS else int(v) for v in values])  # fmt: skip
+            _set(self._fmu, link, [float(value) for value in measurements[link.signal][: link.width]])
 
     def _get(self, link: Link) -> list[Any]:
         read = getattr(self._fmu, f"get{_kind(link)}")
@@ -151,30 +154,74 @@ class FmuController:
         return f"; it says: {'; '.join(self._log)}" if self._log else ""
 
 
-_LOADED: set[str] = set()
-"""Checksums of FMUs whose library could be loaded."""
-
-
-def _try_to_load(folder: str, file: FmuFile) -> None:
-    """Load the library in a process of its own, once: what is damaged inside can end the process that loads it.
-
-    Raises:
-        FmuError: it could not be loaded.
-    """
+def _instance(folder: str, file: FmuFile, hear: Callable[..., None] | None = None) -> Any:
+    """FMPy's instance of an unpacked FMU; its messages go to `hear`."""
     import fmpy
 
-    if file.checksum in _LOADED or not sys.executable:
-        return
+    return fmpy.instantiate_fmu(folder, file.description, fmi_type="CoSimulation", logger=hear)
+
+
+def _enter(fmu: Any, file: FmuFile, time: float) -> None:
+    """Set the parameters of the case and enter the initialisation at a time [s]."""
+    for link, value in file.parameters:
+        _set(fmu, link, [value])
+    if file.description.fmiVersion == "2.0":
+        fmu.setupExperiment(startTime=time)
+        fmu.enterInitializationMode()
+    else:
+        fmu.enterInitializationMode(startTime=time)
+
+
+_SOUND: set[str] = set()
+"""Checksums of FMUs whose first step came to its end."""
+_PATIENCE = 30.0
+"""How long that may take [s]."""
+
+
+def _in_process_of_its_own(folder: str, file: FmuFile, sample_time: float) -> None:
+    import fmpy
+
     own = fmpy.platform if file.description.fmiVersion == "2.0" else fmpy.platform_tuple
     name = f"{file.description.coSimulation.modelIdentifier}{fmpy.sharedLibraryExtension}"
-    code = "import ctypes, os, sys; os.chdir(os.path.dirname(sys.argv[1])); ctypes.CDLL(sys.argv[1])"
-    path = str(Path(folder) / "binaries" / own / name)
-    ended = subprocess.run([sys.executable, "-I", "-c", code, path], capture_output=True, text=True, check=False)
-    if ended.returncode < 0:
-        raise FmuError(f"its library cannot be loaded: the loader was ended by {Signals(-ended.returncode).name}")
-    if ended.returncode:
-        raise FmuError(f"its library cannot be loaded: {(ended.stderr.strip().splitlines() or ['?'])[-1]}")
-    _LOADED.add(file.checksum)
+    library = str(Path(folder) / "binaries" / own / name)
+    code = f"import sys; sys.path[:] = {sys.path}; from {__name__} import first_step; first_step()"
+    given = pickle.dumps((library, folder, replace(file, content=b""), sample_time))
+    try:
+        ended = subprocess.run(
+            [sys.executable, "-I", "-c", code], input=given, capture_output=True, check=False, timeout=_PATIENCE
+        )
+    except subprocess.TimeoutExpired:
+        raise FmuError(f"tried in a process of its own, its first step had not ended after {_PATIENCE:g} s") from None
+    if ended.stdout.endswith(_THROUGH):
+        return
+    last = (ended.stderr.decode("utf-8", "replace").strip().splitlines() or [""])[-1]
+    if last.startswith("OSError: "):
+        raise FmuError(f"its library cannot be loaded: {last}")
+    code_or_error = last if ended.returncode > 0 and last else f"exit code {ended.returncode}"
+    how = Signals(-ended.returncode).name if ended.returncode < 0 else code_or_error
+    raise FmuError(f"tried in a process of its own, it ended that with {how} before the end of its first step")
+
+
+_THROUGH = b"through the first step"
+
+
+def first_step() -> None:
+    """Load the library that standard input names, and take the FMU's first step with the start values of its inputs."""
+    library, folder, file, sample_time = pickle.load(sys.stdin.buffer)  # of our own process
+    os.chdir(Path(library).parent)
+    ctypes.CDLL(library)
+    with suppress(Exception):  # an error status, of which the run will tell
+        fmu = _instance(folder, file)
+        _enter(fmu, file, 0.0)
+        fmu.exitInitializationMode()
+        fmu.doStep(0.0, sample_time)
+    os.write(1, _THROUGH)
+    os._exit(0)  # whatever the library wants to do at the end of a process
+
+
+def _set(fmu: Any, link: Link, values: list[Any]) -> None:
+    given = values if _kind(link) == "String" else [v if link.kind in FLOATS else int(v) for v in values]
+    getattr(fmu, f"set{_kind(link)}")(list(link.references), given)
 
 
 def _kind(link: Link) -> str:

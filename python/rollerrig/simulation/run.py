@@ -53,6 +53,9 @@ CHARACTERISTIC_RATE = 100.0
 SURELY_THERE = 64e6
 """Memory that need not be asked for [bytes]."""
 
+_VALID = "the results up to this time are valid"
+"""What the core says of some runs that end early, before their energy is audited."""
+
 ENERGY_WARNING = 1e-3
 """Relative energy residual above which a run carries a warning [-]."""
 
@@ -156,7 +159,11 @@ def _results(
     advice = "" if on_rollers or model.rails else FLEXIBLE
     lost = contact_loss_warning(losses, duration, on_rollers=on_rollers, advice=advice)
     draft.attributes.update(provenance)
-    own = (_energy_warning(draft, advice), lost, drive_warning(draft), *plausibility_warnings(draft, model))
+    energy = _energy_warning(draft, advice)
+    if energy:
+        message = draft.attributes["status_message"]
+        draft.attributes["status_message"] = message.replace(_VALID, "its energy balance is open, see the warning")
+    own = (energy, lost, drive_warning(draft), *plausibility_warnings(draft, model))
     draft.attributes["warnings"] = "\n".join(filter(None, own))
     return draft.dataset()
 

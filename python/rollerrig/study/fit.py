@@ -32,6 +32,8 @@ from rollerrig.study.quantities import Numbers
 from rollerrig.study.report import Block, Picture, Section, Table, Text
 from rollerrig.study.runs.fit import MODELS, OVER_TIME, Channel, Found, Record, search, starts
 
+LARGEST_MEASURED = 1e30
+"""Largest value of a channel, in SI: squares of more are no finite numbers, and no free key can be blamed for it."""
 MOST_LISTED = 20
 """More outputs of a model are not listed in a message."""
 
@@ -92,6 +94,11 @@ class _Reader:
             if problem := logs.time_problem(x[used]):
                 allowed = "allowed: times that rise without a gap; cut it with `begin` and `end`, or make it two logs"
                 _refuse(self.table.file, name, problem, allowed)
+            if (span := float(np.ptp(x[used]))) < case.time.output_step:
+                allowed = (
+                    f"allowed: at least time.output_step of the case, {case.time.output_step:g} s; is its unit right?"
+                )
+                _refuse(self.table.file, name, f"{span:.3g} s in all", allowed)
             x = x - begin
             case = self._driven(case, x[used], used, log)
             case = case.with_changes({"time.duration": f"{float(x[used][-1]) + case.time.output_step!r} s"})
@@ -131,6 +138,9 @@ class _Reader:
         unit = outputs[output.of]
         factor = self._factor(name, output.unit, unit, f"{at}.unit")
         measured = self._column(name, f"{at}.column", factor, used)
+        if (largest := float(np.abs(measured).max())) > LARGEST_MEASURED:
+            allowed = f"allowed: up to {LARGEST_MEASURED:g} {unit}"
+            _refuse(self.table.file, name, f"{largest:.3g} {unit}", allowed)
         error = np.full(len(measured), math.nan)
         try:
             if output.error_column is not None:

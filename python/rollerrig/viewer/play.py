@@ -152,7 +152,9 @@ def server(theatre: Theatre, port: int = 0) -> ThreadingHTTPServer:
 
 def _handler(theatre: Theatre) -> type[BaseHTTPRequestHandler]:
     class Handler(BaseHTTPRequestHandler):
-        protocol_version = "HTTP/1.1"
+        protocol_version = (
+            "HTTP/1.0"  # a request a connection: what is left of a refused one is never taken for the next
+        )
         timeout = _PATIENCE
 
         def do_GET(self) -> None:
@@ -188,7 +190,6 @@ def _handler(theatre: Theatre) -> type[BaseHTTPRequestHandler]:
             name, _, port = (self.headers.get("Host") or "").partition(":")
             if name in _HOSTS and port == str(self.connection.getsockname()[1]):
                 return True
-            self.close_connection = True
             self._answer(403, "text/plain", "not the name of this server")
             return False
 
@@ -197,7 +198,6 @@ def _handler(theatre: Theatre) -> type[BaseHTTPRequestHandler]:
             self.send_header("Content-Type", "text/event-stream")
             self.send_header("Cache-Control", "no-store")
             self.end_headers()
-            self.close_connection = True
             number, scene, _ = theatre.frames_after(-1)
             with contextlib.suppress(OSError):  # the browser has gone
                 while not theatre.ended:

@@ -22,6 +22,7 @@ from rollerrig.assembly.model import AssembledModel, assemble
 from rollerrig.common.arrays import Array
 from rollerrig.config import ConfigError, case_from_toml
 from rollerrig.results import ResultsError, RunInfo
+from rollerrig.results.dataset import recorded_names
 from rollerrig.viewer import parts
 from rollerrig.viewer.columns import MOST_FRAMES, Columns, Frames, extremes, thinned
 from rollerrig.viewer.contacts import PLACE, contact_places
@@ -103,9 +104,6 @@ WHEEL = (
 )
 AXLE = ("cylinder_pressure", "brake_torque", "traction_torque", "roller_torque", "axle_speed", "roller_speed")
 TRAIN = ("speed", "distance", "train_speed")
-NEEDED = (*MOTION, "speed", "distance", *WHEEL, "patch_count", *(f"patch_{name}" for name in PATCH))
-"""What every run has: without, nothing can be shown."""
-
 ALLOWED = {"position_mm": 0.05, "angle_mrad": 0.1}
 """Errors that a page may make to have fewer frames; that of the forces is only stated."""
 
@@ -196,7 +194,7 @@ def model_of(run: xr.Dataset) -> AssembledModel:
     Raises:
         ResultsError: the results hold no motion of bodies, or their case cannot be read by this version.
     """
-    missing = [name for name in NEEDED if name not in run]
+    missing = [name for name in recorded_names(run) if name not in run]
     if missing or "time" not in run.sizes or "config_toml" not in run.attrs:
         lacking = ", ".join(missing[:3]) or "a time or the case"
         raise ResultsError(f"these results hold no motion of bodies ({lacking}); view takes the run.nc of a run")
@@ -256,7 +254,10 @@ def _add_forces(columns: Columns, run: xr.Dataset, most: int) -> str:
 def _add_patches(columns: Columns, run: xr.Dataset, model: AssembledModel, index: NDArray[np.intp]) -> int:
     count = int(np.nanmax(run["patch_count"].to_numpy()[index], initial=0.0))
     count = max(1, min(count, _MOST_PATCHES, run.sizes["patch"]))
-    places = contact_places(model, run, index, count)
+    try:
+        places = contact_places(model, run, index, count)
+    except ValueError as error:
+        raise ResultsError(f"no wheel can stand where these results have one: {error}") from None
     for number in range(run.sizes["wheel"]):
         for patch in range(count):
             for name in PATCH:

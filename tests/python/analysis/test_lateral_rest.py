@@ -48,6 +48,9 @@ def test_nothing_is_said_where_it_cannot_be(short: xr.Dataset) -> None:
     braked = moved(short, 2e-3, 0.0)
     braked["speed"] = braked["speed"] * xr.DataArray(np.linspace(1.0, 0.9, braked.sizes["time"]), dims="time")
     assert lateral_rest(braked) is None
+    creeping = moved(short, 2e-3, -60.0)
+    creeping["distance"] = 0.1 * creeping["distance"]
+    assert lateral_rest(creeping) is None  # not a turn of its wheels
     rough = moved(short, 2e-3, 0.0)
     rough["rail_lateral"] = rough["lateral"]
     assert lateral_rest(rough) is None

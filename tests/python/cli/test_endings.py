@@ -222,6 +222,16 @@ def test_the_same_run_in_another_process_and_locale_is_the_same_bytes(
     assert contents(whole_run) == contents(tmp_path / "there")
 
 
+def test_what_is_found_late_names_the_file_of_the_user(tmp_path: Path) -> None:
+    own, further = tmp_path / "own.toml", tmp_path / "further.toml"
+    own.write_text('base = "vehicle_track_irregular"\nvehicle.body.car_body.mass = "99900 t"\n')
+    further.write_text('base = "own.toml"\n')
+    for path in (own, further):
+        done = CliRunner().invoke(build_app(), ["check", str(path)])
+        assert done.exit_code == 2
+        assert done.stderr.startswith(f"rollerrig: {path}: vehicle.element.primary_1_left: ")
+
+
 def test_exit_codes_are_those_of_the_documentation() -> None:
     page = Path(__file__).resolve().parents[3] / "docs" / "reference" / "command_line.md"
     documented = {int(code) for code in re.findall(r"^\| (\d+) \|", page.read_text(), re.MULTILINE)}

@@ -108,6 +108,8 @@ PRIMARY = 'between = ["front_frame", "wheelset_1"]\npoint = [10.78, 1.0, 0.46]'
          "case.toml: contact.friction.mu_0: -0.1; allowed: a number, from 0 to 1.5"),
         ("case", "friction = 0.3", "friction = 1.6",
          "case.toml: contact.friction.mu_0: 1.6; allowed: a number, from 0 to 1.5"),
+        ("case", "friction = 0.3", 'friction = { kind = "constant", mu_0 = "0.3 m" }',
+         "case.toml: contact.friction.mu_0: '0.3 m'; allowed: a number without a unit, from 0 to 1.5"),
         ("case", 'method = "exponential_adams"', 'method = "rk5"',
          "case.toml: time.method: 'rk5'; allowed: rodas4, rk4, exponential_rk4, exponential_adams, "
          "dormand_prince; did you mean 'rk4'?"),

@@ -177,6 +177,13 @@ def test_sizes_that_only_together_are_too_large_are_refused(
     assert told in problem.allowed
 
 
+def test_a_load_that_only_the_statics_tell_is_refused() -> None:
+    case = load_case("vehicle_track_irregular").with_changes({"vehicle.body.car_body.mass": "99900 t"})
+    told = r"vehicle\.element\.primary_1_left: preload must be at most 1e8, got -1\.2\d*e\+08 .*allowed: lighter bodies above it"
+    with pytest.raises(ConfigError, match=told):
+        describe_case(case)
+
+
 def test_wheel_and_rail_of_different_models_are_refused() -> None:
     with pytest.raises(ConfigError) as error:
         build(with_length_scale(copy.deepcopy(whole_cases()["flat"]), 1e-3))

@@ -2,7 +2,8 @@
  *
  * Two Real inputs (references 0, 1), two Integer outputs (2, 3), Real parameters: part of the speed (4), time after which it
  * fails (5), time after which its first output is out of its limits (6); String parameter (7), Boolean parameter: never vents (8).
- * The same outputs as Real (9, 10), of which the first is no number from a time on (11).
+ * The same outputs as Real (9, 10), of which the first is no number from a time on (11). How it dies in its first step (12): by
+ * abort, exit or in an endless loop for 1, 2, 3.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -12,7 +13,7 @@
 
 typedef struct {
   fmi2CallbackFunctions const* callbacks;
-  double real[12];
+  double real[13];
   int valve[2], never;
 } Relay;
 
@@ -62,6 +63,9 @@ fmi2Status fmi2DoStep(fmi2Component c, fmi2Real time, fmi2Real length, fmi2Boole
   Relay* relay = c;
   double fastest = relay->real[0] > relay->real[1] ? relay->real[0] : relay->real[1];
   (void)length, (void)keep;
+  if (relay->real[12] == 1) abort();
+  if (relay->real[12] == 2) exit(0);
+  while (relay->real[12] == 3) (void)*(double volatile*)&fastest;
   if (time > relay->real[5]) {
     relay->callbacks->logger(relay->callbacks->componentEnvironment, "relay", fmi2Error, "error", "the wire is broken");
     return fmi2Error;

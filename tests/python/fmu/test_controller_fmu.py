@@ -7,6 +7,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import warnings
 import zipfile
 from collections.abc import Callable
 from pathlib import Path
@@ -19,6 +20,7 @@ from typer.testing import CliRunner
 
 from rollerrig import Case, _core, export_part, load_case, simulate
 from rollerrig.cli.app import build_app
+from rollerrig.cli.describe import describe_case
 from rollerrig.config import ConfigError, case_from_toml
 from rollerrig.simulation.fmu_file import cut_off
 
@@ -278,6 +280,7 @@ def relay(tmp_path_factory: pytest.TempPathFactory) -> Path:
         ("r1", "Real", "output", ""),
         ("r2", "Real", "output", ""),
         ("none_at", "Real", "parameter", 'start="1e9"'),
+        ("dies", "Real", "parameter", 'start="0"'),
     ]
     variables = "".join(
         f'<ScalarVariable name="{name}" valueReference="{i}" causality="{causality}" '
@@ -390,11 +393,38 @@ def test_a_library_that_cannot_be_loaded_ends_its_own_process_alone(
     assert list((tmp_path / "unpacked").iterdir()) == []
 
 
+@pytest.mark.parametrize(
+    ("dies", "how"),
+    [(1, "ended that with SIGABRT"), (2, "ended that with exit code 0"), (3, "had not ended after 1 s")],
+)
+def test_an_fmu_that_ends_its_process_or_never_returns_ends_its_own_alone(
+    relay: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, dies: int, how: str
+) -> None:
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "unpacked"))
+    (tmp_path / "unpacked").mkdir()
+    monkeypatch.setattr("rollerrig.simulation.fmu_controller._SOUND", set())
+    monkeypatch.setattr("rollerrig.simulation.fmu_controller._PATIENCE", 1.0 if dies == 3 else 30.0)
+    case = with_relay(relay, 0.1, dies=dies)
+    run = simulate(case)
+    assert run.attrs["status"] == "controller_failed"
+    assert re.search(f"tried in a process of its own, .*{how}", run.attrs["status_message"])
+    with pytest.raises(ConfigError, match=rf"slide_protection\.fmu\.file: '.*relay\.fmu'; tried in .*{how}"):
+        describe_case(case, run_code=True)
+    assert list((tmp_path / "unpacked").iterdir()) == []
+
+
 def test_what_unpacks_to_too_much_is_refused(relay: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("rollerrig.simulation.fmu_file.LARGEST_UNPACKED", 1000)
     with pytest.raises(ConfigError, match=r"it unpacks to 0\.\d+ MB; allowed: up to 0\.001 MB"):
         simulate(with_relay(relay, 0.1))
     monkeypatch.undo()
+    many = shutil.copy(relay, tmp_path / "many.fmu")
+    with zipfile.ZipFile(many, "a") as archive, warnings.catch_warnings(action="ignore"):
+        for _ in range(3):
+            archive.writestr("resources/zeros", bytes(1_000_000), zipfile.ZIP_DEFLATED)
+    monkeypatch.setattr("rollerrig.simulation.fmu_file.LARGEST_UNPACKED", 2_000_000)
+    with pytest.raises(ConfigError, match=r"it unpacks to 3\.\d+ MB; allowed: up to 2 MB"):
+        simulate(with_relay(many, 0.1))
     monkeypatch.setattr("rollerrig.simulation.fmu_file.LARGEST_DESCRIPTION", 100)
     with pytest.raises(ConfigError, match=r"its modelDescription\.xml has .*allowed: up to 0\.0001 MB"):
         simulate(with_relay(relay, 0.1))

@@ -19,9 +19,17 @@ SHORT = {"time.duration": "0.02 s"}
         ({"vehicle.body.wheelset_1.mass": "2e5 kg"}, "wheelset_1 stands on its rails with "),
         (
             {"time.method": "rodas4", "time.step": None, "time.absolute_tolerance": 1.0},
-            "the absolute tolerance, 1e+03 mm, is",
+            "the absolute tolerance, 1e+03 mm, is larger than the largest lateral motion, ",
         ),
         ({"vehicle.element.primary_1_left.y.stiffness": 1e12}, "primary_1_left has a mode of "),
+        (
+            {"motion.speed": "4e-14 m/s"},
+            "at 4e-14 m/s the run covers 8e-16 m, less than a turn of a wheel: the speed or its unit",
+        ),
+        (
+            {"contact.friction.mu_0": 3e-4, "disturbance": []},
+            "a coefficient of friction of 0.0003 is less than that of any rail",
+        ),
     ],
 )
 def test_what_hardly_anybody_means_is_said(changes: dict[str, object], line: str) -> None:
@@ -60,4 +68,5 @@ def test_nothing_is_said_of_the_cases_that_ship(name: str) -> None:
         warnings := rr.simulate(rr.load_case(name).with_changes(SHORT)).attrs["warnings"]
     )
     assert "tolerance" not in warnings
+    assert "may not be what is meant" not in warnings
     assert "mode of" not in warnings

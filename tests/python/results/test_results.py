@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import errno
 import os
+import time
 from pathlib import Path
 
+import h5py
 import numpy as np
 import pytest
 import xarray as xr
@@ -231,6 +233,45 @@ def test_a_collection_of_texts_without_an_end_is_refused(run: xr.Dataset, tmp_pa
     assert not results.output_file(tmp_path / "new.nc").exists()
     with pytest.raises(rr.OutputError):
         results.save_run(run, path)  # it does not say that it is ours
+
+
+def test_collections_of_texts_that_overlap_are_refused(tmp_path: Path) -> None:
+    """Each of 30000 heads begins a collection up to the end of the file, of objects that skip the heads: 450 million."""
+    path = tmp_path / "overlapping.nc"
+    head = b"GCOL\1\0\0\0" + (1 << 40).to_bytes(8, "little")
+    path.write_bytes(b"\x89HDF\r\n\x1a\n" + 30_000 * (head + b"\1" + bytes(7) + (16).to_bytes(8, "little")))
+    begun = time.process_time()
+    with pytest.raises(ResultsError, match="its collection of texts has no end"):
+        results.load_run(path)
+    assert time.process_time() - begun < 10.0
+
+
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        ("status_message", None),
+        ("stopped_at_s", "soon"),
+        ("energy_turned_over_j", None),
+        ("warnings", 3),
+        ("case", None),
+    ],
+)
+def test_a_run_without_a_sound_attribute_is_refused(run: xr.Dataset, tmp_path: Path, name: str, value: object) -> None:
+    kept = {key: own for key, own in run.attrs.items() if key != name} | ({} if value is None else {name: value})
+    path = tmp_path / "damaged.nc"
+    path.write_bytes(results.netcdf_bytes(xr.Dataset(run.data_vars, run.coords, kept)))
+    with pytest.raises(
+        ResultsError, match=rf"damaged.nc: a damaged file: its attribute {name} is missing or of another"
+    ):
+        results.load_run(path)
+
+
+def test_an_offset_that_is_no_number_is_found_at_once(run: xr.Dataset, tmp_path: Path) -> None:
+    path = results.save_run(run, tmp_path / "damaged.nc")
+    with h5py.File(path, "r+") as file:
+        file["lateral"].attrs["add_offset"] = "x"
+    with pytest.raises(ResultsError, match="or a damaged one"):
+        results.load_run(path)
 
 
 def test_a_variable_of_other_dimensions_is_named(run: xr.Dataset, tmp_path: Path) -> None:

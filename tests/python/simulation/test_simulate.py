@@ -196,6 +196,23 @@ def test_results_that_do_not_fit_are_refused(monkeypatch: pytest.MonkeyPatch) ->
         rr.simulate(short_case())
 
 
+@pytest.mark.parametrize(
+    ("least", "said"), [(1e-3, "are valid"), (-1.0, "its energy balance is open, see the warning")]
+)
+def test_a_run_that_ends_early_is_valid_where_its_energy_closes(
+    least: float, said: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def interrupt(_done: float, _text: str) -> None:
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(simulation_module, "ENERGY_WARNING", least)
+    run = rr.simulate(short_case(), progress=interrupt)
+    assert run.attrs["status"] == "interrupted"
+    assert said in run.attrs["status_message"]
+    assert ("energy balance open" in run.attrs["warnings"]) is (least < 0.0)
+    assert ("are valid" in run.attrs["status_message"]) is (least > 0.0)
+
+
 def test_memory_is_taken_once() -> None:
     case = short_case()
     room = simulation_module._room(case, 10, 3)

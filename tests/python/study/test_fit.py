@@ -320,8 +320,10 @@ def refused(plan: Mapping[str, Any], *logs: Any) -> str:
         ({"y": None, "yy": np.zeros(100)}, "log 1: log[0].output[0].column: no column 'y'; allowed: time, yy; did you mean"),
         ({"y": None, "y [km/h]": np.zeros(100)}, "log 1: y: 'km/h'; allowed: a unit of what is compared, such as m"),
         ({"y": None, "y [blips]": np.zeros(100)}, "log 1: y: 'blips'"),
+        ({"time": 1e-12 * GOOD["time"]}, "log 1: time: 9.9e-13 s in all; allowed: at least time.output_step of the case"),
+        ({"y": np.full(100, 1e300)}, "log 1: y: 1e+300 m; allowed: up to 1e+30 m"),
     ],
-    ids=["gap", "repeated", "falling", "empty", "no_column", "unit", "no_unit"],
+    ids=["gap", "repeated", "falling", "empty", "no_column", "unit", "no_unit", "in no time", "huge"],
 )  # fmt: skip
 def test_a_log_with_a_mistake_is_refused_in_a_line(change: dict[str, Any], expected: str) -> None:
     columns = {name: values for name, values in {**GOOD, **change}.items() if values is not None}

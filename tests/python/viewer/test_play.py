@@ -267,6 +267,29 @@ def test_the_server_answers_its_own_page_alone(address: tuple[str, int]) -> None
         assert (code, text.count("\n"), bool(text)) == (400, 0, True)
 
 
+@pytest.mark.parametrize(
+    ("headers", "filling"),
+    [
+        ("Host: {host}\r\nOrigin: http://example.org\r\nContent-Length: {size}", ""),
+        ("Host: {host}\r\nContent-Length: {size}", " " * 1000),
+        ("Host: {host}\r\nContent-Length: no number", ""),
+        ("Host: example.org\r\nContent-Length: {size}", ""),
+    ],
+    ids=["another page", "too large", "no size", "another name"],
+)
+def test_the_body_of_a_refused_request_is_no_request(address: tuple[str, int], headers: str, filling: str) -> None:
+    assert ask(address, "POST", "/set", {"name": "speed", "value": 60})[0] == 200
+    body, host = '{"name": "speed", "value": 200}', f"127.0.0.1:{address[1]}"
+    hidden = f"{filling}POST /set HTTP/1.1\r\nHost: {host}\r\nContent-Length: {len(body)}\r\n\r\n{body}"
+    with socket.create_connection(address, timeout=10.0) as line:
+        head = headers.format(host=host, size=len(hidden))
+        line.sendall(f"POST /set HTTP/1.1\r\n{head}\r\n\r\n{hidden}".encode())
+        answer = b"".join(iter(lambda: line.recv(65536), b""))
+    assert answer.count(b"HTTP/1.") == 1
+    sliders = {one["name"]: one["value"] for one in json.loads(ask(address, "GET", "/scene")[1])["live"]["sliders"]}
+    assert sliders["speed"] == 60.0
+
+
 def test_a_connection_that_says_nothing_is_closed(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("rollerrig.viewer.play._PATIENCE", 0.3)
     listening = server(Theatre(rr.load_case("wheelset_rollers")))

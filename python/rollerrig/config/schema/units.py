@@ -213,7 +213,8 @@ class Quantity:
         """
         number = self._to_si(value)
         if number is None or not math.isfinite(number):
-            raise ValueError(self.allowed)
+            without = "a number without a unit" if isinstance(value, str) else "a number"
+            raise ValueError(self.allowed.replace("a number,", f"{without},"))
         bare = isinstance(value, float | Real)
         if not self.least <= number <= self.most:
             raise ValueError(self.allowed + (self._meant(number) if bare else ""))
