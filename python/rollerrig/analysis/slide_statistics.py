@@ -28,6 +28,7 @@ from rollerrig.config import Case, Rig
 from rollerrig.config.schema.brakes import ReservoirAir
 from rollerrig.results import COMPLETED
 from rollerrig.results.run_info import RunInfo
+from rollerrig.results.summary import contact_losses
 
 LEAST_SPEED = 2.0
 """Below this a train is too slow for errors relative to its speed [m/s]."""
@@ -259,6 +260,7 @@ def _train(run: xr.Dataset, case: Case) -> dict[str, float]:
         "reference_speed_error_largest_mps": largest(wrong[fast]),
         "odometer_error_m": np.trapezoid(wrong, run["time"].to_numpy()),
         "energy_relative_residual": run.attrs["energy_relative_residual"],
+        "contact_lost_s": max((loss.longest_s for loss in contact_losses(run)), default=0.0),
     }
 
 

@@ -153,10 +153,14 @@ def estimate(values: Sequence[float]) -> Estimate:
     return Estimate(float(np.mean(values)), spread / math.sqrt(count) if count else math.nan, count - 1.0)
 
 
-def stepped(found: Estimate, coarse: Estimate, fine: Estimate) -> Estimate:
-    """An estimate whose interval also has what it changes by from coarse to fine steps of the same draws."""
-    change = abs(fine.mean - coarse.mean)
-    return replace(found, systematic=change) if math.isfinite(change) else found
+def stepped(found: Estimate, coarse: Estimate | None, fine: Estimate | None) -> Estimate:
+    """An estimate whose interval also has what it changes by from coarse to fine steps of the same draws.
+
+    Without bounds where one of them has no number: nobody knows then what the steps change.
+    """
+    a, b = (math.nan if one is None else one.mean for one in (coarse, fine))
+    change = 0.0 if a == b else abs(b - a)
+    return replace(found, systematic=math.inf if math.isnan(change) else change)
 
 
 def with_error(one: Mapping[str, float | None], factor: float = 1.0) -> str:

@@ -267,7 +267,9 @@ def refined(
         ensemble, sign = job.split(",")[0], -1.0 if job[-1] in "02468" else 1.0
         measures = GOOD if ensemble == "track" else {**GOOD, **rig}
         counted = measures["dump_cycles"] + (sign * cycles if ensemble == "rig" else 0.0)
-        return record(950.0 + sign * scatter.get(ensemble, 0.0), **{**measures, "dump_cycles": counted})
+        start = int(job.split()[-1]) if job[-1].isdigit() else 1
+        way = 950.0 + sign * scatter.get(ensemble, 0.0) + 1e-6 * start  # no two tests are the same
+        return record(way, **{**measures, "dump_cycles": counted})
 
     with pytest.MonkeyPatch.context() as patch:  # what is not asked for here
         patch.setattr("rollerrig.analysis.slide_statistics.test_record", lambda run, _: run)
@@ -341,17 +343,14 @@ GOOD = {
     "tracking_rms": 0.0015, "tracking_largest": 0.016, "force_error_rms": 0.04, "drive_oscillation_nm": 50.0,
     "drive_limited_share": 0.005, "crown_gravity_largest": 0.005, "mean_deceleration_mps2": 0.6, "dump_cycles": 300.0,
     "air_litres": 1100.0, "regrip_adhesion": 0.083, "longest_lock_s": 0.0, "beyond_peak_s": 20.0,
-    "drive_oscillation_spell_s": 0.25,
+    "drive_oscillation_spell_s": 0.25, "energy_relative_residual": 1e-6, "contact_lost_s": 0.0,
 }  # fmt: skip
 
 
-def records(status: str = "stopped", **changes: Any) -> list[TestRecord]:
-    """Eight tests that scatter by 1e-4 of each number."""
-    generator = np.random.default_rng(4)
-    return [
-        record(950.0 * (1.0 + 1e-4 * x), status, **{k: v * (1.0 + 1e-4 * x) for k, v in {**GOOD, **changes}.items()})
-        for x in generator.normal(size=8)
-    ]
+def records(status: str = "stopped", scatter: float = 1e-4, **changes: Any) -> list[TestRecord]:
+    """Eight tests that scatter by a part of each number."""
+    factors = 1.0 + scatter * np.random.default_rng(4).normal(size=8)
+    return [record(950.0 * x, status, **{k: v * x for k, v in {**GOOD, **changes}.items()}) for x in factors.tolist()]
 
 
 def verdicts(track: Sequence[TestRecord], rig: Sequence[TestRecord]) -> tuple[Outcome, Outcome, dict[str, Row]]:
@@ -362,7 +361,7 @@ def verdicts(track: Sequence[TestRecord], rig: Sequence[TestRecord]) -> tuple[Ou
 def test_a_rig_that_does_as_the_track_meets_everything() -> None:
     tracking, fidelity, rows = verdicts(records(), records())
     assert (tracking, fidelity) == ("met", "met")
-    assert len(rows) == 18
+    assert len(rows) == 22
 
 
 BAD_RUNS: dict[str, dict[str, Any]] = {
@@ -373,6 +372,10 @@ BAD_RUNS: dict[str, dict[str, Any]] = {
     "drives at their limit": {"drive_limited_share": 0.2},
     "drives that oscillate for a while": {"drive_oscillation_spell_s": 3.0},
     "outputs too rare to see oscillations": {"drive_oscillation_nm": math.nan},
+    "energy from nowhere": {"energy_relative_residual": 0.5},
+    "wheels that left the rollers for a while": {"contact_lost_s": 0.3},
+    "a sample beyond the peak of the creep curve": {"beyond_peak_s": 0.01},
+    "the same test eight times": {"scatter": 0.0},
 }
 
 
@@ -384,6 +387,25 @@ def test_nothing_is_met_by_a_bad_run(bad: str) -> None:
     assert fidelity != "met"
     agreeing = [row for row in rows.values() if row.group == "fidelity" and not row.gate]
     assert {row.verdict for row in agreeing} == {"not decided"}
+
+
+def test_finer_tests_that_say_nothing_leave_intervals_without_bounds() -> None:
+    case, both = load_case("adhesion_brake"), (records(), records())
+    some, nothing = (records(air_litres=value)[:3] for value in (GOOD["air_litres"], math.nan))
+    for fine in ((nothing, nothing), (nothing, some)):
+        found = {row.key: row for row in verdict_rows(case, both, fine)}
+        assert found["air_litres"].verdict == "not decided"
+        assert not found["air_litres"].value.interval.known
+        assert found["dump_cycles"].verdict == "met"
+
+
+def test_finer_tests_that_ended_early_have_a_row_of_their_own_and_leave_nothing_met() -> None:
+    case, early = load_case("adhesion_brake"), records("contact_lost")[:3]
+    rows = {row.key: row for row in verdict_rows(case, (records(), records()), (records()[:3], early))}
+    assert rows["rig_ended"].verdict == "met"
+    assert (rows["fine_ended"].verdict, rows["fine_ended"].value_text) == ("not decided", "3 of 6")
+    assert {row.verdict for row in rows.values() if row.group == "fidelity" and not row.gate} == {"not decided"}
+    assert verdict_of(list(rows.values()), "tracking") == "not decided"
 
 
 def test_one_bad_test_of_eight_is_a_bad_run() -> None:
