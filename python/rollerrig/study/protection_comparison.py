@@ -39,7 +39,7 @@ PROTECTION = (
     "slide_protection", "wheel_slip_control", "brake.air", "brake.volume", "brake.electrodynamic.on_slide", "brake_unit",
     "sensors.vehicle", "fault",
 )  # fmt: skip
-"""What may differ: protection, its valves and sensors, and their faults. With any other difference it is no comparison of these."""
+"""What may differ: protection, its valves and sensors, and their faults; with any other difference tests are no pairs."""
 DRAWN = {"distance": "distance [%]", "air": "air [%]"}
 """Criteria that have a figure -> what its axis shows."""
 

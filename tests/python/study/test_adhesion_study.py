@@ -19,7 +19,7 @@ from rollerrig.analysis.slide_statistics import test_record as record_of
 from rollerrig.config import Case, case_from_toml
 from rollerrig.study.adhesion import QUANTITIES, AdhesionStudy, Runs, _starts_needed, findings
 from rollerrig.study.assessment import Outcome
-from rollerrig.study.ensemble import Estimate, difference, estimate, finer, relative, starts
+from rollerrig.study.ensemble import Estimate, difference, drawn, estimate, finer, relative, starts
 from rollerrig.study.frame import Outcome as Found
 from rollerrig.study.runs.adhesion import (
     CAUSES,
@@ -196,7 +196,7 @@ def test_starts_are_the_case_itself_and_others_drawn_by_its_ensemble_and_always_
         assert one.brake is not None
         mass = one.vehicle.data.body[0].mass / case.vehicle.data.body[0].mass
         friction = one.adhesion.rail.friction.mu_0 / 0.08, one.brake.friction[0][1] / 0.38
-        return [*friction, mass, one.motion.speed / case.motion.speed, one.brake.demand[1][0] - 0.5]
+        return [*friction, mass, one.motion.speed / case.motion.speed, one.brake.demand[-2][0] - 0.5]
 
     factors = np.array([drawn_of(one) for one in longer])
     reach = np.array([spread.adhesion, spread.pad_friction, spread.load, spread.speed, 0.5 * spread.demand_time])
@@ -212,12 +212,27 @@ def test_starts_are_the_case_itself_and_others_drawn_by_its_ensemble_and_always_
     [
         ({"adhesion.rail.friction.mu_0": 1.2, "ensemble.adhesion": 0.5}, "ensemble.adhesion: 0.5, which draws adhesion.rail"),
         ({"ensemble.load": 1.0}, "ensemble.load: 1, which draws vehicle.body.car_body.mass"),
+        ({"ensemble.speed": 0.98}, "ensemble.speed: 0.98, which draws motion.speed = 2.4 km/h; allowed: more than motion.stop"),
+        ({"ensemble.adhesion": 1.0}, "ensemble.adhesion: 1, which draws rails without friction; allowed: less than 1"),
+        ({"ensemble.demand_time": 100.0}, "ensemble.demand_time: 100 s, which draws a row of brake.demand at 100.6 s"),
     ],
 )  # fmt: skip
 def test_a_distribution_that_leaves_the_range_of_a_law_is_refused_in_a_line(changes: dict[str, Any], line: str) -> None:
     with pytest.raises(ConfigError) as refused:
         AdhesionStudy(load_case("adhesion_brake").with_changes(changes))
     assert [line in str(problem) and "allowed:" in str(problem) for problem in refused.value.problems] == [True]
+
+
+@pytest.mark.parametrize("begin", [0.0, 0.5])
+def test_a_demand_comes_later_as_it_is(begin: float) -> None:
+    """Also one that begins with the run: a delay makes no ramp slower."""
+    case = load_case("adhesion_brake").with_changes({"brake.demand": [[begin, 0.0], [begin + 0.1, 3e5], [9.0, 2e5]]})
+    found = drawn(case.with_changes({"ensemble.demand_time": 2.0}), {"demand_time": 0.75}).brake
+    assert found is not None
+    at = np.linspace(0.0, 12.0, 241)
+    demand, later = (np.interp(at, *np.transpose(table)) for table in (case.brake.demand, found.demand))  # type: ignore[union-attr]
+    np.testing.assert_allclose(later[30:], demand[:-30], rtol=1e-12)
+    assert not later[:30].any()
 
 
 def test_a_spread_beyond_everything_is_refused_with_its_key() -> None:
