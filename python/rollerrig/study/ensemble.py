@@ -58,8 +58,9 @@ def drawn(case: Case, shares: Mapping[str, float]) -> Case:
         changes |= {f"adhesion.{k}.friction.mu_0": factors["adhesion"] * r.friction.mu_0 for k, r in rails.items()}
     if case.brake is not None and "pad_friction" in factors:
         changes["brake.friction"] = [[v, factors["pad_friction"] * mu] for v, mu in case.brake.friction]
-    heaviest = max((body for body in case.vehicle.data.body if body.kind != "wheelset"), key=lambda body: body.mass)
-    if "load" in factors:
+    loads = [body for body in case.vehicle.data.body if body.kind != "wheelset"]
+    if "load" in factors and loads:
+        heaviest = max(loads, key=lambda body: body.mass)
         changes[f"vehicle.body.{heaviest.name}.mass"] = f"{factors['load'] * heaviest.mass!r} kg"
     if "speed" in factors:
         changes["motion.speed"] = f"{factors['speed'] * case.motion.speed!r} m/s"

@@ -223,6 +223,11 @@ def test_a_distribution_that_leaves_the_range_of_a_law_is_refused_in_a_line(chan
     assert [line in str(problem) and "allowed:" in str(problem) for problem in refused.value.problems] == [True]
 
 
+def test_a_wheelset_alone_has_no_load_to_draw() -> None:
+    case = load_case("contact_benchmark_rollers")
+    assert drawn(case, {"load": 1.0}) == case
+
+
 @pytest.mark.parametrize("begin", [0.0, 0.5])
 def test_a_demand_comes_later_as_it_is(begin: float) -> None:
     """Also one that begins with the run: a delay makes no ramp slower."""
