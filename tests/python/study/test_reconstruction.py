@@ -84,10 +84,10 @@ def test_of_a_rail_that_slides_clean_it_is_said_that_one_map_does_not_describe_i
     assert "One map does not" not in outcome.summary
     case = load_case("adhesion_recovery")
     export(simulate(track_case(case)).isel(time=slice(None, None, 5)), tmp_path / "stop.csv")
-    found = ReconstructionStudy(case, read_stop(tmp_path / "stop.csv", case)).run()
+    study = ReconstructionStudy(case, read_stop(tmp_path / "stop.csv", case))
+    found = study.run()
     assert found is not None
-    rail = reconstruct(case, read_stop(tmp_path / "stop.csv", case), 10.0)
-    adhesion = with_map(case.with_changes({"adhesion.wheel_memory": "10 m"}), rail).adhesion
+    adhesion = with_map(case.with_changes({"adhesion.wheel_memory": "10 m"}), study.rail).adhesion
     assert adhesion is not None
     assert adhesion.recovery_constant == adhesion.wheel_memory == 0.0
     assert found.numbers["friction_apart"] > 0.05 > 0.02 > outcome.numbers["friction_apart"]
