@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -17,7 +18,7 @@ from rollerrig import ConfigError, load_case, simulate
 from rollerrig.analysis.slide_statistics import SLIP_EDGES, TestRecord, regrip_adhesion
 from rollerrig.analysis.slide_statistics import test_record as record_of
 from rollerrig.config import Case, case_from_toml
-from rollerrig.study.adhesion import QUANTITIES, AdhesionStudy, Runs, _starts_needed, findings
+from rollerrig.study.adhesion import QUANTITIES, AdhesionStudy, Runs, _how_sure, _starts_needed, findings
 from rollerrig.study.assessment import Outcome
 from rollerrig.study.ensemble import Estimate, difference, drawn, estimate, finer, relative, starts
 from rollerrig.study.frame import Outcome as Found
@@ -407,6 +408,15 @@ def test_nothing_is_met_by_a_bad_run(bad: str) -> None:
     assert fidelity != "met"
     agreeing = [row for row in rows.values() if row.group == "fidelity" and not row.gate]
     assert {row.verdict for row in agreeing} == {"not decided"}
+
+
+def test_the_head_says_how_sure_it_is_also_where_everything_is_met() -> None:
+    fewer = records(dump_cycles=0.99 * GOOD["dump_cycles"])
+    fewer[0] = replace(fewer[0], measures=fewer[0].measures | {"dump_cycles": 290.0})
+    (line,) = _how_sure(list(verdicts(records(), fewer)[2].values()), 8)
+    first, cycles = line.split("; ")
+    assert first == "Rig less track, means of 8 starts with intervals of 95 %: stopping distance 0 %"
+    assert re.fullmatch(r"dump cycles, all axles under test -1\.\d \(-2 … -0\.\d+\) %\.", cycles), cycles
 
 
 def test_finer_tests_that_say_nothing_leave_intervals_without_bounds() -> None:
