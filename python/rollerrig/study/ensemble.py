@@ -220,6 +220,7 @@ def relative(a: Sequence[float], b: Sequence[float]) -> Estimate:
     To first order in the scatter. Infinite where b alone is zero; NaN where both are, and where a test has no number.
     """
     pairs = np.array(list(zip(a, b, strict=False)), dtype=float).reshape(-1, 2)
+    pairs[~np.isfinite(pairs)] = math.nan
     mean, base = pairs.mean(axis=0) if len(pairs) else (math.nan, math.nan)
     if not base:
         interval = estimate(pairs[:, 0].tolist()).interval

@@ -32,7 +32,7 @@ ASSUMED = (
 )
 
 LARGEST_DIFFERENCE, LARGEST_APART = 0.02, 0.05
-"""Of the computed distance from the measured one, and of the axles' frictions at a place: beyond them the map is doubted [-]."""
+"""Deviation of the computed distance, and of the axles' frictions at a place: with more the map is doubted [-]."""
 
 BEGINS = 0.05
 """Share of the largest mean pressure from which on the cylinders fill [-]."""

@@ -112,6 +112,12 @@ def test_zero_against_not_zero_is_infinite_and_not_met() -> None:
     assert replace(row, value=relative(none, none)).verdict == "not decided"
 
 
+def test_a_number_that_is_infinite_is_none() -> None:
+    found = relative((1.0, math.inf, 1.0), (1.0, 1.0, 1.0))  # warnings are errors
+    assert math.isnan(found.mean)
+    assert Row("fidelity", "x", "x", found, -0.05, 0.05, "").verdict == "not decided"
+
+
 NUMBERS = {"zero": [0.0] * 8, "a number": [0.3 + 1e-4 * k for k in range(8)], "none": [math.nan] * 8}
 NUMBERS |= {"none in one test": [*NUMBERS["a number"][:7], math.nan]}
 
