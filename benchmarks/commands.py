@@ -29,7 +29,7 @@ EXAMPLES = {
     "compare": "compare manchester_vehicle_1",
     "curving": "curving vehicle_curve",
     "adhesion": "adhesion adhesion_brake --no-error-budget",
-    "wsp": "wsp adhesion_brake --quick",
+    "wsp": "wsp adhesion_coach_valves --quick",
     "reconstruct": "reconstruct adhesion_brake stop.csv",
     "replay": "replay adhesion_brake rig.csv",
     "control": "control adhesion_brake",

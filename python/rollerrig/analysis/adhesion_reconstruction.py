@@ -19,7 +19,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from rollerrig.analysis.slide_statistics import LEAST_SPEED
+from rollerrig.analysis.slide_statistics import LEAST_SPEED, rms
 from rollerrig.assembly.actuators import friction_brake
 from rollerrig.assembly.laws import core_law
 from rollerrig.assembly.model import assemble
@@ -49,6 +49,9 @@ UNBRAKED = 1e4
 
 RADIUS_ERROR = 0.01
 """Largest part by which axles may turn faster or slower than the train before they are braked [-]: their slip is wrong by it."""
+
+MOST_MOVED = 1.0
+"""Change of an axle's load over its braking force, at most [-]: the force acts lower than the axles are apart."""
 
 FRICTIONS = np.geomspace(0.01, 0.9, 12)
 """Friction at no slip at which the creep curve is computed [-]; in between its logarithm is interpolated."""
@@ -82,7 +85,8 @@ def read_stop(path: str | Path, case: Case) -> StopLog:
 
     Raises:
         FileNotFoundError: no such file.
-        ResultsError: a column is missing, has no or another unit, or holds no numbers; times do not rise, or have a gap.
+        ResultsError: a column is missing, has no or another unit, or holds no numbers; times do not rise, or have a gap; an axle
+            never turns, or its pressure is negative by more than a sensor's noise.
     """
     log, radius = read_log(path), case.vehicle.data.wheel.radius
     axles = tuple(body.name for body in wheelsets(case))
@@ -91,6 +95,14 @@ def read_stop(path: str | Path, case: Case) -> StopLog:
         raise ResultsError(f"{log.file}: time: {problem}")
     turning = [log_quantity(log, f"{axle}.axle_speed", {"rad/s": 1.0, "m/s": 1.0 / radius}) for axle in axles]
     pressure = [log_quantity(log, f"{axle}.cylinder_pressure", {"Pa": 1.0}) for axle in axles]
+    for axle, speed, own in zip(axles, turning, pressure, strict=True):
+        if not speed.any():
+            raise ResultsError(f"{log.file}: {axle}.axle_speed: 0 in all rows; needed: the speed of an axle that turns")
+        if own.min() < -UNBRAKED:
+            low = f"{1e-5 * own.min():.3g} bar at {time[own.argmin()]:g} s"
+            raise ResultsError(
+                f"{log.file}: {axle}.cylinder_pressure: {low}; allowed: at least {-1e-5 * UNBRAKED:g} bar"
+            )
     train = log_quantity(log, "train_speed", {"m/s": 1.0})
     return StopLog(log.file, time, train, axles, np.column_stack(turning), np.column_stack(pressure))
 
@@ -120,7 +132,8 @@ def reconstruct(case: Case, log: StopLog, piece: float) -> xr.Dataset:
     Returns:
         Over `distance`, the middles of pieces from the first to the last in which an axle slid [m]: `friction` [-], of all axles
         that slid there, between such pieces linear; `friction_of_axle` (distance, axle) and `used_adhesion` (distance, axle), NaN
-        where an axle did not slide; `measured`, 1 where one did.
+        where an axle did not slide; `measured`, 1 where one did. Its `axles_apart` says by how much the frictions that the axles
+        find at the same place differ, over their mean, RMS of all places where each slid [-]; NaN where there is none.
 
     Raises:
         ResultsError: no axle slid long enough; before the brake acts an axle does not roll with the train.
@@ -145,8 +158,10 @@ def reconstruct(case: Case, log: StopLog, piece: float) -> xr.Dataset:
             f"{log.file}: no axle slid: the stop says only that the rail gave as much as the brakes asked"
         )
     first, last = np.flatnonzero(slid)[[0, -1]]
-    kept = slice(first, last + 1)
-    mean = np.interp(middles, middles[slid], np.nanmean((frictions / _loads(frictions, adhesion))[slid], axis=1))
+    kept, loaded = slice(first, last + 1), frictions / _loads(frictions, adhesion)
+    mean = np.interp(middles, middles[slid], np.nanmean(loaded[slid], axis=1))
+    all_slid = loaded[np.isfinite(loaded).all(axis=1)]
+    apart = rms(np.ptp(all_slid, axis=1) / all_slid.mean(axis=1)) if len(all_slid) else np.nan
     return xr.Dataset(
         {
             "friction": variable(("distance",), mean[kept], "1", "friction of the rail at no slip"),
@@ -155,7 +170,7 @@ def reconstruct(case: Case, log: StopLog, piece: float) -> xr.Dataset:
             "measured": variable(("distance",), slid[kept].astype(float), "1", "1: an axle slid there"),
         },
         coords={"distance": middles[kept], "axle": list(log.axles)},
-        attrs={"piece_m": piece},
+        attrs={"piece_m": piece, "axles_apart": apart},
     )
 
 
@@ -172,10 +187,11 @@ def _check_radius(case: Case, log: StopLog) -> None:
     for axle, speed in zip(log.axles, log.axle_speed[rows].T, strict=True):
         slower = 1.0 - float(np.median(radius * speed / log.train_speed[rows]))
         if abs(slower) > RADIUS_ERROR:
+            own = f"it is {radius / (1.0 - slower):.4g} m" if slower < 1.0 else "the axle does not turn"
             raise ResultsError(
                 f"{log.file}: {axle}: before the brake acts its circumference runs {100 * abs(slower):.2g} % "
                 f"{'slower' if slower > 0 else 'faster'} than the train, at most {100 * RADIUS_ERROR:g} % is allowed; "
-                f"vehicle.wheel.radius is {radius:g} m, by the log it is {radius / (1.0 - slower):.4g} m"
+                f"vehicle.wheel.radius is {radius:g} m, by the log {own}"
             )
 
 
@@ -188,7 +204,7 @@ def _loads(frictions: Array, adhesion: Array) -> Array:
     whole = np.isfinite(frictions).all(axis=1)
     apart = frictions[whole] / frictions[whole].mean(axis=1, keepdims=True) - 1.0
     moved = np.sum(braking[whole] * apart, axis=0) / max(float(np.sum(braking[whole] ** 2)), 1e-12)
-    return np.asarray(1.0 + np.nan_to_num(braking) * moved)
+    return np.asarray(1.0 + np.nan_to_num(braking) * np.clip(moved, -MOST_MOVED, MOST_MOVED))
 
 
 def _wheel(case: Case, rest: xr.Dataset, axle: str) -> LoadedWheel:
@@ -251,7 +267,7 @@ def _curve(case: Case, wheel: LoadedWheel, speed: float, slip: float) -> Array:
 
 
 def with_map(case: Case, found: xr.Dataset) -> Case:
-    """The case on a rail with the reconstructed friction, all else of the rail as it is.
+    """The case on a rail with the reconstructed friction; what sliding cleaned is in that, and cleans nothing again.
 
     From the middle of one piece to that of the next friction passes smoothly; before the first and behind the last it stays.
     """
@@ -259,5 +275,6 @@ def with_map(case: Case, found: xr.Dataset) -> Case:
     places, values = found["distance"].to_numpy(), found["friction"].to_numpy()
     blend = float(found.attrs["piece_m"])
     given = rail_of_points(rail, places.tolist(), values.tolist(), blend)
+    given |= {"recovery_constant": 0.0, "wheel_memory": 0.0}
     changed = case.with_changes({f"adhesion.{key}": value for key, value in given.items()})
     return changed.model_copy(update={"name": f"{case.name}_measured"[:60]})

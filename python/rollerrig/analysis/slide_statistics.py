@@ -28,6 +28,7 @@ from rollerrig.config import Case, Rig
 from rollerrig.config.schema.brakes import ReservoirAir
 from rollerrig.results import COMPLETED
 from rollerrig.results.run_info import RunInfo
+from rollerrig.results.summary import contact_losses
 
 LEAST_SPEED = 2.0
 """Below this a train is too slow for errors relative to its speed [m/s]."""
@@ -224,7 +225,7 @@ def test_record(run: xr.Dataset, case: Case) -> TestRecord:
     kept = np.unique([*range(0, time.size, every), time.size - 1])
     last = tested[["dump_cycles", "air"]].isel(time=-1).sum("axle")
     valves = {"dump_cycles": float(last["dump_cycles"]), "air_litres": 1e3 * float(last["air"])}
-    measures = {**_train(run, case), **valves, **_axles(tested), "beyond_peak_s": beyond_peak(tested, case)}
+    measures = {**_train(run), **valves, **_axles(tested), "beyond_peak_s": beyond_peak(tested, case)}
     if case.rig_control is not None and isinstance(case.support.data, Rig):
         measures |= _rig(tested, case.rig_control.feedback.largest, case.support.data.roller_radius)
     return TestRecord(
@@ -237,16 +238,13 @@ def test_record(run: xr.Dataset, case: Case) -> TestRecord:
     )
 
 
-def _train(run: xr.Dataset, case: Case) -> dict[str, float]:
-    """Numbers of the train as a whole, which every axle brakes or pulls; a protection that is not ours has no reference speed."""
+def _train(run: xr.Dataset) -> dict[str, float]:
+    """Numbers of the train as a whole, which every axle brakes or pulls."""
     speed, way = run["train_speed"].to_numpy(), run["train_distance"].to_numpy()
     acting = np.flatnonzero(_acting(run))
     begin = acting[0] if acting.size else -1
     run_since = way[-1] - way[begin]
-    tables = [one for one in (case.slide_protection, case.wheel_slip_control) if one is not None]
     wrong = run["reference_speed_error"].to_numpy()
-    if not all(table.is_ours for table in tables):
-        wrong = np.full_like(wrong, np.nan)
     fast = speed > LEAST_SPEED
     return {
         "distance_m": way[-1],
@@ -259,6 +257,7 @@ def _train(run: xr.Dataset, case: Case) -> dict[str, float]:
         "reference_speed_error_largest_mps": largest(wrong[fast]),
         "odometer_error_m": np.trapezoid(wrong, run["time"].to_numpy()),
         "energy_relative_residual": run.attrs["energy_relative_residual"],
+        "contact_lost_s": max((loss.longest_s for loss in contact_losses(run)), default=0.0),
     }
 
 

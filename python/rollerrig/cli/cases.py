@@ -75,6 +75,7 @@ def check(
     from rollerrig.cli.describe import describe_case, describe_part
     from rollerrig.config import Case, FitPlan, Plan, code_of, load_any, load_plan
     from rollerrig.config.load.fit import load_fit
+    from rollerrig.study.ensemble import check_ensemble
 
     kind, part = load_any(file, allow_code=allow_code)
     if isinstance(part, Plan):
@@ -89,6 +90,8 @@ def check(
         )
         lines = [*code_lines(fit.code), f"{part.name}: {part.description or part.case}", *sought]
     elif isinstance(part, Case):
+        if part.brake is not None or part.traction is not None:  # else no command makes an ensemble of it
+            check_ensemble(part)
         lines = [*code_lines(code_of(part)), *describe_case(part, run_code=allow_code)]
     else:
         lines = describe_part(part)

@@ -127,7 +127,7 @@ def simulate(
     finally:
         close_controllers(users)
     ended = outcome(simulation, model, code, failure)
-    return _results(model, recording, simulation, ended, provenance_of(users), asked)
+    return _results(model, recording, simulation, ended, users, asked)
 
 
 def _results(
@@ -135,10 +135,10 @@ def _results(
     recording: Recording,
     simulation: _core.Simulation,
     ended: Outcome,
-    provenance: Mapping[str, str],
+    users: Mapping[str, UserController],
     asked: Mapping[str, UserController],
 ) -> xr.Dataset:
-    """The Dataset of a run with all its attributes."""
+    """The Dataset of a run with all its attributes; `asked` are its users' controllers, and those that have faults."""
     filled, read = recording.filled, simulation.reading_count
     if ended.status not in COMPLETED:  # what became infinite, or whose square would, is no result
         beyond = np.flatnonzero((np.abs(recording.rows[:filled]) > 1e150).any(axis=1))
@@ -147,6 +147,10 @@ def _results(
             read = int(np.searchsorted(recording.reading_times[:read], recording.times[filled]))
     draft = run_draft(model, recording.times[:filled], recording.rows[:filled], ended)
     add_readings(draft, model, recording.reading_times[:read], recording.readings[:read])
+    if ("wheel_slip_control" if model.case.slide_protection is None else "slide_protection") in users:
+        for name in ("reference_speed", "reference_speed_error"):  # inside of a user's, which nobody knows
+            dims, values, attributes = draft.variables[name]
+            draft.variables[name] = (dims, np.full_like(values, np.nan), attributes)
     add_signals_of_ours(draft, asked)
     add_termination(draft, model)
     spells = simulation.contact_losses()
@@ -158,7 +162,7 @@ def _results(
     on_rollers = isinstance(support, Rig)
     advice = "" if on_rollers or model.rails else FLEXIBLE
     lost = contact_loss_warning(losses, duration, on_rollers=on_rollers, advice=advice)
-    draft.attributes.update(provenance)
+    draft.attributes.update(provenance_of(users))
     energy = _energy_warning(draft, advice)
     if energy:
         message = draft.attributes["status_message"]

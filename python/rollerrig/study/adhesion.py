@@ -230,6 +230,7 @@ class AdhesionStudy(Study[Runs]):
         enough = numbers["starts"] >= STARTS
         return [
             *_verdict_lines(rows),
+            *_how_sure(rows, numbers["starts"]),
             *(_starts_needed(rows) if enough else ()),
             *slides.idle_valves(self.case),
             *findings(numbers),
@@ -313,6 +314,13 @@ def _verdict_lines(rows: Sequence[Row]) -> Iterator[str]:
         yield f"{title}: {word.upper() if word == 'not met' else word}; {met} of {len(own)} targets met." + "".join(
             f" {SHOWN[row.verdict]}: {row.told}." for row in open_ones
         )
+
+
+def _how_sure(rows: Sequence[Row], starts: int) -> Iterator[str]:
+    """Distance and dump cycles with their intervals, whatever their outcome."""
+    found = [f"{row.text} {row.value_text}" for row in rows if row.key in ("distance", "dump_cycles")]
+    if found:
+        yield f"Rig less track, means of {starts} starts with intervals of 95 %: {'; '.join(found)}."
 
 
 def _starts_needed(rows: Sequence[Row]) -> Iterator[str]:

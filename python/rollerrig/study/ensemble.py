@@ -9,7 +9,7 @@ quarter of those of the case (`finer`).
 """
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -58,8 +58,9 @@ def drawn(case: Case, shares: Mapping[str, float]) -> Case:
         changes |= {f"adhesion.{k}.friction.mu_0": factors["adhesion"] * r.friction.mu_0 for k, r in rails.items()}
     if case.brake is not None and "pad_friction" in factors:
         changes["brake.friction"] = [[v, factors["pad_friction"] * mu] for v, mu in case.brake.friction]
-    heaviest = max((body for body in case.vehicle.data.body if body.kind != "wheelset"), key=lambda body: body.mass)
-    if "load" in factors:
+    loads = [body for body in case.vehicle.data.body if body.kind != "wheelset"]
+    if "load" in factors and loads:
+        heaviest = max(loads, key=lambda body: body.mass)
         changes[f"vehicle.body.{heaviest.name}.mass"] = f"{factors['load'] * heaviest.mass!r} kg"
     if "speed" in factors:
         changes["motion.speed"] = f"{factors['speed'] * case.motion.speed!r} m/s"
@@ -67,12 +68,18 @@ def drawn(case: Case, shares: Mapping[str, float]) -> Case:
         late = shares["demand_time"] * spread.demand_time
         for name in ("brake", "traction"):
             if (table := getattr(case, name)) is not None:
-                changes[f"{name}.demand"] = [[t + late if t > 0.0 else t, value] for t, value in table.demand]
+                changes[f"{name}.demand"] = _later(table.demand, late)
     return case.with_changes(changes)
 
 
+def _later(demand: Sequence[tuple[float, float]], delay: float) -> list[list[float]]:
+    """All of a demand later, until then its first value."""
+    rows = [[t + delay, value] for t, value in demand]
+    return [[*demand[0]], *rows] if delay > 0.0 else rows
+
+
 def check_ensemble(case: Case) -> None:
-    """Refuse distributions whose ends are no values of the case, with a ConfigError of a line for each such end."""
+    """Refuse distributions at whose ends a case has no such value, or is no test, with a ConfigError of a line for each."""
     problems = []
     for name in DRAWN:
         for share in (0.0, 1.0):
@@ -82,8 +89,28 @@ def check_ensemble(case: Case) -> None:
                 first = error.problems[0]
                 end = f"{getattr(case.ensemble, name):g}, which draws {first.key} = {first.value}"
                 problems.append(ConfigProblem(case.name, f"ensemble.{name}", end, first.allowed))
+    problems += [
+        ConfigProblem(case.name, f"ensemble.{name}", end, f"allowed: {more}") for name, end, more in _no_tests(case)
+    ]
     if problems:
         raise ConfigError(problems)
+
+
+def _no_tests(case: Case) -> Iterator[tuple[str, str, str]]:
+    """Name, its end, and what is allowed, where the case may have such a value but tests nothing with it."""
+    spread, duration = case.ensemble, case.time.duration
+    slowest, stop = (1.0 - spread.speed) * case.motion.speed, case.motion.stop_speed
+    if case.brake is not None and not slowest > stop:
+        end = f"{spread.speed:g}, which draws motion.speed = {3.6 * slowest:g} km/h"
+        yield "speed", end, f"more than motion.stop_speed, {3.6 * stop:g} km/h"
+    if case.adhesion is not None and not spread.adhesion < 1.0:
+        yield "adhesion", f"{spread.adhesion:g}, which draws rails without friction", "less than 1"
+    for name in ("brake", "traction"):
+        rows = () if getattr(case, name) is None else getattr(case, name).demand
+        last = max((t for t, _ in rows if t < duration), default=-math.inf) + spread.demand_time
+        if not last < duration:
+            end = f"{spread.demand_time:g} s, which draws a row of {name}.demand at {last:g} s"
+            yield "demand_time", end, f"before time.duration, {duration:g} s"
 
 
 def finer(case: Case) -> Case:
@@ -153,10 +180,14 @@ def estimate(values: Sequence[float]) -> Estimate:
     return Estimate(float(np.mean(values)), spread / math.sqrt(count) if count else math.nan, count - 1.0)
 
 
-def stepped(found: Estimate, coarse: Estimate, fine: Estimate) -> Estimate:
-    """An estimate whose interval also has what it changes by from coarse to fine steps of the same draws."""
-    change = abs(fine.mean - coarse.mean)
-    return replace(found, systematic=change) if math.isfinite(change) else found
+def stepped(found: Estimate, coarse: Estimate | None, fine: Estimate | None) -> Estimate:
+    """An estimate whose interval also has what it changes by from coarse to fine steps of the same draws.
+
+    Without bounds where one of them has no number: nobody knows then what the steps change.
+    """
+    a, b = (math.nan if one is None else one.mean for one in (coarse, fine))
+    change = 0.0 if a == b else abs(b - a)
+    return replace(found, systematic=math.inf if math.isnan(change) else change)
 
 
 def with_error(one: Mapping[str, float | None], factor: float = 1.0) -> str:
@@ -189,6 +220,7 @@ def relative(a: Sequence[float], b: Sequence[float]) -> Estimate:
     To first order in the scatter. Infinite where b alone is zero; NaN where both are, and where a test has no number.
     """
     pairs = np.array(list(zip(a, b, strict=False)), dtype=float).reshape(-1, 2)
+    pairs[~np.isfinite(pairs)] = math.nan
     mean, base = pairs.mean(axis=0) if len(pairs) else (math.nan, math.nan)
     if not base:
         interval = estimate(pairs[:, 0].tolist()).interval

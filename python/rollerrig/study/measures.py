@@ -21,13 +21,14 @@ from rollerrig.analysis.critical_speed import onset_from
 from rollerrig.analysis.slide_statistics import TestRecord
 from rollerrig.analysis.wheel_rail_forces import wheel_forces
 from rollerrig.assembly.laws import core_law
-from rollerrig.config import Case, case_from_toml
+from rollerrig.config import Case, Programme, case_from_toml
 from rollerrig.config.schema import plan
 from rollerrig.contact_analysis.static_contact import contact_table
 from rollerrig.results import COMPLETED, RunInfo
 from rollerrig.results.quantities import registered
 from rollerrig.study.ensemble import recorded
 from rollerrig.study.jobs import Progress, whole_modes, whole_run
+from rollerrig.study.runs import wsp
 from rollerrig.study.runs.adhesion import track_case
 
 
@@ -130,6 +131,20 @@ def _on_track(text: str) -> TestRecord:
     return recorded(case_from_toml(text, allow_code=True))
 
 
+def _stop(case: Case, options: plan.WspMeasure, progress: Progress | None) -> tuple[wsp.StopTests]:
+    """The stop on track, with its dry reference where it ends in a standstill."""
+    stop, programme = options.stop, Programme(name="sweep", stop=(options.stop,))
+    wsp.check_case(case, programme)
+    own, dry = (track_case(make(case, programme, stop)) for make in (wsp.stop_case, wsp.dry_case))
+    test = wsp.stop_record(own, programme.flat, keep=False, progress=progress).test
+    reference = wsp.stop_record(dry, programme.flat, keep=False).test if stop.stops else None
+    found = wsp.StopTests(stop, "track", case, 1, [test], reference)
+    bad = [*wsp.faults(found, must_slide=False), *(wsp.dry_faults(found) if stop.stops else ())]
+    if bad:
+        raise RuntimeError("; ".join(bad))
+    return (found,)
+
+
 OF_PROTECTION = {
     "largest_slip": "largest_slip",
     "longest_lock": "longest_lock_s",
@@ -141,6 +156,10 @@ OF_PROTECTION = {
 
 def _of(support: int, key: str) -> Callable[..., Any]:
     return lambda *records: records[support][key]
+
+
+def _of_stop(name: str, factor: float) -> Callable[..., Any]:
+    return lambda found: factor * found.values(name)[0]
 
 
 def _largest(name: str) -> Callable[..., Any]:
@@ -186,6 +205,11 @@ MEASURES: Mapping[str, Measure] = {
         "air_track": lambda track, _: 1e-3 * track["air_litres"],
         "air_rig": lambda _, rig: 1e-3 * rig["air_litres"],
         **{f"{name}_{on}": _of(k, key) for name, key in OF_PROTECTION.items() for k, on in enumerate(("track", "rig"))},
+    }),
+    "wsp": Measure("wsp", _stop, {
+        **{criterion: _of_stop(*one) for criterion, one in wsp.MEASURES.items()},
+        "largest_slip": _of_stop("largest_slip", 1.0),
+        "odometer_error": _of_stop("odometer_error_m", 1.0),
     }),
     "creep": Measure("creep", _creep, {
         "longitudinal_force": lambda _, force: force[0],

@@ -17,8 +17,9 @@ from typing import Any, Literal
 import numpy as np
 from scipy.stats import nct, t
 
+from rollerrig.analysis.slide_statistics import idle_valves
 from rollerrig.common.formatting import number
-from rollerrig.config import CRITERIA, Case, ConfigError, Programme
+from rollerrig.config import CRITERIA, Case, ConfigError, ConfigProblem, Programme
 from rollerrig.plot.wsp import Ends, means_with_intervals
 from rollerrig.study.ensemble import CONFIDENCE, Estimate, difference, stepped
 from rollerrig.study.frame import Content, Study
@@ -34,6 +35,11 @@ SYSTEMS: tuple[System, ...] = ("first", "second")
 POWER = 0.8
 """Probability with which the number of tests that would decide a difference decides it."""
 MOST_TESTS = 10_000
+PROTECTION = (
+    "slide_protection", "wheel_slip_control", "brake.air", "brake.volume", "brake.electrodynamic.on_slide", "brake_unit",
+    "sensors.vehicle", "fault",
+)  # fmt: skip
+"""What may differ: protection, its valves and sensors, and their faults; with any other difference tests are no pairs."""
 DRAWN = {"distance": "distance [%]", "air": "air [%]"}
 """Criteria that have a figure -> what its axis shows."""
 
@@ -105,11 +111,16 @@ class ProtectionComparison(Study[Mapping[System, Results]]):
     irrelevant = ("description", "source")
 
     def __post_init__(self) -> None:
-        """Refuse cases with nothing to test, of different samples, and a case against itself."""
-        one, two = self.case.time.sampling_step, self.against.time.sampling_step
-        if one != two:
-            allowed = f"allowed: {one:g} s, as in {self.case.name}: systems of different rates are not compared"
-            raise ConfigError.of(self.against.name, "time.sampling_step", f"{two:g} s", allowed)
+        """Refuse cases with nothing to test or that differ in more than the protection, and a case against itself."""
+        problems = [
+            ConfigProblem(
+                self.against.name, key, value, f"allowed: {first}, as in {self.case.name}; only the protection differs"
+            )
+            for key, first, value in self.changes
+            if not f"{key}.".startswith(tuple(f"{one}." for one in PROTECTION))
+        ]
+        if problems:
+            raise ConfigError(problems)
         if not self.changes:
             needed = (
                 f"needed: a system that differs from {self.case.name}, such as another threshold in [slide_protection]"
@@ -183,7 +194,8 @@ class ProtectionComparison(Study[Mapping[System, Results]]):
         }  # fmt: skip
 
     def summary(self, results: Mapping[System, Results], numbers: Numbers) -> list[str]:
-        return list(_findings(numbers))
+        idle = [f"{case.name}: {line}." for case in (self.case, self.against) for line in idle_valves(case)]
+        return [*idle, *_findings(numbers)]
 
     def files(self, results: Mapping[System, Results], numbers: Numbers) -> Mapping[str, Content]:
         found: dict[str, Content] = {}

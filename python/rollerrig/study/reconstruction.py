@@ -17,7 +17,7 @@ import xarray as xr
 from rollerrig.analysis import adhesion_reconstruction
 from rollerrig.analysis.adhesion_reconstruction import StopLog
 from rollerrig.analysis.slide_statistics import rms, wheel_radius
-from rollerrig.common.formatting import number
+from rollerrig.common.formatting import number, percent
 from rollerrig.config import Case, Rig
 from rollerrig.plot.reconstruction import friction_over_distance, stop_over_time
 from rollerrig.study.frame import Content, Study
@@ -30,6 +30,9 @@ ASSUMED = (
     "Mass, brake and creep law are those of the case: an error of the pads' friction is one of the rail's. What a sliding axle "
     "does not say is not known: between such pieces friction is interpolated, before the first and behind the last it stays."
 )
+
+LARGEST_DIFFERENCE, LARGEST_APART = 0.02, 0.05
+"""Deviation of the computed distance, and of the axles' frictions at a place: with more the map is doubted [-]."""
 
 BEGINS = 0.05
 """Share of the largest mean pressure from which on the cylinders fill [-]."""
@@ -93,6 +96,7 @@ class ReconstructionStudy(Study[xr.Dataset]):
             "friction_mean": float(friction.mean()),
             "friction_least": float(friction.min()),
             "friction_largest": float(friction.max()),
+            "friction_apart": rail.attrs["axles_apart"],
             "distance_measured_m": measured_m,
             "distance_computed_m": computed_m,
             "distance_difference": computed_m / measured_m - 1.0,
@@ -130,6 +134,7 @@ class ReconstructionStudy(Study[xr.Dataset]):
             f"differ by {number(numbers['speed_difference_rms_kmh'], 2)} km/h RMS.",
             f"The brake's demand is that of the case, after {number(numbers['demand_begins_s'], 2)} s; in the log the cylinders "
             f"begin to fill at {number(numbers['pressure_begins_s'], 2)} s.",
+            *_doubts(numbers),
             *unchecked,
         ]
 
@@ -153,3 +158,18 @@ class ReconstructionStudy(Study[xr.Dataset]):
                      "ones, not the same."),
             ]),
         ]  # fmt: skip
+
+
+def _doubts(numbers: Numbers) -> Iterator[str]:
+    """A sentence where friction over distance is not all that the stop depended on."""
+    differs, apart = numbers["distance_difference"], numbers["friction_apart"] or 0.0
+    found = []
+    if abs(differs) > LARGEST_DIFFERENCE:
+        found.append(f"the distance on it differs by {percent(differs, signed=True)}")
+    if apart > LARGEST_APART:
+        found.append(f"the axles' frictions at a place differ by {percent(apart)}")
+    if found:
+        yield (
+            f"One map does not describe this rail: {' and '.join(found)}. Where an axle cleans the rail by sliding, the next one "
+            "finds another; noise of the measured speeds does the same."
+        )

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import pytest
@@ -54,13 +56,23 @@ def test_valves_that_a_fill_pulse_does_not_move_are_named_by_check() -> None:
     assert idle_valves(load_case("adhesion_brake")) == []
 
 
+class Filling:
+    """A protection of the user that does nothing."""
+
+    sample_time = 5e-3
+
+    def step(self, measurements: Mapping[str, Any]) -> dict[str, Any]:
+        return {"valve": np.zeros(len(measurements["axle_speed"]))}
+
+
 def test_a_protection_that_is_not_ours_has_no_reference_speed_and_no_error_of_it() -> None:
     case = load_case("adhesion_brake").with_changes({"time.duration": "1 s", "contact.normal": "hertz"})
     run = simulate(case)
     assert math.isfinite(record_of(run, case).measures["reference_speed_error_rms_mps"])
-    assert case.slide_protection is not None
-    foreign = case.slide_protection.model_copy(update={"user": "mine.py:Mine"})
-    measures = record_of(run, case.model_copy(update={"slide_protection": foreign})).measures
+    foreign = simulate(case, controllers={"slide_protection": Filling()})
+    assert np.isnan(foreign["reference_speed"]).all()
+    assert np.isnan(foreign["reference_speed_error"]).all()
+    measures = record_of(foreign, case).measures
     assert math.isnan(measures["reference_speed_error_rms_mps"])
     assert math.isnan(measures["reference_speed_error_largest_mps"])
     assert math.isnan(measures["odometer_error_m"])

@@ -175,6 +175,13 @@ def test_check_prints_actuators_and_controllers() -> None:
     assert "observer 20 Hz, proportional-integral feedback" in done.out
 
 
+def test_check_refuses_an_ensemble_that_is_no_test(case: Path) -> None:
+    case.write_text('base = "adhesion_brake"\nname = "mine"\n"ensemble.load" = 1.0\n')
+    done = Done("check", case)
+    assert done.code == 2
+    assert "ensemble.load: 1, which draws veh" in done.err
+
+
 def test_check_loads_the_users_controllers(tmp_path: Path) -> None:
     (tmp_path / "case.toml").write_text(
         (files("rollerrig") / "catalog/cases/adhesion_brake.toml")

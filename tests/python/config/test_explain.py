@@ -64,7 +64,10 @@ def test_words_that_are_no_key_are_looked_for_in_names_and_texts(words: str, fir
     ("key", "line"),
     [
         ("motion.sped", "motion.sped: no such key; did you mean 'motion.speed'?"),
-        ("sped", "sped: no such key; did you mean 'motion.speed' or 'ensemble.speed' or 'stop.speed'?"),
+        (
+            "sped",
+            "sped: no such key; did you mean 'motion.speed' or 'ensemble.speed' or 'stop.speed' or 'measure.stop.speed'?",
+        ),
         (
             "yaw_stiffness",
             "yaw_stiffness: no such key; did you mean 'vehicle.element.yaw.stiffness' or 'support.mounting.yaw.stiffness'?",

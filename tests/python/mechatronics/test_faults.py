@@ -180,6 +180,14 @@ def test_the_same_fault_of_an_axle_stands_once() -> None:
         stop().with_changes({"fault": twice})
 
 
+def test_a_brake_that_is_cut_off_does_not_drag() -> None:
+    both = [{"axle": FAULTY, "kind": kind} for kind in ("isolated", "dragging")]
+    with pytest.raises(
+        ConfigError, match=rf"fault\[1\].kind: 'dragging'; allowed: one of isolated and dragging for {FAULTY}"
+    ):
+        stop().with_changes({"fault": both})
+
+
 def test_what_is_no_run_knows_no_faults(tmp_path: Path) -> None:
     with pytest.raises(ConfigError, match="fault: 1 faults; allowed in runs"):
         assembled_model(with_fault("isolated"))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -17,9 +18,9 @@ from rollerrig import ConfigError, load_case, simulate
 from rollerrig.analysis.slide_statistics import SLIP_EDGES, TestRecord, regrip_adhesion
 from rollerrig.analysis.slide_statistics import test_record as record_of
 from rollerrig.config import Case, case_from_toml
-from rollerrig.study.adhesion import QUANTITIES, AdhesionStudy, Runs, _starts_needed, findings
+from rollerrig.study.adhesion import QUANTITIES, AdhesionStudy, Runs, _how_sure, _starts_needed, findings
 from rollerrig.study.assessment import Outcome
-from rollerrig.study.ensemble import Estimate, difference, estimate, finer, relative, starts
+from rollerrig.study.ensemble import Estimate, difference, drawn, estimate, finer, relative, starts
 from rollerrig.study.frame import Outcome as Found
 from rollerrig.study.runs.adhesion import (
     CAUSES,
@@ -111,6 +112,12 @@ def test_zero_against_not_zero_is_infinite_and_not_met() -> None:
     assert replace(row, value=relative(none, none)).verdict == "not decided"
 
 
+def test_a_number_that_is_infinite_is_none() -> None:
+    found = relative((1.0, math.inf, 1.0), (1.0, 1.0, 1.0))  # warnings are errors
+    assert math.isnan(found.mean)
+    assert Row("fidelity", "x", "x", found, -0.05, 0.05, "").verdict == "not decided"
+
+
 NUMBERS = {"zero": [0.0] * 8, "a number": [0.3 + 1e-4 * k for k in range(8)], "none": [math.nan] * 8}
 NUMBERS |= {"none in one test": [*NUMBERS["a number"][:7], math.nan]}
 
@@ -196,7 +203,7 @@ def test_starts_are_the_case_itself_and_others_drawn_by_its_ensemble_and_always_
         assert one.brake is not None
         mass = one.vehicle.data.body[0].mass / case.vehicle.data.body[0].mass
         friction = one.adhesion.rail.friction.mu_0 / 0.08, one.brake.friction[0][1] / 0.38
-        return [*friction, mass, one.motion.speed / case.motion.speed, one.brake.demand[1][0] - 0.5]
+        return [*friction, mass, one.motion.speed / case.motion.speed, one.brake.demand[-2][0] - 0.5]
 
     factors = np.array([drawn_of(one) for one in longer])
     reach = np.array([spread.adhesion, spread.pad_friction, spread.load, spread.speed, 0.5 * spread.demand_time])
@@ -212,12 +219,32 @@ def test_starts_are_the_case_itself_and_others_drawn_by_its_ensemble_and_always_
     [
         ({"adhesion.rail.friction.mu_0": 1.2, "ensemble.adhesion": 0.5}, "ensemble.adhesion: 0.5, which draws adhesion.rail"),
         ({"ensemble.load": 1.0}, "ensemble.load: 1, which draws vehicle.body.car_body.mass"),
+        ({"ensemble.speed": 0.98}, "ensemble.speed: 0.98, which draws motion.speed = 2.4 km/h; allowed: more than motion.stop"),
+        ({"ensemble.adhesion": 1.0}, "ensemble.adhesion: 1, which draws rails without friction; allowed: less than 1"),
+        ({"ensemble.demand_time": 100.0}, "ensemble.demand_time: 100 s, which draws a row of brake.demand at 100.6 s"),
     ],
 )  # fmt: skip
 def test_a_distribution_that_leaves_the_range_of_a_law_is_refused_in_a_line(changes: dict[str, Any], line: str) -> None:
     with pytest.raises(ConfigError) as refused:
         AdhesionStudy(load_case("adhesion_brake").with_changes(changes))
     assert [line in str(problem) and "allowed:" in str(problem) for problem in refused.value.problems] == [True]
+
+
+def test_a_wheelset_alone_has_no_load_to_draw() -> None:
+    case = load_case("contact_benchmark_rollers")
+    assert drawn(case, {"load": 1.0}) == case
+
+
+@pytest.mark.parametrize("begin", [0.0, 0.5])
+def test_a_demand_comes_later_as_it_is(begin: float) -> None:
+    """Also one that begins with the run: a delay makes no ramp slower."""
+    case = load_case("adhesion_brake").with_changes({"brake.demand": [[begin, 0.0], [begin + 0.1, 3e5], [9.0, 2e5]]})
+    found = drawn(case.with_changes({"ensemble.demand_time": 2.0}), {"demand_time": 0.75}).brake
+    assert found is not None
+    at = np.linspace(0.0, 12.0, 241)
+    demand, later = (np.interp(at, *np.transpose(table)) for table in (case.brake.demand, found.demand))  # type: ignore[union-attr]
+    np.testing.assert_allclose(later[30:], demand[:-30], rtol=1e-12)
+    assert not later[:30].any()
 
 
 def test_a_spread_beyond_everything_is_refused_with_its_key() -> None:
@@ -267,7 +294,9 @@ def refined(
         ensemble, sign = job.split(",")[0], -1.0 if job[-1] in "02468" else 1.0
         measures = GOOD if ensemble == "track" else {**GOOD, **rig}
         counted = measures["dump_cycles"] + (sign * cycles if ensemble == "rig" else 0.0)
-        return record(950.0 + sign * scatter.get(ensemble, 0.0), **{**measures, "dump_cycles": counted})
+        start = int(job.split()[-1]) if job[-1].isdigit() else 1
+        way = 950.0 + sign * scatter.get(ensemble, 0.0) + 1e-6 * start  # no two tests are the same
+        return record(way, **{**measures, "dump_cycles": counted})
 
     with pytest.MonkeyPatch.context() as patch:  # what is not asked for here
         patch.setattr("rollerrig.analysis.slide_statistics.test_record", lambda run, _: run)
@@ -341,17 +370,14 @@ GOOD = {
     "tracking_rms": 0.0015, "tracking_largest": 0.016, "force_error_rms": 0.04, "drive_oscillation_nm": 50.0,
     "drive_limited_share": 0.005, "crown_gravity_largest": 0.005, "mean_deceleration_mps2": 0.6, "dump_cycles": 300.0,
     "air_litres": 1100.0, "regrip_adhesion": 0.083, "longest_lock_s": 0.0, "beyond_peak_s": 20.0,
-    "drive_oscillation_spell_s": 0.25,
+    "drive_oscillation_spell_s": 0.25, "energy_relative_residual": 1e-6, "contact_lost_s": 0.0,
 }  # fmt: skip
 
 
-def records(status: str = "stopped", **changes: Any) -> list[TestRecord]:
-    """Eight tests that scatter by 1e-4 of each number."""
-    generator = np.random.default_rng(4)
-    return [
-        record(950.0 * (1.0 + 1e-4 * x), status, **{k: v * (1.0 + 1e-4 * x) for k, v in {**GOOD, **changes}.items()})
-        for x in generator.normal(size=8)
-    ]
+def records(status: str = "stopped", scatter: float = 1e-4, **changes: Any) -> list[TestRecord]:
+    """Eight tests that scatter by a part of each number."""
+    factors = 1.0 + scatter * np.random.default_rng(4).normal(size=8)
+    return [record(950.0 * x, status, **{k: v * x for k, v in {**GOOD, **changes}.items()}) for x in factors.tolist()]
 
 
 def verdicts(track: Sequence[TestRecord], rig: Sequence[TestRecord]) -> tuple[Outcome, Outcome, dict[str, Row]]:
@@ -362,7 +388,7 @@ def verdicts(track: Sequence[TestRecord], rig: Sequence[TestRecord]) -> tuple[Ou
 def test_a_rig_that_does_as_the_track_meets_everything() -> None:
     tracking, fidelity, rows = verdicts(records(), records())
     assert (tracking, fidelity) == ("met", "met")
-    assert len(rows) == 18
+    assert len(rows) == 22
 
 
 BAD_RUNS: dict[str, dict[str, Any]] = {
@@ -373,6 +399,10 @@ BAD_RUNS: dict[str, dict[str, Any]] = {
     "drives at their limit": {"drive_limited_share": 0.2},
     "drives that oscillate for a while": {"drive_oscillation_spell_s": 3.0},
     "outputs too rare to see oscillations": {"drive_oscillation_nm": math.nan},
+    "energy from nowhere": {"energy_relative_residual": 0.5},
+    "wheels that left the rollers for a while": {"contact_lost_s": 0.3},
+    "a sample beyond the peak of the creep curve": {"beyond_peak_s": 0.01},
+    "the same test eight times": {"scatter": 0.0},
 }
 
 
@@ -384,6 +414,34 @@ def test_nothing_is_met_by_a_bad_run(bad: str) -> None:
     assert fidelity != "met"
     agreeing = [row for row in rows.values() if row.group == "fidelity" and not row.gate]
     assert {row.verdict for row in agreeing} == {"not decided"}
+
+
+def test_the_head_says_how_sure_it_is_also_where_everything_is_met() -> None:
+    fewer = records(dump_cycles=0.99 * GOOD["dump_cycles"])
+    fewer[0] = replace(fewer[0], measures=fewer[0].measures | {"dump_cycles": 290.0})
+    (line,) = _how_sure(list(verdicts(records(), fewer)[2].values()), 8)
+    first, cycles = line.split("; ")
+    assert first == "Rig less track, means of 8 starts with intervals of 95 %: stopping distance 0 %"
+    assert re.fullmatch(r"dump cycles, all axles under test -1\.\d \(-2 … -0\.\d+\) %\.", cycles), cycles
+
+
+def test_finer_tests_that_say_nothing_leave_intervals_without_bounds() -> None:
+    case, both = load_case("adhesion_brake"), (records(), records())
+    some, nothing = (records(air_litres=value)[:3] for value in (GOOD["air_litres"], math.nan))
+    for fine in ((nothing, nothing), (nothing, some)):
+        found = {row.key: row for row in verdict_rows(case, both, fine)}
+        assert found["air_litres"].verdict == "not decided"
+        assert not found["air_litres"].value.interval.known
+        assert found["dump_cycles"].verdict == "met"
+
+
+def test_finer_tests_that_ended_early_have_a_row_of_their_own_and_leave_nothing_met() -> None:
+    case, early = load_case("adhesion_brake"), records("contact_lost")[:3]
+    rows = {row.key: row for row in verdict_rows(case, (records(), records()), (records()[:3], early))}
+    assert rows["rig_ended"].verdict == "met"
+    assert (rows["fine_ended"].verdict, rows["fine_ended"].value_text) == ("not decided", "3 of 6")
+    assert {row.verdict for row in rows.values() if row.group == "fidelity" and not row.gate} == {"not decided"}
+    assert verdict_of(list(rows.values()), "tracking") == "not decided"
 
 
 def test_one_bad_test_of_eight_is_a_bad_run() -> None:

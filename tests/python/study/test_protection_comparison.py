@@ -142,9 +142,48 @@ def test_number_of_tests_finds_the_effect_as_often_as_it_says() -> None:
 
 
 def test_what_cannot_be_compared_is_refused_in_a_line(case: Case) -> None:
-    with pytest.raises(ConfigError, match=r"time.sampling_step: 0.0005 s; allowed: 0.001 s"):
+    with pytest.raises(ConfigError, match=r"time.sampling_step: 5·10⁻⁴ s; allowed: 0.001 s"):
         ProtectionComparison(case, case.with_changes({"time.sampling_step": "0.5 ms"}), programme())
     with pytest.raises(ConfigError, match=r"the same case; needed: a system that differs"):
         ProtectionComparison(case, case, programme())
     with pytest.raises(ConfigError, match="slide_protection: missing"):
         ProtectionComparison(case, case.with_changes({"slide_protection": None}), programme())
+    with pytest.raises(ConfigError, match=r"vehicle.cut: 'vehicle'; allowed: 'leading_bogie', as in adhesion_brake"):
+        ProtectionComparison(load_case("adhesion_brake"), load_case("adhesion_coach"), programme())
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("ensemble.adhesion", 0.2),
+        ("brake.demand", [[0.0, 0.0], [0.1, "3 bar"]]),
+        ("train.mass", "20 t"),
+        ("vehicle.body.bogie_frame.mass", "2.8 t"),
+        ("motion.speed", "100 km/h"),
+        ("rig_control.sample_time", "2 ms"),
+        ("adhesion.blend", "3 m"),
+    ],
+)
+def test_systems_whose_tests_are_not_the_same_are_refused_with_the_key(
+    case: Case, other: Case, key: str, value: Any
+) -> None:
+    with pytest.raises(ConfigError) as refused:
+        ProtectionComparison(case, other.with_changes({key: value}), programme())
+    assert [problem.key for problem in refused.value.problems] == [key]
+
+
+def test_protections_differ_in_valves_sensors_and_faults_and_idle_valves_are_told(case: Case, other: Case) -> None:
+    changes = {
+        "brake.air": {"kind": "reservoir", "opening_time": "60 ms"},
+        "brake.volume": "4 l",
+        "sensors.vehicle": {"kind": "pulse_period", "teeth": 100},
+        "fault": [{"axle": "wheelset_1", "kind": "never_vents"}],
+    }
+    found = ProtectionComparison(case, other.with_changes(changes), programme())
+    numbers = {
+        "case": "a",
+        "against": "b",
+        "stops": {},
+        "sums": dict.fromkeys(("first", "second", "neither", "not_decided"), 0),
+    }
+    assert found.summary({}, numbers)[0].startswith("later: Dump valves never open in stepwise filling")

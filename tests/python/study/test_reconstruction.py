@@ -11,7 +11,7 @@ import xarray as xr
 
 from reported import unexplained, unreported
 from rollerrig import ConfigError, ResultsError, load_case, simulate
-from rollerrig.analysis.adhesion_reconstruction import StopLog, check_case, read_stop, reconstruct
+from rollerrig.analysis.adhesion_reconstruction import StopLog, check_case, read_stop, reconstruct, with_map
 from rollerrig.cli import main
 from rollerrig.config import Case, case_from_toml
 from rollerrig.results import export
@@ -74,6 +74,25 @@ def test_friction_is_found_within_two_per_cent(case: Case, log: StopLog) -> None
     assert away.sum() > 10
     assert (true[away] > 0.1).sum() > 3
     np.testing.assert_allclose(found[away], true[away], rtol=0.02)
+
+
+@pytest.mark.slow
+def test_of_a_rail_that_slides_clean_it_is_said_that_one_map_does_not_describe_it(
+    outcome: Outcome[xr.Dataset], tmp_path: Path
+) -> None:
+    """Each axle finds what the one before left; the map has the cleaning in it, and the case on it cleans nothing again."""
+    assert "One map does not" not in outcome.summary
+    case = load_case("adhesion_recovery")
+    export(simulate(track_case(case)).isel(time=slice(None, None, 5)), tmp_path / "stop.csv")
+    study = ReconstructionStudy(case, read_stop(tmp_path / "stop.csv", case))
+    found = study.run()
+    assert found is not None
+    adhesion = with_map(case.with_changes({"adhesion.wheel_memory": "10 m"}), study.rail).adhesion
+    assert adhesion is not None
+    assert adhesion.recovery_constant == adhesion.wheel_memory == 0.0
+    assert found.numbers["friction_apart"] > 0.05 > 0.02 > outcome.numbers["friction_apart"]
+    assert "One map does not describe this rail: " in found.summary
+    assert "the axles' frictions at a place differ by " in found.summary
 
 
 @pytest.mark.long
@@ -170,6 +189,7 @@ def test_where_no_axle_slides_nothing_is_found(case: Case, log: StopLog) -> None
         (("train_speed [m/s]", "train_speed [bar]"), r"train_speed \[bar\] is no unit of it"),
         (("\n0.1,", "\n0.05,"), "time: 0.05 s follows 0.05 s: not later"),
         (("\n0.1,", "\n0.9,"), "time: 0.15 s follows 0.9 s: not later"),
+        ((",30,1\n", ",30,-2\n"), r"wheelset_2.cylinder_pressure: -2 bar at 0 s; allowed: at least -0.1 bar"),
     ],
 )
 def test_a_log_that_is_none_is_refused_in_a_line(
@@ -187,6 +207,19 @@ def test_a_log_that_is_none_is_refused_in_a_line(
     file.write_text(file.read_text().replace(*change, 1))
     with pytest.raises(ResultsError, match=message):
         read_stop(file, case)
+
+
+def test_an_axle_that_does_not_turn_is_refused_in_a_line(case: Case, tmp_path: Path) -> None:
+    """At no time, and before the brake acts: of which no radius follows."""
+    file = tmp_path / "stop.csv"
+    heads = "time [s],train_speed [m/s]," + ",".join(
+        f"wheelset_{k}.axle_speed [rad/s],wheelset_{k}.cylinder_pressure [bar]" for k in (1, 2)
+    )
+    for last, message in ((0, "wheelset_1.axle_speed: 0 in all rows"), (20, "by the log the axle does not turn")):
+        rows = [f"{0.05 * k:g},10,{last if k == 7 else 0},0,21,0" for k in range(8)]
+        file.write_text("\n".join([heads, *rows]) + "\n")
+        with pytest.raises(ResultsError, match=message):
+            reconstruct(case, read_stop(file, case), 10.0)
 
 
 @pytest.mark.parametrize(("name", "said"), [("none.csv", "no such file"), ("stop.csv", "no column 'time [s]'")])

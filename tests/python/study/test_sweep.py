@@ -32,6 +32,7 @@ from rollerrig.results import load_run
 from rollerrig.study import measures
 from rollerrig.study.checkpoint import NAME
 from rollerrig.study.report import Table
+from rollerrig.study.runs.adhesion import track_case
 from rollerrig.study.runs.sweep import FAILED, Axis, Points, quantile, resized, sobol_indices, statistics, sweep_rows
 from rollerrig.study.sweep import SweepStudy, sweep_study
 
@@ -180,13 +181,47 @@ def test_every_measure_gives_all_its_numbers(kind: str) -> None:
     name, changes = "bogie_rollers_constant", {"time.duration": "0.5 s"}
     if kind == "adhesion":
         name, changes = "adhesion_brake", {"time.duration": "2 s"}
+    measure: Any = kind
+    if kind == "wsp":
+        name, changes = "adhesion_brake", {"motion.stop_speed": "5 m/s"}  # stationary early, to be short
+        measure = {"kind": kind, "stop": {"name": "low", "kind": "uniform", "speed": "26 km/h", "rail": "low"}}
     case = load_case(name).with_changes(changes)
-    found = rr.sweep(case, {"contact.friction.mu_0": [0.25]}, measure=kind)
+    found = rr.sweep(case, {"contact.friction.mu_0": [0.25]}, measure=measure)
     assert found["failed"].item() == ""
     quantities = measures.MEASURES[kind].quantities
     assert set(quantities) | {"failed"} == set(found.data_vars)
     assert not [name for name in quantities if not np.isfinite(found[name].item())]
     assert {name: found[name].attrs["units"] for name in quantities} == {n: unit for n, (unit, _) in quantities.items()}
+
+
+@pytest.mark.slow
+def test_thresholds_of_slide_protection_are_swept_by_the_numbers_of_the_programme() -> None:
+    """K_wet of each as the programme itself finds it, of tests and dry references by hand."""
+    case = load_case("adhesion_brake").with_changes({"motion.stop_speed": "5 m/s"})
+    stop = {"name": "low", "kind": "uniform", "speed": "26 km/h", "rail": "low"}
+    slips = [0.12, 0.5]
+    found = rr.sweep(
+        case,
+        {"slide_protection.vent_slip": slips},
+        measure={"kind": "wsp", "stop": stop, "keep": ["k_wet", "distance"]},
+    )
+    braked = case.with_changes(
+        {"motion.speed": "26 km/h", "brake.demand": [[0.0, 0.0], [0.1, "3.8 bar"]], "time.duration": "60 s"}
+    )
+    dry = rr.simulate(track_case(braked.with_changes({"adhesion.rail": "dry"})))
+    pressure = dry["cylinder_pressure"].mean("axle").to_numpy()
+    way = 26.0 / 3.6 * np.trapezoid(1.0 - pressure / pressure.max(), dry["time"].to_numpy())
+    for slip, distance, k_wet in zip(slips, found["distance"].to_numpy(), found["k_wet"].to_numpy(), strict=True):
+        wet = rr.simulate(track_case(braked.with_changes({"slide_protection.vent_slip": slip})))
+        assert distance == pytest.approx(float(wet["train_distance"][-1]), rel=1e-6)
+        assert k_wet == pytest.approx((float(dry["train_distance"][-1]) - way) / (distance - way), rel=1e-6)
+    assert abs(found["distance"][1] / found["distance"][0] - 1.0) > 1e-3
+
+
+def test_a_stop_that_does_not_end_is_a_failed_case() -> None:
+    stop = {"name": "low", "kind": "uniform", "speed": "80 km/h", "rail": "low", "duration": "1 s"}
+    found = rr.sweep("adhesion_brake", {"slide_protection.vent_slip": [0.12]}, measure={"kind": "wsp", "stop": stop})
+    assert found["failed"].item().startswith("RuntimeError: in 1 of 1 tests the train had not stopped after 1 s")
 
 
 def test_sobol_indices_are_those_of_ishigamis_function() -> None:

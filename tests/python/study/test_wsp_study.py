@@ -312,7 +312,7 @@ SPOILED = {
     "1 of 8 tests ended early: rollers_protected": [*made()[:7], record({**GOOD}, "rollers_protected")],
     "in 8 of 8 tests the train had not stopped after 20 s": made("ok"),
     "in 1 of 8 tests a wheel lost contact": [*made()[:7], record({**GOOD, "contact_lost_s": 0.02})],
-    "in 8 of 8 tests no axle passed the peak of the creep curve": made(beyond_peak_s=0.0),
+    "in 8 of 8 tests the axles hardly passed the peak of the creep curve": made(beyond_peak_s=0.01),
     "in 8 of 8 tests the energy balance is open": made(energy_relative_residual=0.01),
     "starts that should differ gave the same test": made(scatter=0.0),
 }

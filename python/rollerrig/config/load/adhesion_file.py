@@ -65,6 +65,8 @@ def _rows(path: Path) -> list[dict[str, str]]:
     except (csv.Error, ValueError):
         raise ValueError("no table: needed is a heading and a row for each place, separated by commas") from None
     names = [name.strip() for name in head]
+    if len(names) == 1 and ";" in names[0]:
+        raise ValueError("cells are separated by ';'; needed: commas between cells, and points in numbers")
     for number, row in enumerate(rows, 1):
         if len(row) != len(names):
             raise ValueError(f"row {number}: {len(row)} cells; needed: {len(names)}, as in the heading")

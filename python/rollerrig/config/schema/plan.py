@@ -5,6 +5,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Discriminator, Field, model_validator
 
 from rollerrig.config.schema.base import OrShort, Table, by_kind, optional, refused
+from rollerrig.config.schema.programme import AnyStop, UniformStop
 from rollerrig.config.schema.units import Angle, Position, Quantity, Time
 from rollerrig.config.schema.vehicle import Name
 
@@ -179,6 +180,18 @@ class AdhesionMeasure(Measure):
     longest: Time | None = optional(None, "end of both runs; absent: that of the case")
 
 
+class WspMeasure(Measure):
+    """A stop of a test programme for wheel slide protection, and the same on a dry rail, both on track; nothing is drawn."""
+
+    kind: Literal["wsp"] = Field(
+        description="a stop as of a test programme for slide protection, on track, and its dry reference"
+    )
+    stop: AnyStop = optional(
+        UniformStop.model_validate({"name": "low_80", "kind": "uniform", "speed": "80 km/h", "rail": "low"}),
+        "the stop, as in a programme",
+    )
+
+
 class CreepMeasure(Measure):
     """Creep forces of the case's law on the contact patch of its leading left wheel."""
 
@@ -189,7 +202,7 @@ class CreepMeasure(Measure):
 
 
 AnyMeasure = Annotated[
-    RunMeasure | StabilityMeasure | CriticalSpeedMeasure | ContactMeasure | AdhesionMeasure | CreepMeasure,
+    RunMeasure | StabilityMeasure | CriticalSpeedMeasure | ContactMeasure | AdhesionMeasure | WspMeasure | CreepMeasure,
     Discriminator("kind"),
     by_kind("run"),
 ]

@@ -74,6 +74,9 @@ def _faults(case: CaseTables) -> Iterator[Mistake]:
             yield f"{at}.begin", f"{fault.begin:g} s", f"allowed: before time.duration, {case.time.duration:g} s"
         if any((fault.kind, fault.axle) == (other.kind, other.axle) for other in case.fault[:number]):
             yield f"{at}.kind", kind, f"allowed: once for {fault.axle}"
+        of_axle = [other.kind for other in case.fault if other.axle == fault.axle]
+        if fault.kind == "dragging" and "isolated" in of_axle:
+            yield f"{at}.kind", kind, f"allowed: one of isolated and dragging for {fault.axle}"
         if fault.axle not in axles:
             yield f"{at}.axle", show_value(fault.axle), one_of(axles), nearest(fault.axle, axles)
 

@@ -6,9 +6,10 @@ Case of a rig with [rig_control] -> [track_case, variant] -> ensembles of TestRe
 
 A row is met where the whole interval of its value, of many starts, is within its target, and not met where nothing of it is.
 A row says nothing, and is left out, only where no test has its number or all have zero; zero against not zero is not met, a
-number that some tests lack is not decided. Nothing is met by a bad run: a run that ended early, axles that never passed the peak
-of the creep curve, drives that oscillate or are at their limit, and a contact force away from the virtual one leave every
-agreement undecided, since it is then no property of the rig.
+number that some tests lack is not decided. Nothing is met by a bad run: a run that ended early, also with finer steps, an open
+energy balance, lost contact, starts that do not differ, axles that hardly passed the peak of the creep curve, drives that
+oscillate or are at their limit, and a contact force away from the virtual one leave every agreement undecided, since it is then
+no property of the rig.
 """
 
 import math
@@ -24,6 +25,8 @@ from rollerrig.cases import on_track
 from rollerrig.common.formatting import number
 from rollerrig.config import Case, ConfigError, Rig
 from rollerrig.config.schema.rig_control import EstimatedTorque, ExactEstimator, LeadCommand
+from rollerrig.results.summary import LONGEST_SPELL
+from rollerrig.simulation.run import ENERGY_WARNING
 from rollerrig.study.assessment import NOT_DECIDED, Outcome, outcome, overall
 from rollerrig.study.ensemble import SEED, Estimate, difference, distances, measure, relative, stepped, values_of
 
@@ -229,11 +232,12 @@ def verdict_rows(case: Case, tests: Tests, fine: Tests = ((), ())) -> list[Row]:
     if count:
         coarse, close = ({row.key: row.value for row in _rows(case, (a[:count], b[:count]))} for a, b in (tests, fine))
         rows = [
-            replace(row, value=stepped(row.value, coarse[row.key], close[row.key]))
-            if row.key in coarse and row.key in close
-            else row
+            row if row.shown else replace(row, value=stepped(row.value, coarse.get(row.key), close.get(row.key)))
             for row in rows
         ]
+        ended, why = [one.completed for one in (*fine[0], *fine[1])], "what steps change is known of whole tests alone"
+        text = "tests with finer steps, on both, that came to their end"
+        rows.append(_all_of("fidelity", "fine_ended", text, ended, why, undecided=True))
     return [row if row.shown else replace(row, bad_run=_is_bad(rows, row.group)) for row in rows]
 
 
@@ -258,8 +262,33 @@ def _all_of(group: Group, key: str, text: str, met: Sequence[bool], origin: str,
     return Row(group, key, text, share, 1.0, 1.0, origin, shown=shown, gate=True, **more)
 
 
+LEAST_SLIDE = 1.0
+"""Time of all axles together beyond the peak of the creep curve [s]: some three cycles of slide and readhesion; less may be the
+swing of a bogie, and tests nothing that acts on slides."""
+
+
+def has_slid(test: TestRecord) -> bool:
+    """Whether the axles of a test were beyond the peak of the creep curve for LEAST_SLIDE."""
+    return test.measures.get("beyond_peak_s", math.nan) >= LEAST_SLIDE
+
+
+def keeps_contact(test: TestRecord) -> bool:
+    """Whether no wheel of a test left its rail or roller."""
+    return test.measures.get("contact_lost_s", math.nan) <= LONGEST_SPELL
+
+
+def is_closed(test: TestRecord) -> bool:
+    """Whether the energy balance of a test closes."""
+    return test.measures.get("energy_relative_residual", math.nan) <= ENERGY_WARNING
+
+
+def all_differ(tests: Sequence[TestRecord]) -> bool:
+    """Whether no two tests ran the same distance: starts that do not differ are one test, however many are made."""
+    return len({one.measures.get("distance_m") for one in tests}) == len(tests)
+
+
 def _gates(track: Sequence[TestRecord], rig: Sequence[TestRecord]) -> Iterator[Row]:
-    """Whether runs came to their end, one that rolled off the crowns did not, and axles passed the peak of the creep curve."""
+    """Whether runs came to their end, one that rolled off the crowns did not, are sound, differ, and axles slid in them."""
     tests: tuple[tuple[Group, str, Sequence[TestRecord]], ...] = (
         ("tracking", "rig", rig),
         ("fidelity", "track", track),
@@ -273,9 +302,17 @@ def _gates(track: Sequence[TestRecord], rig: Sequence[TestRecord]) -> Iterator[R
         text, why = "starts with a stop on both, or on neither", "a stopping distance needs a stop"
         yield replace(_all_of("fidelity", "stops", text, ends, why), value=Estimate(0.0, 0.0, math.inf))
     for group, label, records in tests:
-        slid = [record.measures.get("beyond_peak_s", math.nan) > 0.0 for record in records]
-        text = f"tests on the {label} in which an axle passed the peak of the creep curve"
-        yield _all_of(group, f"{label}_slid", text, slid, "where nothing slides nothing is tested", undecided=True)
+        sound = [is_closed(record) and keeps_contact(record) for record in records]
+        text, why = (
+            f"tests on the {label} whose energy balance closes and whose wheels keep contact",
+            "else they are none",
+        )
+        yield _all_of(group, f"{label}_sound", text, sound, why, undecided=True)
+        text, why = f"tests on the {label} that differ", "equal starts are one test: their scatter of zero says nothing"
+        yield _all_of(group, f"{label}_differ", text, [all_differ(records)] * len(records), why, undecided=True)
+        text = f"tests on the {label} whose axles were beyond the peak of the creep curve for {LEAST_SLIDE:g} s in all"
+        slid, why = [has_slid(record) for record in records], "where nothing slides nothing is tested"
+        yield _all_of(group, f"{label}_slid", text, slid, why, undecided=True)
 
 
 def _tracking(case: Case, rig: Sequence[TestRecord]) -> Iterator[Row]:

@@ -5,7 +5,7 @@ Case of a rig with brake and slide protection, Programme -> [stop_case, dry_case
 
 A criterion is met where the whole interval of its mean is within the limit, and, where each test must keep it, each test too.
 Nothing is decided, neither met nor not met, from a bad run: fewer tests than asked, a test that ended early, lost contact or did
-not stop, wheels that never passed the peak of the creep curve, an open energy balance, starts that do not differ, a dry
+not stop, wheels that hardly passed the peak of the creep curve, an open energy balance, starts that do not differ, a dry
 reference that is none, and on the rig a drive at its limit or a contact force that is not the virtual one.
 """
 
@@ -29,12 +29,10 @@ from rollerrig.config import CRITERIA, Case, ConfigError, ConfigProblem, Limit, 
 from rollerrig.config.schema.programme import BrakedRun, FlatWear, PatchStop
 from rollerrig.config.write.toml import plain
 from rollerrig.results.run_info import RunInfo
-from rollerrig.results.summary import LONGEST_SPELL, contact_losses
-from rollerrig.simulation.run import ENERGY_WARNING
 from rollerrig.study.assessment import NOT_DECIDED, Outcome, outcome
 from rollerrig.study.ensemble import Estimate, check_ensemble, estimate, stepped, values_of
 from rollerrig.study.jobs import Progress, whole_run
-from rollerrig.study.runs.adhesion import track_case, verdict_rows
+from rollerrig.study.runs.adhesion import all_differ, has_slid, is_closed, keeps_contact, track_case, verdict_rows
 
 RISE = 0.1
 """In which the demand rises; the brake is slower anyhow [s]."""
@@ -160,7 +158,6 @@ def stop_record(case: Case, flat: FlatWear, keep: bool, progress: Progress | Non
         "large_slip_share": float(record.slip_shares[np.flatnonzero(SLIP_EDGES[:-1] > LARGE_SLIP - 1e-9)].sum()),
         "adhesion_utilisation": adhesion_utilisation(run, case),
         "flat_length_m": slides.longest_flat(slides.under_test(run), flat.wear, flat.width),
-        "contact_lost_s": max((loss.longest_s for loss in contact_losses(run)), default=0.0),
         "build_up_s": build_up(run),
     }
     test = replace(record, measures={**record.measures, **own})
@@ -320,8 +317,8 @@ def judgements(programme: Programme, found: StopTests, other: StopTests) -> list
     return judged
 
 
-def faults(found: StopTests) -> Iterator[str]:
-    """Why nothing can be decided from these tests, whatever is judged."""
+def faults(found: StopTests, *, must_slide: bool = True) -> Iterator[str]:
+    """Why nothing can be decided from these tests, whatever is judged; `must_slide`: also that they test no slide protection."""
     tests, count = found.tests, len(found.tests)
     if count < found.asked:
         yield f"{count} of {found.asked} tests were made"
@@ -331,16 +328,16 @@ def faults(found: StopTests) -> Iterator[str]:
     rolling = sum(one.completed and not one.stopped for one in tests)
     if found.stop.stops and rolling:
         yield f"in {rolling} of {count} tests the train had not stopped after {found.stop.duration:g} s"
-    lost = sum(one.measures.get("contact_lost_s", math.nan) <= LONGEST_SPELL for one in tests)
+    lost = sum(keeps_contact(one) for one in tests)
     if lost < count:
         yield f"in {count - lost} of {count} tests a wheel lost contact"
-    slid = sum(one.measures.get("beyond_peak_s", math.nan) > 0.0 for one in tests)
-    if slid < count:
-        yield f"in {count - slid} of {count} tests no axle passed the peak of the creep curve"
-    closed = sum(one.measures.get("energy_relative_residual", math.nan) <= ENERGY_WARNING for one in tests)
+    slid = sum(has_slid(one) for one in tests)
+    if must_slide and slid < count:
+        yield f"in {count - slid} of {count} tests the axles hardly passed the peak of the creep curve"
+    closed = sum(is_closed(one) for one in tests)
     if closed < count:
         yield f"in {count - closed} of {count} tests the energy balance is open"
-    if count > 1 and len({one.measures.get("distance_m") for one in tests}) < count:
+    if not all_differ(tests):
         yield "starts that should differ gave the same test"
 
 
@@ -348,8 +345,10 @@ def rig_faults(rig: StopTests, track: StopTests) -> Iterator[str]:
     """Why the rig's tests say nothing about the vehicle: the exclusion criteria of the rig itself."""
     if not (rig.tests and track.tests):
         return
-    own = ("rig_ended", "track_ended", "rig_slid", "track_slid")  # said of each support's own tests
-    gates = [row for row in verdict_rows(rig.case, (track.tests, rig.tests)) if row.gate and row.key not in own]
+    rows = verdict_rows(rig.case, (track.tests, rig.tests))
+    gates = [
+        row for row in rows if row.gate and row.key.partition("_")[0] not in SUPPORTS
+    ]  # those say it of their own tests
     kept = [row.verdict == "met" or (row.low <= 0.0 and row.value.interval.high <= row.high) for row in gates]
     shut = [row.told for row, is_open in zip(gates, kept, strict=True) if not is_open]
     power = max(one.measures.get("drive_power_limited_s", 0.0) / one.measures["duration_s"] for one in rig.tests)
