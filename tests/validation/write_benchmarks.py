@@ -144,7 +144,9 @@ def cooperrider() -> str:
     texts = {"linear": table(["critical speed", "m/s", "Hz"], rows), "runs": table(head, runs)}
     rest = percent(here[0], float(speeds[-1]))
     folded = dict(zip(("fold_speed", "fold_amplitude"), fold(), strict=True))
-    return COOPERRIDER.format(**texts, **folded, least=sizes.min(), most=sizes.max(), rest=rest, near=percent(here[0], PUBLISHED))
+    return COOPERRIDER.format(
+        **texts, **folded, least=sizes.min(), most=sizes.max(), rest=rest, near=percent(here[0], PUBLISHED)
+    )
 
 
 COOPERRIDER = """## Cooperrider's bogie

@@ -50,7 +50,7 @@ CLEAR = 6.0
 """Standard deviations of noise beyond which a difference is not due to the sensors."""
 
 LEAST_TORQUE = 0.01
-"""Least known torque of an axle, over its load and wheel radius, from which signs of torques show [-]."""
+"""Least torque of an axle, known or found, over its load and wheel radius, from which signs of torques show [-]."""
 
 AT_LIMIT = 0.99
 """Part of a limit from which on a drive is at it [-]."""

@@ -55,8 +55,9 @@ def trial(
 
 
 def inside(whole: WholeFit, record: Record, exact: Sequence[np.ndarray], count: int) -> dict[str, int]:
-    """How often each number is within its own interval; the search begins at the truth, where it ends is its own."""
-    trials = [trial(whole, record, exact, seed, [one.start for one in whole.free]) for seed in range(count)]
+    """How often each number is within its own interval; each search begins a quarter above the truth."""
+    start = [min(1.25 * one.start, one.most) for one in whole.free]
+    trials = [trial(whole, record, exact, seed, start) for seed in range(count)]
     return {name: sum(one[name] for one in trials) for name in trials[0]}
 
 
@@ -117,8 +118,8 @@ def test_a_suspension_is_found_from_its_hunting() -> None:
 
 @pytest.mark.long
 def test_a_suspension_is_within_its_own_interval() -> None:
-    """Of 60 trials 57 are expected, with a standard deviation of 1.7."""
-    assert min(inside(*hunting_log(), 60).values()) >= 53
+    """95 % are expected: 190 of 200 with a standard deviation of 3."""
+    assert min(inside(*hunting_log(), 200).values()) >= 180
 
 
 # --------------------------------------------------------------------------------------- inertia and losses of the rollers
@@ -143,6 +144,7 @@ def test_inertia_and_losses_are_within_their_own_intervals() -> None:
 
 @pytest.mark.long
 def test_inertia_and_losses_are_within_their_own_intervals_in_95_of_100_trials() -> None:
+    """Of 40 trials 38 are expected, with a standard deviation of 1.4; a trial takes some 8 s."""
     assert min(inside(*coast_down(), 40).values()) >= 34
 
 
@@ -220,12 +222,12 @@ def valve_log(commands: np.ndarray = COMMANDS, **changes: object) -> tuple[Whole
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("count", [2, pytest.param(100, marks=pytest.mark.long)])
+@pytest.mark.parametrize("count", [2, pytest.param(200, marks=pytest.mark.long)])
 def test_a_dump_valve_is_within_its_own_intervals(count: int) -> None:
-    """95 % are expected: 95 of 100 with a standard deviation of 2.2."""
+    """95 % are expected: 190 of 200 with a standard deviation of 3."""
     found = inside(*valve_log(), count)
     assert set(found) == {"fill_conductance", "vent_conductance", "critical_ratio"}
-    assert min(found.values()) >= (1 if count == 2 else 88), found
+    assert min(found.values()) >= (1 if count == 2 else 180), found
 
 
 @pytest.mark.slow

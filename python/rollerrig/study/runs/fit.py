@@ -120,7 +120,8 @@ def _sampled(record: Record, run: xr.Dataset) -> list[Array]:
     """What a run, or its derivative by a number, has at the rows of a log: filtered as the measurement."""
     from scipy.interpolate import CubicSpline
 
-    columns, time = _columns(run), run["time"].to_numpy()
+    names = {channel.of.rpartition(".")[2] for channel in record.channels}
+    columns, time = _columns(run[list(names)]), run["time"].to_numpy()
     found = []
     for channel in record.channels:
         values = columns[channel.of][1]
