@@ -9,6 +9,7 @@ Equations: core/include/rollerrig/simulate/tangent_run.hpp.
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -196,10 +197,12 @@ def require_smooth(case: Case) -> None:
 def with_fine_steps(case: Case) -> Case:
     """The case with the method, steps and tolerances of derivatives; finer ones of its own stay."""
     time, own = case.time, case.integration
-    step = own.step if own.method == METHOD and own.step is not None else STEP
+    step = own.step if own.method == METHOD else time.sampling_step if case.sampled else STEP
+    assert step is not None
+    step /= math.ceil(step / STEP - 1e-9)  # a whole part of the sampling step stays one
     return case.with_changes({
         "time.method": METHOD,
-        "time.step": min(step, STEP, time.duration),
+        "time.step": min(step, time.duration),
         "time.relative_tolerance": min(time.relative_tolerance, RELATIVE_TOLERANCE),
         "time.absolute_tolerance": min(time.absolute_tolerance, ABSOLUTE_TOLERANCE),
     })  # fmt: skip

@@ -98,6 +98,14 @@ def test_steps_that_suffice_for_a_run_are_made_finer(speed: str, key: str) -> No
         assert off < allowed * np.abs(wanted).max(), (name, off / np.abs(wanted).max())
 
 
+def test_finer_steps_are_whole_parts_of_the_sampling_step() -> None:
+    case = rr.load_case("adhesion_brake").with_changes({"time.sampling_step": "0.5 ms"})
+    assert module.with_fine_steps(case).time.step == pytest.approx(0.5e-3 / 3)
+    assert module.with_fine_steps(case.with_changes({"time.method": "rodas4"})).time.step == pytest.approx(0.5e-3 / 3)
+    assert module.with_fine_steps(rr.load_case("bogie_rollers_constant")).time.step == pytest.approx(0.2e-3)
+    assert module.with_fine_steps(rr.load_case("wheelset_rollers")).time.step == pytest.approx(0.2e-3)
+
+
 def test_differences_in_few_columns_shake_contacts_no_more_than_the_exact_jacobian_does() -> None:
     """Twelve columns take J in dual numbers, one the difference of slopes; with 3e-8 m in place of 1e-8 m it is 4e-5 off."""
     case = rr.load_case("bogie_rollers_constant").with_changes({**FINE, "time.duration": "20 ms"})
