@@ -87,9 +87,8 @@ class _Reader:
         used: Any = np.ones(len(x), dtype=bool)
         if isinstance(log, TimeLog):
             begin = float(x[0]) if log.begin is None else log.begin
-            used = (x >= (-math.inf if log.begin is None else begin)) & (
-                x <= (math.inf if log.end is None else log.end)
-            )
+            first, last = -math.inf if log.begin is None else log.begin, math.inf if log.end is None else log.end
+            used = (x >= first) & (x <= last)
             if used.sum() < 2:
                 allowed = f"allowed: a part of the log with two rows or more; it has {x.min():g} to {x.max():g} s"
                 _refuse(self.plan, f"{self.at}.begin", f"{begin:g} s", allowed)
