@@ -3,7 +3,8 @@
     python benchmarks/sensitivity.py
 
 The bogie on rollers, 1 s and 10 s at 150 km/h from an offset of 3 mm, with 1, 5 and 20 numbers; processor time over that of
-simulate(). What does not depend on the length of the run, the two changed models of each number, is in it.
+simulate(), at the steps of the case and at those of the derivatives. What does not depend on the length of the run, the two
+changed models of each number, is in it.
 """
 
 from __future__ import annotations
@@ -14,6 +15,7 @@ from functools import partial
 
 import rollerrig as rr
 from rollerrig.analysis.stability_sensitivity import suspension_parameters
+from rollerrig.simulation.sensitivity import with_fine_steps
 
 
 def processor(work: Callable[[], object]) -> float:
@@ -31,10 +33,13 @@ def main() -> None:
     rr.sensitivity(short, keys[:1], ["lateral"])  # what is loaded once is not counted
     for duration in (1, 10):
         case = whole.with_changes({"time.duration": f"{duration} s"})
-        run = min(processor(partial(rr.simulate, case)) for _ in range(3))
+        run, fine = (
+            min(processor(partial(rr.simulate, one)) for _ in range(3)) for one in (case, with_fine_steps(case))
+        )
         for count in (1, 5, 20):
             own = processor(partial(rr.sensitivity, case, keys[:count], ["lateral"]))
-            print(f"{duration} s, {count} numbers: {own:.2f} s, {own / run:.1f} runs of {run:.3f} s", flush=True)
+            print(f"{duration} s, {count} numbers: {own:.2f} s, {own / run:.1f} runs of {run:.3f} s, ", end="")
+            print(f"{own / fine:.1f} of {fine:.3f} s at its own steps", flush=True)
     for name in ("bogie_rollers_constant", "bogie_track"):
         modes = processor(partial(rr.stability_sensitivity, name, []))
         count = len(list(suspension_parameters(rr.load_case(name))))

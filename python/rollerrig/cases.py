@@ -9,6 +9,7 @@ raises ConfigError.
 from pathlib import Path
 
 from rollerrig.config import Body, Case, Rig, Track, load_case, load_support
+from rollerrig.config.schema.contact import Polach
 from rollerrig.config.write.toml import plain
 
 ACTUATORS = (
@@ -91,6 +92,8 @@ def on_track(case: Case) -> Case:
     The vehicle runs at its speed; the controller of a rig and the assumption of pure rolling on rollers are left out.
     """
     changes: dict[str, object] = {"motion.drive": "speed_controlled", "motion.torque_table": None, "rig_control": None}
+    if case.adhesion is not None and isinstance(case.contact.creep, Polach):  # there those of the rail hold
+        changes |= {"contact.creep.k_A": 1.0, "contact.creep.k_S": 1.0}
     return _on(case, CATALOG_TRACK, {**changes, "contact.pure_rolling": False})
 
 

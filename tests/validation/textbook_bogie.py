@@ -155,13 +155,13 @@ def effects(bogie: Bogie, *, rail_radius: float, spin_inertia: float, weight: fl
     """The bogie, and with one after the other of what its textbook leaves out; heads of the rails of a radius [m]."""
     rho = bogie.conicity / (bogie.a - bogie.r0 * bogie.conicity)
     added: dict[str, dict[str, float]] = {
-        "as published": {},
-        "and the equivalent conicity of wheelsets that roll": {
+        "seven equations, as published": {},
+        "the row above, with the equivalent conicity of wheelsets that roll": {
             "conicity": (bogie.a + rail_radius * bogie.conicity) * rho
         },
-        "and contacts that move s times as far, the weight": {"roll_ratio": rho, "weight": weight},
-        "and vertical primary springs that the roll compresses": {"spring_roll": rho},
-        "and the gyroscopic moment": {"spin_inertia": spin_inertia},
+        "the row above, with contacts that move s times as far, the weight": {"roll_ratio": rho, "weight": weight},
+        "the row above, with vertical primary springs that the roll compresses": {"spring_roll": rho},
+        "the row above, with the gyroscopic moment": {"spin_inertia": spin_inertia},
     }
     found: dict[str, Bogie] = {}
     for name, changes in added.items():

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from rollerrig.cli.command import AllowCode, CaseName, Changes, Force, code_lines, picture_kind, read_case
+from rollerrig.cli.command import AllowCode, CaseName, Changes, Force, changes_of, code_lines, picture_kind, read_case
 from rollerrig.cli.ranges import check_finite, read_range
 from rollerrig.cli.termination import LEFT_VALIDITY, readable_errors, say, stop
 
@@ -64,6 +64,7 @@ def schema(
 
 def check(
     file: Annotated[str, typer.Argument(help="A TOML file, or a name of the catalogue.")],
+    change: Changes = None,
     allow_code: Annotated[
         bool,
         typer.Option(
@@ -78,13 +79,18 @@ def check(
     from rollerrig.study.ensemble import check_ensemble
 
     kind, part = load_any(file, allow_code=allow_code)
+    changes = changes_of(change)
+    if changes and not isinstance(part, Case | Plan | FitPlan):
+        raise typer.BadParameter(f"'{file}' is a {kind}; allowed: with a case or a plan", param_hint="--set")
+    if isinstance(part, Case) and changes:
+        part = part.with_changes(changes)
     if isinstance(part, Plan):
         from rollerrig.study.sweep import SweepStudy
 
-        whole = load_plan(file, allow_code=allow_code)
+        whole = load_plan(file, allow_code=allow_code, changes=changes)
         lines = [*code_lines(whole.code), *SweepStudy(whole, many=True).described()]
     elif isinstance(part, FitPlan):
-        fit = load_fit(file, allow_code=allow_code)
+        fit = load_fit(file, allow_code=allow_code, changes=changes)
         sought = (
             f"{one.key}: {one.start:g} {one.quantity.unit}, from {one.least:g} to {one.most:g}" for one in fit.free
         )

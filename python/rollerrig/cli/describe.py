@@ -189,7 +189,8 @@ def _adhesion(case: Case) -> list[str]:
     laws = [rail.friction for rail in rails]
     parts = [f"{law.mu_0:g} falling to {law.mu_0 * getattr(law, 'A', 1.0):g} with slip" for law in laws]
     recovery = "; it recovers under sliding wheels" if case.adhesion.recovery_constant > 0.0 else ""
-    return [f"adhesion of the rail: {', then '.join(parts)}{recovery}"]
+    instead = "" if isinstance(case.support.data, Rig) else ", in place of contact.friction"
+    return [f"adhesion of the rail{instead}: {', then '.join(parts)}{recovery}"]
 
 
 def _roller_drives(case: Case) -> list[str]:

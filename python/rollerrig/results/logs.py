@@ -2,8 +2,8 @@
 
     .csv, .mat, .mf4, .nc, .parquet, .npz of `rollerrig serve --record` -> [read_log] -> Log: name of a column -> values, unit
 
-A heading is `name` or `name [unit]`; a table is separated by commas, by tabs, or by semicolons with decimal commas. A file that
-`rollerrig export` or `simulate` wrote has its columns by the same names.
+A heading is `name` or `name [unit]`; a table is separated by commas, or by tabs or semicolons, where commas may be decimal. A
+file that `rollerrig export` or `simulate` wrote has its columns by the same names.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ import csv
 import re
 import subprocess
 import sys
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -30,6 +30,10 @@ GAP = 5.5
 
 LONGEST_TRIAL = 60.0
 """Longest reading of a file in a process of its own [s]."""
+
+
+Columns = Mapping[str, Any] | Iterable[tuple[str, Any]]
+"""Headings and what stands below them."""
 
 
 @dataclass(frozen=True)
@@ -66,16 +70,20 @@ def read_log(path: str | Path) -> Log:
         ) from None
 
 
-def log_of(given: Mapping[str, Any], file: str) -> Log:
-    """Columns by their headings as a Log, called `file` in messages.
+def log_of(given: Columns, file: str) -> Log:
+    """Columns by their headings as a Log, called `file` in messages; those without a heading are left out.
 
     Raises:
-        ResultsError: there are none, a cell is no number, or they are of different lengths.
+        ResultsError: there are none, one is there twice, a cell is no number, or they are of different lengths.
     """
     columns, units = {}, {}
-    for heading, values in given.items():
+    for heading, values in given.items() if isinstance(given, Mapping) else given:
         found = re.fullmatch(r"(.*?)\s*\[([^\[\]]*)\]", heading.strip())
         name, unit = found.groups() if found else (heading.strip(), "")
+        if not name:
+            continue
+        if name in columns:
+            raise ResultsError(f"{file}: column '{name}' is there twice; allowed: each heading once")
         if len(numbers := _numbers(name, np.asarray(values), file)):
             columns[name], units[name] = numbers, unit
     lengths = {len(values) for values in columns.values()}
@@ -144,13 +152,19 @@ def time_problem(time: Array) -> str:
     return ""
 
 
-def _csv(path: str | Path) -> Mapping[str, Any]:
+def _csv(path: str | Path) -> Columns:
     text = read_input(path, LARGEST_TABLE).decode("utf-8-sig")
     lines = [line for line in text.splitlines() if line.strip() and not line.startswith("#")]
-    separator = max(",;\t", key=(lines or [""])[0].count)
+    if not lines:
+        raise ResultsError(f"{path}: an empty file; needed: a heading and rows of numbers")
+    separator = max(",;\t", key=lines[0].count)
     head, *rows = csv.reader(lines, delimiter=separator)
-    decimal = "," if separator == ";" else "."
-    return {name: [row[k].strip().replace(decimal, ".") for row in rows if k < len(row)] for k, name in enumerate(head)}
+    for number, row in enumerate(rows, 1):
+        if len(row) != len(head):
+            allowed = "decimal commas need ; or tabs between the cells"
+            raise ResultsError(f"{path}: row {number} has {len(row)} cells, the heading {len(head)}; {allowed}")
+    decimal = "." if separator == "," else ","
+    return [(name, [row[k].strip().replace(decimal, ".") for row in rows]) for k, name in enumerate(head)]
 
 
 def _try(path: str | Path, reading: str) -> None:
@@ -193,7 +207,7 @@ def _parquet(path: str | Path) -> Mapping[str, Any]:
     return {name: table[name].to_numpy() for name in table.column_names}
 
 
-def _mdf(path: str | Path) -> Mapping[str, Any]:
+def _mdf(path: str | Path) -> Columns:
     """Channels of numbers over the times of the one that has most; what was sampled at others is interpolated."""
     from asammdf import MDF
 
@@ -207,7 +221,7 @@ def _mdf(path: str | Path) -> Mapping[str, Any]:
         inside = time[(time >= max(s.timestamps[0] for s in kept)) & (time <= min(s.timestamps[-1] for s in kept))]
         heads = [f"{one.name} [{one.unit}]" if one.unit else one.name for one in kept]
         values = [np.interp(inside, one.timestamps, one.samples.astype(np.float64)) for one in kept]
-        return {"time [s]": inside, **dict(zip(heads, values, strict=True))}
+        return [("time [s]", inside), *zip(heads, values, strict=True)]
 
 
 def _record(path: str | Path) -> Mapping[str, Any]:

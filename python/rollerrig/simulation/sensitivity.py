@@ -9,6 +9,7 @@ Equations: core/include/rollerrig/simulate/tangent_run.hpp.
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -25,7 +26,7 @@ from rollerrig.cases import as_case
 from rollerrig.common.arrays import Array
 from rollerrig.config import Case, ConfigError, ConfigProblem
 from rollerrig.config.errors import nearest, one_of
-from rollerrig.config.load.change import matching_paths, parts_of, value_in, whole_key
+from rollerrig.config.load.change import matching_paths, read_parts, value_in
 from rollerrig.config.write.differences import tables_of
 from rollerrig.config.write.explain import unit_of
 from rollerrig.results import COMPLETED, Outcome, run_draft
@@ -34,8 +35,11 @@ from rollerrig.simulation.run import Progress, outcome, prepare
 RELATIVE_WIDTH = 1e-5
 """Half width of the differences by a number, over its size [1]: their error is its square."""
 
-METHOD, STEP = "exponential_adams", "1 ms"
-"""Whose steps the derivatives take, and the longest one of a case with another method."""
+METHOD = "exponential_adams"
+"""Whose steps the derivatives take."""
+
+STEP, RELATIVE_TOLERANCE, ABSOLUTE_TOLERANCE = 0.2e-3, 1e-9, 1e-12
+"""Longest step [s] and largest tolerances: derivatives of normal forces are wrong with those that suffice for a run."""
 
 _SLICES = 100
 """Slices of a run, for its progress and Ctrl-C."""
@@ -72,6 +76,8 @@ def sensitivity(
 ) -> Sensitivity:
     """Run a case by exponential_adams, with the derivatives of its outputs by any of its numbers.
 
+    Its steps are at most 0.2 ms and its tolerances 1e-9 and 1e-12, whatever the case names: those of a run do not suffice.
+
     Args:
         case: what to run, or its name in the catalogue.
         parameters: dotted keys of numbers, as `Case.with_changes` takes them; one with `*` stands for all that match, which
@@ -94,8 +100,7 @@ def sensitivity(
     """
     case = as_case(case)
     require_smooth(case)
-    if case.integration.method != METHOD:
-        case = case.with_changes({"time.method": METHOD, "time.step": STEP})
+    case = with_fine_steps(case)
     values = [number_of(case, key) for key in parameters]
     model = assemble_as_run(case)
     simulation = prepare(model)
@@ -139,8 +144,7 @@ def number_of(case: Case, key: str) -> float:
         ConfigError: there is no such number, several that differ, or it is 0.
     """
     tables = tables_of(case, as_written=False)
-    whole = whole_key(key).replace("support.roller_radius", "support.data.roller_radius")
-    paths = matching_paths(tables, parts_of(whole), key, case.name)
+    paths = matching_paths(tables, read_parts(key), key, case.name)
     if isinstance(paths, ConfigProblem):
         raise ConfigError([paths.shortened()])
     found = {_number_at(tables, path, key, case.name) for path in paths}
@@ -188,6 +192,20 @@ def require_smooth(case: Case) -> None:
         )
     if problems:
         raise ConfigError(problems)
+
+
+def with_fine_steps(case: Case) -> Case:
+    """The case with the method, steps and tolerances of derivatives; finer ones of its own stay."""
+    time, own = case.time, case.integration
+    step = own.step if own.method == METHOD else time.sampling_step if case.sampled else STEP
+    assert step is not None
+    step /= math.ceil(step / STEP - 1e-9)  # a whole part of the sampling step stays one
+    return case.with_changes({
+        "time.method": METHOD,
+        "time.step": min(step, time.duration),
+        "time.relative_tolerance": min(time.relative_tolerance, RELATIVE_TOLERANCE),
+        "time.absolute_tolerance": min(time.absolute_tolerance, ABSOLUTE_TOLERANCE),
+    })  # fmt: skip
 
 
 def _number_at(tables: Mapping[str, Any], path: Sequence[str], key: str, file: str) -> float:

@@ -36,6 +36,8 @@ LARGEST_MEASURED = 1e30
 """Largest value of a channel, in SI: squares of more are no finite numbers, and no free key can be blamed for it."""
 MOST_LISTED = 20
 """More outputs of a model are not listed in a message."""
+JUMP = 1e-3
+"""Part of the time between two rows, its last, in which a held input moves to the next row: tables have no jumps."""
 
 
 def records(whole: WholeFit, files: Sequence[str | Path | logs.Log]) -> tuple[Record, ...]:
@@ -87,7 +89,8 @@ class _Reader:
         used: Any = np.ones(len(x), dtype=bool)
         if isinstance(log, TimeLog):
             begin = float(x[0]) if log.begin is None else log.begin
-            used = (x >= begin) & (x <= (math.inf if log.end is None else log.end))
+            first, last = -math.inf if log.begin is None else log.begin, math.inf if log.end is None else log.end
+            used = (x >= first) & (x <= last)
             if used.sum() < 2:
                 allowed = f"allowed: a part of the log with two rows or more; it has {x.min():g} to {x.max():g} s"
                 _refuse(self.plan, f"{self.at}.begin", f"{begin:g} s", allowed)
@@ -102,6 +105,9 @@ class _Reader:
             x = x - begin
             case = self._driven(case, x[used], used, log)
             case = case.with_changes({"time.duration": f"{float(x[used][-1]) + case.time.output_step!r} s"})
+        elif (wrong := np.abs(x) > 1.0 if unit == "1" else x <= 0.0).any():
+            allowed = "-1 to 1, a part of the vehicle's speed" if unit == "1" else f"more than 0 {unit}"
+            _refuse(self.table.file, name, f"{x[wrong][0]:g} in row {int(np.argmax(wrong)) + 1}", f"allowed: {allowed}")
         outputs, fitted = MODELS[kind].outputs(case), self._fitted(int(used.sum()), held_back)
         channels = (
             self._channel(output, outputs, used, fitted, f"output[{number}]", case)
@@ -160,12 +166,18 @@ class _Reader:
         """The case with the columns that drive it as tables over time."""
         changes: dict[str, object] = {}
         for place, given in enumerate(log.input):
-            unit = given.unit or self.table.units.get(given.column, "")
             values = given.factor * self._column(given.column, f"input[{place}].column", 1.0, used)
-            slope = np.diff(values) / np.diff(x)
+            if not (unit := given.unit or self.table.units.get(given.column, "")):
+                self._needs_unit(given.column, "UNIT", f"input[{place}].unit")
+            times = x
+            if given.between == "hold":
+                after = np.arange(1, len(x))
+                times = np.insert(x, after, x[1:] - JUMP * np.diff(x))
+                values = np.insert(values, after, values[:-1])
+            slope = np.diff(values) / np.diff(times)
             corner = np.r_[True, slope[1:] != slope[:-1], True]  # a run stops at each row of a table
-            rows = zip(x[corner].tolist(), values[corner].tolist(), strict=True)
-            changes[given.key] = [[t, f"{v!r} {unit}" if unit else v] for t, v in rows]
+            rows = zip(times[corner].tolist(), values[corner].tolist(), strict=True)
+            changes[given.key] = [[t, v if unit == "1" else f"{v!r} {unit}"] for t, v in rows]
         try:
             return case.with_changes(changes) if changes else case
         except ConfigError as error:
@@ -174,8 +186,10 @@ class _Reader:
             ) from None
 
     def _factor(self, column: str, given: str | None, si: str, key: str) -> float:
-        """Factor to SI of a column; refuses a unit of something else, or another one than in the heading."""
+        """Factor to SI of a column; refuses one without a unit, with one of something else, or another than in its heading."""
         heading = self.table.units.get(column, "")
+        if column in self.table.columns and not (given or heading or si == "1"):
+            self._needs_unit(column, si, key)
         if given and heading and given != heading:
             allowed = f"allowed: the unit in the heading of {self.table.file}, {heading}"
             _refuse(self.plan, f"{self.at}.{key}", show_value(given), allowed)
@@ -184,6 +198,10 @@ class _Reader:
             place = (self.plan, f"{self.at}.{key}") if given else (self.table.file, column)
             _refuse(*place, show_value(given or heading), f"allowed: a unit of what is compared, such as {si}")
         return float(factor)
+
+    def _needs_unit(self, column: str, unit: str, key: str) -> NoReturn:
+        needed = f"needed: a heading '{column} [{unit}]', or `{self.at}.{key}` in the plan"
+        _refuse(self.table.file, column, "has no unit", needed)
 
     def _column(self, name: str, key: str, factor: float = 1.0, used: Array | None = None) -> Array:
         """Values of a column in SI, of the rows that are used."""
@@ -195,7 +213,9 @@ class _Reader:
         values = factor * columns[name][rows]
         if (missing := ~np.isfinite(values)).any():
             allowed = "allowed: a number in every row that is used; cut it with `begin` and `end`, or leave the row out"
-            _refuse(self.table.file, name, f"nothing in row {int(rows[int(np.argmax(missing))]) + 1}", allowed)
+            first = int(np.argmax(missing))
+            shown = "nothing" if np.isnan(values[first]) else f"{values[first]:g}"
+            _refuse(self.table.file, name, f"{shown} in row {int(rows[first]) + 1}", allowed)
         return np.asarray(values)
 
 

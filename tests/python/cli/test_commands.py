@@ -173,6 +173,11 @@ def test_check_prints_actuators_and_controllers() -> None:
     assert "adhesion of the rail: 0.08 falling to 0.032 with slip" in done.out
     assert "slide_protection: every 5 ms, acting 1 ms later" in done.out
     assert "observer 20 Hz, proportional-integral feedback" in done.out
+    done = Done("check", "sanding_trial", "--set", "brake.demand=[[0, 0], [1, '2 bar']]")
+    assert "brake: 2 bar at most" in done.out
+    assert "adhesion of the rail, in place of contact.friction: 0.02 falling to 0.02 with slip" in done.out
+    done = Done("check", "full_scale_rig", "--set", "gauge=1.4 m")
+    assert (done.code, "'full_scale_rig' is a support; allowed: with a case or a plan" in done.err) == (2, True)
 
 
 def test_check_refuses_an_ensemble_that_is_no_test(case: Path) -> None:

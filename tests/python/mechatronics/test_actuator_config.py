@@ -5,6 +5,7 @@ from __future__ import annotations
 import pytest
 
 from rollerrig import ConfigError, load_case
+from rollerrig.cases import on_track
 from rollerrig.config import case_from_toml
 from rollerrig.simulation.controllers import COMMANDS
 
@@ -95,6 +96,17 @@ def test_what_does_not_fit_is_refused_with_key_and_reason(changes: dict[str, obj
     with pytest.raises(ConfigError) as caught:
         load_case("adhesion_brake").with_changes(changes)
     assert message in str(caught.value)
+
+
+def test_reductions_of_polach_s_law_that_a_rail_replaces_are_refused_on_track() -> None:
+    """On rollers they are those of the rollers; the same case on track has those of the rail alone."""
+    wet = {"contact.creep": {"kind": "polach", "k_A": 0.3, "k_S": 0.1}}
+    rig = load_case("adhesion_brake").with_changes(wet)
+    assert on_track(rig).contact.creep == on_track(load_case("adhesion_brake")).contact.creep
+    with pytest.raises(
+        ConfigError, match=r"contact\.creep: k_A = 0\.3, k_S = 0\.1; allowed on track with \[adhesion\]: 1"
+    ):
+        load_case("eurosprinter_traction").with_changes(wet)
 
 
 def test_a_blend_is_a_length_or_a_time_as_the_pieces() -> None:

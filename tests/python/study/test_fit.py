@@ -21,7 +21,7 @@ from rollerrig.config.load.fit import WholeFit, load_fit
 from rollerrig.config.read import Document, catalog_file, read_document
 from rollerrig.results.logs import log_of, read_log, time_problem
 from rollerrig.study.fit import FitStudy, records
-from rollerrig.study.runs.fit import MODELS, Record, search
+from rollerrig.study.runs.fit import MODELS, Record, UnusableRunError, search
 
 CREEPAGES = np.geomspace(0.004, 0.2, 13)
 BINS = Path(__file__).parents[2] / "validation" / "data" / "eurosprinter_bins.csv"
@@ -55,8 +55,9 @@ def trial(
 
 
 def inside(whole: WholeFit, record: Record, exact: Sequence[np.ndarray], count: int) -> dict[str, int]:
-    """How often each number is within its own interval; the search begins at the truth, where it ends is its own."""
-    trials = [trial(whole, record, exact, seed, [one.start for one in whole.free]) for seed in range(count)]
+    """How often each number is within its own interval; each search begins a quarter above the truth."""
+    start = [min(1.25 * one.start, one.most) for one in whole.free]
+    trials = [trial(whole, record, exact, seed, start) for seed in range(count)]
     return {name: sum(one[name] for one in trials) for name in trials[0]}
 
 
@@ -101,7 +102,7 @@ def hunting_log() -> tuple[WholeFit, Record, list[np.ndarray]]:
     outputs = [{"of": "hunting_frequency", "error": "0.03 Hz"}, {"of": "hunting_damping", "error": 0.005}]
     whole = plan_of("hunting_decay", log=[{**raw["log"][0], "output": outputs}])
     speeds = np.array([100.0, 130.0, 160.0])
-    columns = {"speed [km/h]": speeds, "hunting_frequency": 0.0 * speeds, "hunting_damping": 0.0 * speeds}
+    columns = {"speed [km/h]": speeds, "hunting_frequency [Hz]": 0.0 * speeds, "hunting_damping": 0.0 * speeds}
     return whole, *synthetic(whole, columns)
 
 
@@ -117,8 +118,8 @@ def test_a_suspension_is_found_from_its_hunting() -> None:
 
 @pytest.mark.long
 def test_a_suspension_is_within_its_own_interval() -> None:
-    """Of 60 trials 57 are expected, with a standard deviation of 1.7."""
-    assert min(inside(*hunting_log(), 60).values()) >= 53
+    """95 % are expected: 190 of 200 with a standard deviation of 3."""
+    assert min(inside(*hunting_log(), 200).values()) >= 180
 
 
 # --------------------------------------------------------------------------------------- inertia and losses of the rollers
@@ -132,7 +133,7 @@ def coast_down(*without: str, torque: np.ndarray = DRIVING) -> tuple[WholeFit, R
     output = {**raw["log"][0]["output"][0], "error": "0.1 km/h"}
     free = [one for one in raw["free"] if one.get("name") not in without]
     whole = plan_of("coast_down", free=free, log=[{**raw["log"][0], "output": [output]}])
-    return whole, *synthetic(whole, {"time": TIMES, "speed [km/h]": 0.0 * TIMES, "torque [N m]": torque})
+    return whole, *synthetic(whole, {"time [s]": TIMES, "speed [km/h]": 0.0 * TIMES, "torque [N m]": torque})
 
 
 @pytest.mark.slow
@@ -143,6 +144,7 @@ def test_inertia_and_losses_are_within_their_own_intervals() -> None:
 
 @pytest.mark.long
 def test_inertia_and_losses_are_within_their_own_intervals_in_95_of_100_trials() -> None:
+    """Of 40 trials 38 are expected, with a standard deviation of 1.4; a trial takes some 8 s."""
     assert min(inside(*coast_down(), 40).values()) >= 34
 
 
@@ -178,7 +180,7 @@ def step_log() -> tuple[WholeFit, Record, list[np.ndarray]]:
     output = {**raw["log"][0]["output"][0], "error": "5 N m"}
     times = np.arange(0.0, 1.0, 2e-3)
     whole = plan_of("drive_lag", log=[{**raw["log"][0], "output": [output]}])
-    return whole, *synthetic(whole, {"time": times, "torque": 0.0 * times})
+    return whole, *synthetic(whole, {"time [s]": times, "torque [N m]": 0.0 * times})
 
 
 @pytest.mark.slow
@@ -216,16 +218,16 @@ def valve_log(commands: np.ndarray = COMMANDS, **changes: object) -> tuple[Whole
     output = {**raw["log"][0]["output"][0], "error": "0.02 bar"}
     given = {**raw["changes"], **{f"brake.air.{key}": value for key, value in changes.items()}}
     whole = plan_of("dump_valve", log=[{**raw["log"][0], "output": [output]}], changes=given)
-    return whole, *synthetic(whole, {"time": SINCE, "valve": commands, "cylinder_pressure": 0.0 * SINCE})
+    return whole, *synthetic(whole, {"time [s]": SINCE, "valve": commands, "cylinder_pressure [Pa]": 0.0 * SINCE})
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("count", [2, pytest.param(100, marks=pytest.mark.long)])
+@pytest.mark.parametrize("count", [2, pytest.param(200, marks=pytest.mark.long)])
 def test_a_dump_valve_is_within_its_own_intervals(count: int) -> None:
-    """95 % are expected: 95 of 100 with a standard deviation of 2.2."""
+    """95 % are expected: 190 of 200 with a standard deviation of 3."""
     found = inside(*valve_log(), count)
     assert set(found) == {"fill_conductance", "vent_conductance", "critical_ratio"}
-    assert min(found.values()) >= (1 if count == 2 else 88), found
+    assert min(found.values()) >= (1 if count == 2 else 180), found
 
 
 @pytest.mark.slow
@@ -249,7 +251,7 @@ def test_dead_times_of_a_valve_are_those_that_leave_least() -> None:
     """Opening, closing, and opening again: the one hardly depends on the other."""
     exact = valve_log(opening_time="18 ms", closing_time="24 ms")[2][0]
     noisy = exact + 2e3 * np.random.default_rng(5).normal(size=len(exact))
-    log = {"time": SINCE, "valve": COMMANDS, "cylinder_pressure": noisy}
+    log = {"time [s]": SINCE, "valve": COMMANDS, "cylinder_pressure [Pa]": noisy}
     plan = {**read_document("fit", "dump_valve").raw}
     plan["free"] = plan["free"][:2]
     found = {"opening_time": 20, "closing_time": 20}
@@ -284,14 +286,15 @@ def test_a_log_whose_valve_never_vents_is_told_that_it_says_nothing_about_ventin
 def test_a_valve_log_with_a_mistake_is_refused_in_a_line(
     change: dict[str, Any], log: dict[str, Any], expected: str
 ) -> None:
-    columns = {"time": SINCE, "valve": COMMANDS, "cylinder_pressure": 0.0 * SINCE, **log}
+    columns = {"time [s]": SINCE, "valve": COMMANDS, "cylinder_pressure [Pa]": 0.0 * SINCE, **log}
     plan = {**read_document("fit", "dump_valve").raw, **change}
     assert expected in refused(plan, {name: values for name, values in columns.items() if values is not None})
 
 
 # -------------------------------------------------------------------------------------------------------------- refusals
 
-GOOD = {"time": np.arange(0.0, 1.0, 0.01), "y": np.zeros(100)}
+AT = np.arange(0.0, 1.0, 0.01)
+GOOD = {"time [s]": AT, "y [m]": np.zeros(100)}
 
 
 def run_plan(**output: Any) -> dict[str, Any]:
@@ -313,17 +316,23 @@ def refused(plan: Mapping[str, Any], *logs: Any) -> str:
 @pytest.mark.parametrize(
     ("change", "expected"),
     [
-        ({"time": np.r_[GOOD["time"][:50], GOOD["time"][50:] + 0.3]}, "time: 0.8 s follows 0.49 s: a gap, rows are 0.01 s apart"),
-        ({"time": np.r_[GOOD["time"][:50], 0.49, GOOD["time"][51:]]}, "log 1: time: 0.49 s follows 0.49 s: not later"),
-        ({"time": np.r_[GOOD["time"][:50], 0.3, GOOD["time"][51:]]}, "log 1: time: 0.3 s follows 0.49 s: not later"),
-        ({"y": np.r_[np.zeros(70), np.nan, np.zeros(29)]}, "log 1: y: nothing in row 71"),
-        ({"y": None, "yy": np.zeros(100)}, "log 1: log[0].output[0].column: no column 'y'; allowed: time, yy; did you mean"),
-        ({"y": None, "y [km/h]": np.zeros(100)}, "log 1: y: 'km/h'; allowed: a unit of what is compared, such as m"),
-        ({"y": None, "y [blips]": np.zeros(100)}, "log 1: y: 'blips'"),
-        ({"time": 1e-12 * GOOD["time"]}, "log 1: time: 9.9e-13 s in all; allowed: at least time.output_step of the case"),
-        ({"y": np.full(100, 1e300)}, "log 1: y: 1e+300 m; allowed: up to 1e+30 m"),
+        ({"time [s]": np.r_[AT[:50], AT[50:] + 0.3]}, "time: 0.8 s follows 0.49 s: a gap, rows are 0.01 s apart"),
+        ({"time [s]": np.r_[AT[:50], 0.49, AT[51:]]}, "log 1: time: 0.49 s follows 0.49 s: not later"),
+        ({"time [s]": np.r_[AT[:50], 0.3, AT[51:]]}, "log 1: time: 0.3 s follows 0.49 s: not later"),
+        ({"y [m]": np.r_[np.zeros(70), np.nan, np.zeros(29)]}, "log 1: y: nothing in row 71"),
+        ({"y [m]": None, "yy [m]": AT}, "log 1: log[0].output[0].column: no column 'y'; allowed: time, yy; did you mean"),
+        ({"y [m]": None, "y [km/h]": np.zeros(100)}, "log 1: y: 'km/h'; allowed: a unit of what is compared, such as m"),
+        ({"y [m]": None, "y [blips]": np.zeros(100)}, "log 1: y: 'blips'"),
+        ({"y [m]": None, "y": np.zeros(100)}, "log 1: y: has no unit; needed: a heading 'y [m]', or `log[0].output[0].unit`"),
+        ({"time [s]": None, "time": AT}, "log 1: time: has no unit; needed: a heading 'time [s]', or `log[0].unit`"),
+        ({"time [s]": AT[::-1]}, "log 1: time: 0.98 s follows 0.99 s: not later"),
+        ({"time [s]": np.r_[AT[50:], AT[:50]]}, "log 1: time: 0 s follows 0.99 s: not later"),
+        ({"y [m]": np.r_[np.zeros(70), np.inf, np.zeros(29)]}, "log 1: y: inf in row 71"),
+        ({"time [s]": 1e-12 * AT}, "log 1: time: 9.9e-13 s in all; allowed: at least time.output_step of the case"),
+        ({"y [m]": np.full(100, 1e300)}, "log 1: y: 1e+300 m; allowed: up to 1e+30 m"),
     ],
-    ids=["gap", "repeated", "falling", "empty", "no_column", "unit", "no_unit", "in no time", "huge"],
+    ids=["gap", "repeated", "falling", "empty", "no_column", "unit", "unknown_unit", "no_unit", "no_unit_of_time", "all_falling",
+         "begun_anew", "infinite", "in_no_time", "huge"],
 )  # fmt: skip
 def test_a_log_with_a_mistake_is_refused_in_a_line(change: dict[str, Any], expected: str) -> None:
     columns = {name: values for name, values in {**GOOD, **change}.items() if values is not None}
@@ -332,8 +341,8 @@ def test_a_log_with_a_mistake_is_refused_in_a_line(change: dict[str, Any], expec
 
 def test_a_part_of_a_log_without_its_gap_is_taken() -> None:
     whole = load_fit(Document({**run_plan(), "log": [{**run_plan()["log"][0], "begin": 0.8}]}, "plan", Path()))
-    gap = np.r_[GOOD["time"][:50], GOOD["time"][50:] + 0.3]
-    (record,) = records(whole, [log_of({**GOOD, "time": gap}, "log 1")])
+    gap = np.r_[AT[:50], AT[50:] + 0.3]
+    (record,) = records(whole, [log_of({**GOOD, "time [s]": gap}, "log 1")])
     assert record.x[[0, -1]] == pytest.approx([0.0, 0.49])
 
 
@@ -350,7 +359,8 @@ def test_a_part_of_a_log_without_its_gap_is_taken() -> None:
     ids=["of", "unit", "error_unit", "zero", "filter", "both"],
 )
 def test_an_output_with_a_mistake_is_refused_in_a_line(output: dict[str, Any], expected: str) -> None:
-    assert expected in refused(run_plan(**output), GOOD)
+    log = {"time [s]": AT, "y": AT} if "unit" in output else GOOD
+    assert expected in refused(run_plan(**output), log)
 
 
 @pytest.mark.parametrize(
@@ -414,6 +424,67 @@ def test_a_free_key_that_changes_nothing_is_refused() -> None:
     assert line.startswith("plan: free[3].key: 'vehicle.body.car_body.mass'; allowed: keys that some output depends on")
 
 
+def test_what_kept_a_free_key_from_running_is_said() -> None:
+    """Of a gauge at which wheels miss the rollers."""
+    whole = load_fit(Document(run_plan(), "plan", Path()))
+    (record,) = records(whole, [log_of(GOOD, "log 1")])
+    wide = replace(whole, free=(replace(whole.free[0], key="support.gauge"),))
+    with pytest.raises(UnusableRunError, match=r"no run about support\.gauge = 0\.3 .*; the wheels miss"):
+        search(wide, [record], [0.3])
+
+
+def test_a_creepage_in_per_cent_without_its_unit_is_refused() -> None:
+    columns = {
+        "creepage": 100.0 * CREEPAGES,
+        **{f"traction_{name}": 0.0 * CREEPAGES for name in ("coefficient", "error")},
+    }
+    line = refused({**read_document("fit", "creep_curve").raw}, columns)
+    assert line == "log 1: creepage: 1.06366 in row 4; allowed: -1 to 1, a part of the vehicle's speed"
+
+
+def test_speeds_of_hunting_are_positive_in_any_order_and_may_repeat() -> None:
+    plan = read_document("fit", "hunting_decay").raw
+    whole = plan_of("hunting_decay")
+    columns = {name: np.zeros(3) for name in ("hunting_frequency [Hz]", "hunting_damping")}
+    (record,) = records(whole, [log_of({"speed [km/h]": [160.0, 100.0, 160.0], **columns}, "log 1")])
+    frequency, damping = MODELS["modes"].values(record, record.case)
+    assert frequency[0] == frequency[2] > frequency[1]
+    assert damping[0] == damping[2] < damping[1]
+    line = refused(plan, {"speed [km/h]": [160.0, 0.0, 120.0], **columns})
+    assert line == "log 1: speed: 0 in row 2; allowed: more than 0 m/s"
+
+
+def test_a_radius_of_rollers_in_place_of_the_rig_s_own_may_be_free() -> None:
+    free = {"key": "support.roller_radius", "least": "0.5 m", "most": "1 m"}
+    (found,) = load_fit(Document({**run_plan(), "free": [free]}, "plan", Path())).free
+    assert (found.start, found.quantity.unit) == (0.725, "m")
+
+
+def test_a_switched_torque_is_held_until_the_next_row() -> None:
+    """A line between the rows in which it is switched would be 50 N m s more, or less."""
+    raw = read_document("fit", "coast_down").raw
+    log, times = raw["log"][0], np.arange(0.0, 4.0, 0.5)
+    columns = {
+        "time [s]": times,
+        "speed [km/h]": 0.0 * times,
+        "torque [kN m]": np.where((times > 0.9) & (times < 2.1), 0.2, 0.0),
+    }
+    tables = {}
+    for between in ("line", "hold"):
+        whole = plan_of("coast_down", log=[{**log, "input": [{**log["input"][0], "between": between}]}])
+        (record,) = records(whole, [log_of(columns, "log 1")])
+        tables[between] = np.transpose(record.case.motion.torque_table)
+    assert np.interp([0.75, 1.25, 2.25, 2.75], *tables["line"]).tolist() == [100.0, 200.0, 100.0, 0.0]
+    assert np.interp([0.75, 1.25, 2.25, 2.75], *tables["hold"]).tolist() == [0.0, 200.0, 200.0, 0.0]
+    assert np.trapezoid(*tables["hold"][::-1]) == pytest.approx(300.0, abs=0.1)
+    line = refused(
+        {**raw}, {**{name: columns[name] for name in ("time [s]", "speed [km/h]")}, "torque": columns["torque [kN m]"]}
+    )
+    assert (
+        line == "log 1: torque: has no unit; needed: a heading 'torque [UNIT]', or `log[0].input[0].unit` in the plan"
+    )
+
+
 def test_as_many_logs_as_tables_are_needed() -> None:
     assert "plan: log: 0 logs; needed: at least one log" in refused(run_plan())
     two = {**run_plan(), "log": [run_plan()["log"][0]] * 2}
@@ -437,8 +508,10 @@ def test_a_run_is_read_again_as_a_log(tmp_path: Path, kind: str) -> None:
     assert time_problem(log.columns["time"]) == ""
 
 
-def test_a_table_with_semicolons_and_decimal_commas_is_read(tmp_path: Path) -> None:
-    (tmp_path / "log.csv").write_text("# from a rig\ntime [s];speed [km/h];note\n0,0;1,5;on\n0,1;2,5;off\n")
+@pytest.mark.parametrize("separator", [";", "\t"])
+def test_a_table_with_decimal_commas_is_read(tmp_path: Path, separator: str) -> None:
+    text = "# from a rig\ntime [s];speed [km/h];note;\n0,0;1,5;on;\n0,1;2,5;off;\n"
+    (tmp_path / "log.csv").write_text(text.replace(";", separator))
     log = read_log(tmp_path / "log.csv")
     assert log.columns["speed"].tolist() == [1.5, 2.5]
     assert log.units == {"time": "s", "speed": "km/h"}
@@ -449,7 +522,11 @@ def test_a_table_with_semicolons_and_decimal_commas_is_read(tmp_path: Path) -> N
     [
         ("time,y\n0,1\n0.1,oops\n", "row 2, column 'y': 'oops' is no number"),
         ("a\nb\n", "no column of numbers"),
-        ("", "no table of numbers"),
+        ("", "log.csv: an empty file; needed: a heading and rows of numbers"),
+        ("time,y\n0,0,1,5\n", "row 1 has 4 cells, the heading 2; decimal commas need ; or tabs between the cells"),
+        ("time,y\n0,1\n1\n", "row 2 has 1 cells, the heading 2"),
+        ("time,y,y\n0,1,2\n", "column 'y' is there twice; allowed: each heading once"),
+        ("time,y [m],y [mm]\n0,1,2\n", "column 'y' is there twice; allowed: each heading once"),
     ],
 )
 def test_a_file_without_numbers_is_refused_in_a_line(tmp_path: Path, text: str, expected: str) -> None:
@@ -521,7 +598,7 @@ def test_a_filtered_sensor_with_an_unknown_zero_gives_the_same_stiffness() -> No
     run = rr.simulate(rr.load_case("wheelset_rollers").with_changes({"time.duration": "1 s"}))
     exact = run["lateral"].sel(body="wheelset_1")
     seen = low_pass(exact, 15.0).to_numpy()[:-5] + 2e-3
-    key, log = "vehicle.element.primary_*.y.stiffness", {"time": run["time"].to_numpy()[:-5], "y [mm]": 1e3 * seen}
+    key, log = "vehicle.element.primary_*.y.stiffness", {"time [s]": run["time"].to_numpy()[:-5], "y [mm]": 1e3 * seen}
     free = [{"key": key, "least": "2 MN/m", "most": "6 MN/m", "start": "5 MN/m"}]
     right, wrong = (
         rr.fit({**run_plan(error="0.01 mm", any_offset=True, **more), "free": free}, [log]).results.found.estimate
@@ -538,11 +615,11 @@ def test_errors_that_are_not_given_are_found() -> None:
     times = np.arange(0.0, 1.0, 0.01)
     run = rr.simulate(rr.load_case("wheelset_rollers").with_changes({"time.duration": "1 s"}))
     rng = np.random.default_rng(2)
-    log = {"time": times}
+    log = {"time [s]": times}
     outputs = []
-    for name, noise in (("lateral", 1e-5), ("yaw", 1e-6)):
+    for name, unit, noise in (("lateral", "m", 1e-5), ("yaw", "rad", 1e-6)):
         exact = np.interp(times, run["time"], run[name].sel(body="wheelset_1"))
-        log[name] = exact + noise * rng.normal(size=len(times))
+        log[f"{name} [{unit}]"] = exact + noise * rng.normal(size=len(times))
         outputs.append({"of": f"wheelset_1.{name}", "column": name})
     free = [{"key": "vehicle.element.primary_*.y.stiffness", "least": "2 MN/m", "most": "6 MN/m"}]
     found = rr.fit({**run_plan(), "free": free, "log": [{"output": outputs}]}, [log])

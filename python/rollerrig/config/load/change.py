@@ -178,6 +178,12 @@ def whole_key(key: str) -> str:
     return f"{head}.data.{rest}" if is_short else key
 
 
+def read_parts(key: str) -> list[str]:
+    """Parts of the key at which a loaded case has what is written at another: radius of rollers in place of the rig's own."""
+    whole = whole_key(key)
+    return parts_of("support.data.roller_radius" if whole == "support.roller_radius" else whole)
+
+
 def changed_tables(
     case: CaseTables, changes: Mapping[str, object], file: str
 ) -> tuple[dict[str, Any], list[ConfigProblem]]:

@@ -36,7 +36,7 @@ class Output(Table):
     of: str = Field(min_length=1, description="output of the model, as `rollerrig export` calls it: wheelset_1.lateral")
     column: str | None = optional(None, "column of the log; absent: one of the output's name")
     unit: str | None = optional(
-        None, "unit of the column; absent: what its heading says in brackets, else the output's"
+        None, "unit of the column; absent: what its heading says in brackets; one of the two is needed"
     )
     error: Value | None = optional(
         None, "standard deviation of one measured value; absent: found from what the fit leaves"
@@ -59,8 +59,11 @@ class Input(Table):
 
     key: str = Field(min_length=1, description="dotted key of a table over time, such as motion.torque_table")
     column: str = Field(min_length=1, description="column of the log")
-    unit: str | None = optional(None, "unit of the column; absent: what its heading says in brackets, else SI")
+    unit: str | None = optional(None, "unit of the column; absent: what its heading says in brackets")
     factor: Annotated[float, Quantity("1", -1e6, 1e6)] = optional(1.0, "factor of the values: a gear ratio, or -1")
+    between: Literal["line", "hold"] = optional(
+        "line", "between two rows: linear, or held until the next row, as what is switched"
+    )
 
 
 class Log(Table):
@@ -71,7 +74,7 @@ class Log(Table):
     over: str | None = optional(
         None, "column of times, speeds or creepages; absent: the one called time, speed or creepage, as the kind is"
     )
-    unit: str | None = optional(None, "unit of that column; absent: what its heading says in brackets, else SI")
+    unit: str | None = optional(None, "unit of that column; absent: what its heading says in brackets")
     output: tuple[Output, ...] = Field(min_length=1, max_length=50, description="what is compared")
 
 

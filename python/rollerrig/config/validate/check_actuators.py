@@ -9,6 +9,7 @@ from rollerrig import _core
 from rollerrig.config.errors import ConfigProblem, Mistake, nearest, one_of, show_value
 from rollerrig.config.schema.brakes import MOST_AXLES, ReservoirAir
 from rollerrig.config.schema.case import CaseTables
+from rollerrig.config.schema.contact import Polach
 from rollerrig.config.schema.faults import OF_SENSORS
 from rollerrig.config.schema.support import Rig
 
@@ -210,6 +211,10 @@ def _support(case: CaseTables) -> Iterator[Mistake]:
         yield "contact.pure_rolling", "true", "allowed on rollers: the assumption of their control law"
     if case.motion.speed_table is not None:
         yield "motion.speed_table", "given", "allowed: motion.speed, from which the train runs on"
+    creep = case.contact.creep
+    if case.adhesion is not None and isinstance(creep, Polach) and (creep.k_A, creep.k_S) != (1.0, 1.0):
+        allowed = "allowed on track with [adhesion]: 1 and 1; k_A and k_S of adhesion.rail take their place"
+        yield "contact.creep", f"k_A = {creep.k_A:g}, k_S = {creep.k_S:g}", allowed
 
 
 def _times(case: CaseTables) -> Iterator[Mistake]:

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
@@ -121,7 +120,8 @@ def _sampled(record: Record, run: xr.Dataset) -> list[Array]:
     """What a run, or its derivative by a number, has at the rows of a log: filtered as the measurement."""
     from scipy.interpolate import CubicSpline
 
-    columns, time = _columns(run), run["time"].to_numpy()
+    names = {channel.of.rpartition(".")[2] for channel in record.channels}
+    columns, time = _columns(run[list(names)]), run["time"].to_numpy()
     found = []
     for channel in record.channels:
         values = columns[channel.of][1]
@@ -157,8 +157,9 @@ def _brake_unit_values(record: Record, case: Case) -> list[Array]:
 
 
 def _modes_values(record: Record, case: Case) -> list[Array]:
-    modes = whole_modes(case, [3.6 * speed for speed in record.x])
-    found = [modes[channel.of].to_numpy() for channel in record.channels]
+    speeds, row = np.unique(record.x, return_inverse=True)  # a speed may be measured twice, in any order
+    modes = whole_modes(case, (3.6 * speeds).tolist())
+    found = [modes[channel.of].to_numpy()[row] for channel in record.channels]
     if not np.isfinite(found).all():
         raise UnusableRunError(f"{record.file}: there is no hunting mode at some of its speeds")
     return found
@@ -303,12 +304,15 @@ def differences(function: Callable[[Array], Values], at: Array, free: Sequence[F
     for k, one in enumerate(free):
         step = STEP * min(one.most - one.least, abs(at[k]) if one.logarithmic else math.inf)
         sides: list[tuple[float, Values]] = []
+        reason: Exception | None = None
         for end in (min(one.most, at[k] + step), max(one.least, at[k] - step), at[k]):
-            with suppress(UnusableRunError, ConfigError):
+            try:
                 if len(sides) < 2 and all(end != other for other, _ in sides):
                     sides.append((end, function(np.array([*at[:k], end, *at[k + 1 :]]))))
+            except (UnusableRunError, ConfigError) as error:
+                reason = error
         if len(sides) < 2:
-            raise UnusableRunError(f"no run about {one.key} = {at[k]:g} {one.quantity.unit}")
+            raise UnusableRunError(f"no run about {one.key} = {at[k]:g} {one.quantity.unit}: {reason}")
         (above, high), (below, low) = sides
         pairs = [zip(*pair, strict=True) for pair in zip(high, low, strict=True)]
         found.append([[(a - b) / (above - below) for a, b in pair] for pair in pairs])
