@@ -194,7 +194,8 @@ def whole_cases() -> dict[str, Raw]:
     derivative["rig_control"] |= {"estimator": {"kind": "filtered_derivative"}, "feedback": {"kind": "none"}}
     derivative["brake_unit"] = {}
     faults = ("none", "isolated", "dragging", "never_vents", "pads", "silent_sensor", "wheel_radius")
-    derivative["fault"] = [{"axle": "wheelset_1", "kind": kind} for kind in faults]
+    axles = {"dragging": "wheelset_2"}  # an isolated brake does not drag
+    derivative["fault"] = [{"axle": axles.get(kind, "wheelset_1"), "kind": kind} for kind in faults]
     derivative["sanding"] = {"start": {"kind": "from_time", "begin": 1.0}}
     track = plain(load_case("vehicle_track_irregular"))
     track["support"]["data"]["foundation"] = {
