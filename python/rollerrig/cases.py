@@ -82,7 +82,7 @@ def restrained_along_track(case: Case) -> Case:
 
 def with_head_of(support: Rig | Track, other: Rig | Track) -> Rig | Track:
     """A support with the rail heads and gauge of another."""
-    kept = ("profile", "right_profile", "gauge", "gauge_depth")
+    kept = ("profile", "right_profile", "gauge", "gauge_depth", "contact_distance")
     return support.model_copy(update={key: getattr(other, key) for key in kept})
 
 

@@ -280,6 +280,12 @@ def describe_case(case: Case, *, run_code: bool = False) -> list[str]:
     return [*lines, "", *actuators] if actuators else lines
 
 
+def _across(part: Rig | Track) -> str:
+    if part.contact_distance is None:
+        return f"gauge {1e3 * part.gauge:g} mm"
+    return f"contacts {1e3 * part.contact_distance:g} mm apart"
+
+
 def describe_part(part: Part) -> list[str]:
     """A line or two about a vehicle, a support, a material, a profile or a test programme."""
     match part:
@@ -291,11 +297,11 @@ def describe_part(part: Part) -> list[str]:
                 f"cuts: {cuts}",
             ]
         case Rig():
-            rollers = f"{part.name}: rollers of {1e3 * part.roller_radius:g} mm radius, gauge {1e3 * part.gauge:g} mm"
+            rollers = f"{part.name}: rollers of {1e3 * part.roller_radius:g} mm radius, {_across(part)}"
             return [rollers, *irregularity_lines(part)]
         case Track():
             rails = "rigid rails" if part.foundation is None else "rails on an elastic foundation"
-            lines = [f"{part.name}: track, gauge {1e3 * part.gauge:g} mm, {rails}", *irregularity_lines(part)]
+            lines = [f"{part.name}: track, {_across(part)}, {rails}", *irregularity_lines(part)]
             return lines + _table(line_rows(part))
         case Material():
             return [f"G = {part.shear_modulus / 1e9:g} GPa, Poisson's ratio {part.poisson_ratio:g}"]

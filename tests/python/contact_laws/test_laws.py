@@ -5,12 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, get_args
 
+import numpy as np
 import pytest
 from pydantic import BaseModel
 
 import rollerrig as rr
 from rollerrig import _core
 from rollerrig.assembly.laws import creep_law, linear_coefficients
+from rollerrig.assembly.model import assemble
 from rollerrig.config import ConfigError
 from rollerrig.config.schema.contact import (
     CREEP_LAWS,
@@ -21,6 +23,7 @@ from rollerrig.config.schema.contact import (
     AnyNormal,
     kinds,
 )
+from rollerrig.contact_analysis.static_contact import leading_wheelset
 
 COEFFICIENTS = {"kind": "coefficients", "f11": "7 MN", "f22": "6 MN", "f23": "15 kN m", "f33": 15.0}
 POLACH = {"kind": "polach", "k_A": 0.3, "k_S": 0.1}
@@ -130,3 +133,24 @@ def test_reports_know_coefficients_as_given() -> None:
     assert linear_coefficients(case.contact, 5e-3, 4e-3) == (7e6, 6e6, 15e3, 15.0)
     with pytest.raises(ValueError, match="coefficients: they hold for the patch of a case"):
         rr.creep(laws=["coefficients"])
+
+
+@pytest.mark.parametrize("normal", NORMAL_LAWS)
+def test_coefficients_as_given_are_those_of_one_patch_with_every_normal_law(normal: str) -> None:
+    """Slopes of the forces on the tread of a cone; across, both the creepage and the force are turned by the contact angle."""
+    law = {**COEFFICIENTS, "saturation": False}
+    case = rr.load_case("cooperrider_bogie").with_changes({"contact.normal": normal, "contact.creep": law})
+    model = assemble(case)
+    wheelset = leading_wheelset(model)
+    found = wheelset.contact.solve(0.0, 0.0, 0.0, 0.0, model.axle_loads[wheelset.name], True)
+    (patch,) = (one for one in found.patches if not one.right)
+    speed, step = 50.0, 1e-4
+
+    def force(along: float, across: float, spin: float) -> np.ndarray:
+        motion = [speed, across * speed, 0.0, 0.0, (1 - along) * speed / patch.wheel_radius, spin * speed, *[0.0] * 6]
+        return np.array(wheelset.contact.creep(0.0, 0.0, found.z, 0.0, found.roll, False, motion))
+
+    f11, f22, f23 = ((force(0.0, 0.0, 0.0) - force(*creepage)) / step for creepage in np.eye(3) * step)
+    assert f11[0] == pytest.approx(7e6, rel=2e-3)
+    assert f22[1] == pytest.approx(6e6 * np.cos(patch.angle) ** 2, rel=2e-3)
+    assert f23[1] == pytest.approx(15e3, rel=0.05)

@@ -15,6 +15,7 @@ from rollerrig.config.errors import ConfigError, ConfigProblem, show_value
 from rollerrig.config.load.adhesion_file import read_adhesion_file
 from rollerrig.config.load.change import BASE, WITHOUT, apply_changes, changed_tables, changes_in
 from rollerrig.config.load.code import place_code
+from rollerrig.config.load.contact_distance import with_gauge
 from rollerrig.config.load.resolve import (
     placed,
     refer,
@@ -273,8 +274,12 @@ def build_case(
         allowed = "allowed: beside `base`, whose keys it takes away"
         raise ConfigError.of(file, WITHOUT, show_value(raw[WITHOUT]), allowed)
     vehicle, problems = _part(raw, "vehicle", resolve_vehicle, document)
+    support: Rig | Track | None
     support, mistakes = _part(raw, "support", resolve_support, document)
     problems += mistakes
+    if vehicle is not None and support is not None:
+        raw["support"]["data"], mistakes = with_gauge(support, vehicle.wheel, file)
+        problems += mistakes
     problems += _material(raw, document)
     if isinstance(raw.get("adhesion"), dict) and "file" in raw["adhesion"]:
         raw["adhesion"], mistakes = read_adhesion_file(raw["adhesion"], file, document.folder)

@@ -36,6 +36,8 @@ _REPLACES = {
     "point": ("points",),
     "points": ("point",),
     "speed_table": ("speed",),
+    "gauge": ("contact_distance",),
+    "contact_distance": ("gauge",),
 }
 
 

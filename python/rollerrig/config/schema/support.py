@@ -19,6 +19,7 @@ from pydantic import Discriminator, Field, RootModel, StrictBool, model_validato
 from rollerrig.config.schema.base import Table, optional, refused
 from rollerrig.config.schema.profile import AnyProfile
 from rollerrig.config.schema.track import (
+    CONTACT_DISTANCE,
     AnyIrregularity,
     Curve,
     Gauge,
@@ -27,6 +28,7 @@ from rollerrig.config.schema.track import (
     Restraint,
     Straight,
     Track,
+    WithGauge,
     at_ends,
     layout,
 )
@@ -57,7 +59,7 @@ class RollerLosses(Table):
     quadratic: Annotated[float, Quantity("N m s^2/rad^2", 0.0, 1e6)] = optional(0.0, "ventilation, per its square")
 
 
-class Rig(Table):
+class Rig(WithGauge):
     """A roller rig: under each wheelset a pair of rollers on one axis, parallel to y, under the wheelset's axle."""
 
     kind: Literal["rig"] = Field(description="rollers")
@@ -70,6 +72,7 @@ class Rig(Table):
     )
     gauge: Gauge = optional(1.435, "distance between the gauge sides of the two rollers")
     gauge_depth: GaugeDepth = optional(0.014, "depth below the crown at which the gauge is taken")
+    contact_distance: Gauge | None = optional(None, CONTACT_DISTANCE)
     roller_radius: RollerRadius = Field(description="radius at the crown")
     roller_mass: Mass = Field(description="mass of a pair of rollers with their axle")
     roller_inertia: tuple[Inertia, Inertia, Inertia] = Field(

@@ -2,9 +2,9 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Literal, TypeVar
+from typing import Annotated, Any, Literal, TypeVar
 
-from pydantic import Discriminator, Field, StrictInt, model_validator
+from pydantic import Discriminator, Field, SerializerFunctionWrapHandler, StrictInt, model_serializer, model_validator
 
 from rollerrig.config.schema.base import Table, optional, refused
 from rollerrig.config.schema.profile import AnyProfile, Inclination
@@ -244,11 +244,35 @@ class Foundation(Table):
 
 Gauge = Annotated[float, Quantity("m", 0.01, 5.0)]
 GaugeDepth = Annotated[float, Quantity("m", 1e-5, 0.05)]
+CONTACT_DISTANCE = (
+    "distance between the contacts of the centred wheelset, from which the gauge follows; in place of gauge, with the same head "
+    "left and right"
+)
 SegmentLength = Annotated[float, Quantity("m", 1e-3, 1e6)]
 Cant = Annotated[float, Quantity("m", -0.3, 0.3)]
 
 
 V = TypeVar("V")
+
+
+class WithGauge(Table):
+    """What rails and rollers have in common: their gauge is given, or the distance of the contacts."""
+
+    @model_validator(mode="after")
+    def _gauge_given_once(self: Any) -> Any:
+        if self.contact_distance is not None and "gauge" in self.model_fields_set:
+            raise refused("contact_distance", "allowed without gauge, which follows from it")
+        if self.contact_distance is not None and self.right_profile not in (None, self.profile):
+            raise refused("contact_distance", "allowed with the same head left and right; right_profile is another one")
+        return self
+
+    @model_serializer(mode="wrap")
+    def _without_a_gauge_that_follows(self: Any, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        tables: dict[str, Any] = handler(self)
+        if self.contact_distance is not None:
+            tables.pop("gauge", None)
+        return tables
+
 
 _GAUGE = "gauge of its rails; absent: that of the track; transitions widen or narrow between their neighbours"
 _INCLINATION = "inclination of its rails in place of that of their profiles, a number or a ratio like '1:40'"
@@ -297,7 +321,7 @@ class Curve(Table):
 AnySegment = Annotated[Straight | Transition | Curve, Discriminator("kind")]
 
 
-class Track(Table):
+class Track(WithGauge):
     """A track: the rig's limit of an infinite roller radius; straight, smooth and rigid unless it says otherwise."""
 
     kind: Literal["track"] = Field(description="rails")
@@ -310,6 +334,7 @@ class Track(Table):
     )
     gauge: Gauge = optional(1.435, "distance between the gauge sides of the two rails")
     gauge_depth: GaugeDepth = optional(0.014, "depth below the top of rail at which the gauge is taken")
+    contact_distance: Gauge | None = optional(None, CONTACT_DISTANCE)
     segment: tuple[AnySegment, ...] = Field(
         default=(),
         max_length=1000,
