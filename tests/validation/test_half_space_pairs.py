@@ -130,7 +130,7 @@ def test_no_force_is_outside_a_factor_of_the_exact_one(block: int) -> None:
 
     Where regions from tread to flange become one, the reference has one plane for them, and lets the force fall by a fifth to two
     thirds while the wheel is pressed 10 um deeper (1 015 to 360 kN, ours 1 008 and 1 112); the strips pass such places without a
-    jump. Poses with so bent a patch are left out, and those in which the reference disagrees with itself on a finer grid: where a
+    jump. Poses with so bent a patch are left out, and those in which the reference disagrees with itself on two fine grids: where a
     hollow tread closes around the rail it loses patches, at 1 to 2 MN.
     """
     rng = np.random.default_rng((11, block))
@@ -147,8 +147,11 @@ def test_no_force_is_outside_a_factor_of_the_exact_one(block: int) -> None:
             theirs = sum(patch.force for patch in exact_ones)
             ours = sum(patch.normal for patch in our_patches(at, "strips"))
             off = abs(np.log(ours / theirs)) if ours > 0.0 and theirs > 0.0 else np.inf
-            if off > 0.1 and exact_force(at) != pytest.approx(theirs, rel=0.05):
-                continue
+            if off > 0.1:
+                theirs, again = exact_force(at), exact_force(at, 32)
+                if again != pytest.approx(theirs, rel=0.05):
+                    continue
+                off = abs(np.log(ours / theirs)) if ours > 0.0 else np.inf
             found.append((off, ours, theirs, at))
     found.sort(key=lambda one: -one[0])
     error = np.exp([one[0] for one in found]) - 1
@@ -159,9 +162,9 @@ def test_no_force_is_outside_a_factor_of_the_exact_one(block: int) -> None:
     assert error[0] < FACTOR - 1, worst
 
 
-def exact_force(at: PairPose) -> float:
+def exact_force(at: PairPose, cells: int = 40) -> float:
     """On grids that are fine enough for its changes."""
-    return sum(patch.force for patch in patches(surfaces_of(at.pair), at.pose, 40))
+    return sum(patch.force for patch in patches(surfaces_of(at.pair), at.pose, cells))
 
 
 def largest_jump(line: list[PairPose]) -> float:

@@ -227,11 +227,17 @@ void refine(Batch<T>& batch, int index) {
   if (std::abs(value_of(region.change)) <= unsettled) return;  // not: what is no number
   Region<T> const few = region;
   solve_pack<T, refined_strips>(batch, index, 1, refined_passes);
+  auto* strips = batch.strips_of(index);
+  if (!std::isfinite(value_of(region.change))) {
+    region = few;
+    if (strips) strips->count = static_cast<int>(strip_count);
+    return;
+  }
   T const s = open_part(few.change) * (1.0 - open_part(region.change));
   region.force = few.force + s * (region.force - few.force);
   for (std::size_t k = 0; k <= (region.parts > 1 ? region.parts : 0); ++k)
     region.patch[k] = mixed(few.patch[k], region.patch[k], s);
-  if (auto* strips = batch.strips_of(index)) {
+  if (strips) {
     weigh(*strips, 0, static_cast<int>(strip_count), T(1.0 - s));
     weigh(*strips, static_cast<int>(strip_count), strips->count, s);
   }
