@@ -150,7 +150,10 @@ class _Reader:
         error = np.full(len(measured), math.nan)
         try:
             if output.error_column is not None:
-                error = self._column(output.error_column, f"{at}.error_column", factor, used)
+                key = f"{at}.error_column"
+                if self.table.units.get(output.error_column):  # else in the unit of what it belongs to
+                    factor = self._factor(output.error_column, None, unit, key)
+                error = self._column(output.error_column, key, factor, used)
             elif output.error is not None:
                 error[:] = Quantity(unit, 0.0, 1e300).parse(output.error)
             if output.low_pass is not None:

@@ -363,6 +363,17 @@ def test_an_output_with_a_mistake_is_refused_in_a_line(output: dict[str, Any], e
     assert expected in refused(run_plan(**output), log)
 
 
+def test_a_column_of_errors_has_a_unit_of_its_own() -> None:
+    log, columns = run_plan(error_column="e"), {"time [s]": AT, "y [mm]": np.ones(100)}
+    for heading, error in (("e [m]", 1e-5), ("e [um]", 10.0), ("e", 0.01)):  # without one it is that of y
+        (record,) = records(
+            load_fit(Document(log, "plan", Path())), [log_of({**columns, heading: error * np.ones(100)}, "log 1")]
+        )
+        assert record.channels[0].error == pytest.approx(1e-5)
+    line = refused(log, {**columns, "e [km/h]": np.ones(100)})
+    assert line == "log 1: e: 'km/h'; allowed: a unit of what is compared, such as m"
+
+
 @pytest.mark.parametrize(
     ("free", "expected"),
     [
