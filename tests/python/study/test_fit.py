@@ -449,10 +449,9 @@ def test_a_creepage_in_per_cent_without_its_unit_is_refused() -> None:
         "creepage": 100.0 * CREEPAGES,
         **{f"traction_{name}": 0.0 * CREEPAGES for name in ("coefficient", "error")},
     }
+    allowed = "allowed: parts of the vehicle's speed, most of them from -1 to 1; is it in per cent?"
     line = refused({**read_document("fit", "creep_curve").raw}, columns)
-    assert line == (
-        "log 1: creepage: 2.82843 in the median; allowed: parts of the vehicle's speed, most of them from -1 to 1; is it in per cent?"
-    )
+    assert line == f"log 1: creepage: 2.82843 in the median; {allowed}"
     spinning = {
         **columns,
         "creepage": np.where(CREEPAGES > 0.1, 3.0, CREEPAGES),
