@@ -37,7 +37,7 @@ LEAST_SPEED = 1.0
 """Speed from which on wheels and rollers are compared [m/s]."""
 
 MEAN_OVER = 0.5
-"""Speeds and torques that contradict each other are told by means over this time, in which steps of encoders hardly count [s]."""
+"""Speeds, and torques, are compared by their means over this time, in which steps of encoders hardly count [s]."""
 
 REFERENCES = {
     "creep_force": ("N", "force on the axle that really acts, forward"),
