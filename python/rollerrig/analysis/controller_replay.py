@@ -27,6 +27,7 @@ from scipy.signal import fftconvolve
 from rollerrig import _core
 from rollerrig.analysis.control_loop import Loop, linear_loop
 from rollerrig.analysis.loop_stability import ESTIMATED, estimator_matrices
+from rollerrig.analysis.rig_log import means
 from rollerrig.assembly.actuators import assemble_with_actuators
 from rollerrig.common.arrays import Array, Mask
 from rollerrig.common.linear_algebra import one_blas_thread
@@ -50,7 +51,8 @@ CLEAR = 6.0
 """Standard deviations of noise beyond which a difference is not due to the sensors."""
 
 LEAST_TORQUE = 0.01
-"""Least torque of an axle, known or found, over its load and wheel radius, from which signs of torques show [-]."""
+"""Least torque of an axle, known or found, over its load and wheel radius, from which signs of torques show [-]; not below the
+noise of the sensors either."""
 
 AT_LIMIT = 0.99
 """Part of a limit from which on a drive is at it [-]."""
@@ -292,13 +294,14 @@ def torque_ratio(found: Array, expected: Array) -> Array:
 
 def _check_signs(found: xr.Dataset, radius: float) -> None:
     """Refuse with a ResultsError torques that contradict each other by more than a sensor is wrong: a sign, or a unit."""
-    own, expected = found["torque"].to_numpy(), found["torque_expected"].to_numpy()
+    period = float(found["time"][1] - found["time"][0])
+    own, expected = (means(found[name].to_numpy(), period) for name in ("torque", "torque_expected"))
     largest = np.sqrt(
         np.maximum((own**2).mean(axis=0), (expected**2).mean(axis=0))
     )  # either may be the one that is wrong
-    shows = largest > LEAST_TORQUE * radius * found["axle_load"].to_numpy()
-    for axle, factor, clear in zip(found["axle"].to_numpy(), torque_ratio(own, expected), shows, strict=True):
-        if clear and not 0.2 < factor < 5.0:
+    least = np.maximum(LEAST_TORQUE * radius * found["axle_load"].to_numpy(), found.attrs["torque_noise"])
+    for axle, factor, shows in zip(found["axle"].to_numpy(), torque_ratio(own, expected), largest > least, strict=True):
+        if shows and not 0.2 < factor < 5.0:
             raise ResultsError(
                 f"{found.attrs['file']}: {axle}: by drive and speeds its torque is {factor:.2g} times that of brake and motor; "
                 "allowed: 0.2 to 5; look at the units of pressures and torques, and at the signs: roller_torque is "

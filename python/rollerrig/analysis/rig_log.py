@@ -13,6 +13,7 @@ from pathlib import Path
 import numpy as np
 import xarray as xr
 from scipy.integrate import cumulative_trapezoid
+from scipy.ndimage import uniform_filter1d
 
 from rollerrig.assembly.actuators import friction_brake
 from rollerrig.cases import wheelsets
@@ -34,6 +35,9 @@ LEAST_PERIODS = 10
 
 LEAST_SPEED = 1.0
 """Speed from which on wheels and rollers are compared [m/s]."""
+
+MEAN_OVER = 0.5
+"""Speeds, and torques, are compared by their means over this time, in which steps of encoders hardly count [s]."""
 
 REFERENCES = {
     "creep_force": ("N", "force on the axle that really acts, forward"),
@@ -181,13 +185,22 @@ def _brake_torque(case: Case, log: Log, axles: list[str], speed: Array) -> Array
     return torque
 
 
+def means(values: Array, period: float) -> Array:
+    """Means over MEAN_OVER about each row; rows, along the first axis, are a period [s] apart."""
+    return np.asarray(uniform_filter1d(values, max(round(MEAN_OVER / period), 1), axis=0, mode="nearest"))
+
+
 def _check_rolling(case: Case, data: xr.Dataset) -> None:
     """Refuse with a ResultsError wheels that do not roll on their rollers by the radii of the case."""
     rig, radius = case.support.data, case.vehicle.data.wheel.radius
     assert isinstance(rig, Rig)
+    period = float(data["time"][1] - data["time"][0])
     for axle in data["axle"].to_numpy():
         own = data.sel(axle=axle)
-        wheel, roller = radius * own["axle_speed"].to_numpy(), rig.roller_radius * own["roller_speed"].to_numpy()
+        wheel, roller = (
+            r * means(own[name].to_numpy(), period)
+            for name, r in (("axle_speed", radius), ("roller_speed", rig.roller_radius))
+        )
         moving = np.maximum(np.abs(roller), np.abs(wheel)) > LEAST_SPEED
         with np.errstate(divide="ignore"):
             ratio = float(np.median(wheel[moving] / roller[moving])) if moving.any() else 1.0

@@ -72,9 +72,12 @@ def check(
         ),
     ] = False,
 ) -> None:
-    """Validate a file; of a case, print the assembled model, its static wheel loads and masses."""
+    """Validate a file; of a case, print the assembled model, its static wheel loads and masses.
+
+    The file must be valid by itself, before --set changes it.
+    """
     from rollerrig.cli.describe import describe_case, describe_part
-    from rollerrig.config import Case, FitPlan, Plan, code_of, load_any, load_plan
+    from rollerrig.config import Case, ConfigError, FitPlan, Plan, code_of, load_any, load_plan
     from rollerrig.config.load.fit import load_fit
     from rollerrig.study.ensemble import check_ensemble
 
@@ -96,9 +99,12 @@ def check(
         )
         lines = [*code_lines(fit.code), f"{part.name}: {part.description or part.case}", *sought]
     elif isinstance(part, Case):
-        if part.brake is not None or part.traction is not None:  # else no command makes an ensemble of it
-            check_ensemble(part)
         lines = [*code_lines(code_of(part)), *describe_case(part, run_code=allow_code)]
+        if part.brake is not None or part.traction is not None:  # else no command makes an ensemble of it
+            try:
+                check_ensemble(part)
+            except ConfigError as error:
+                lines += [f"no test for adhesion, tune, wsp: {problem}" for problem in error.problems]
     else:
         lines = describe_part(part)
     typer.echo(f"{file}: a valid {kind}\n")

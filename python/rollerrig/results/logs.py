@@ -160,11 +160,23 @@ def _csv(path: str | Path) -> Columns:
     separator = max(",;\t", key=lines[0].count)
     head, *rows = csv.reader(lines, delimiter=separator)
     for number, row in enumerate(rows, 1):
-        if len(row) != len(head):
-            allowed = "decimal commas need ; or tabs between the cells"
-            raise ResultsError(f"{path}: row {number} has {len(row)} cells, the heading {len(head)}; {allowed}")
-    decimal = "." if separator == "," else ","
+        if len(row) < len(head) or any(cell.strip() for cell in row[len(head) :]):  # each row may end in a separator
+            hint = "; decimal commas need ; or tabs between the cells" if separator == "," else ""
+            raise ResultsError(f"{path}: row {number} has {len(row)} cells, the heading {len(head)}{hint}")
+    decimal = "." if separator == "," else _decimal_mark(path, rows)
     return [(name, [row[k].strip().replace(decimal, ".") for row in rows]) for k, name in enumerate(head)]
+
+
+def _decimal_mark(path: str | Path, rows: list[list[str]]) -> str:
+    """That of the cells; a comma beside points may part thousands."""
+    found = {}
+    for mark in ".,":
+        number = re.compile(rf"\s*[+-]?(\d+[{mark}]\d*|[{mark}]\d+)([eE][+-]?\d+)?\s*")
+        found[mark] = next((cell for row in rows for cell in row if mark in cell and number.fullmatch(cell)), "")
+    if all(found.values()):
+        shown = f"a point in '{found['.']}', a comma in '{found[',']}'"
+        raise ResultsError(f"{path}: {shown}; allowed: one of them, as the decimal mark of all cells")
+    return "," if found[","] else "."
 
 
 def _try(path: str | Path, reading: str) -> None:

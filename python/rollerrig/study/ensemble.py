@@ -89,28 +89,28 @@ def check_ensemble(case: Case) -> None:
                 first = error.problems[0]
                 end = f"{getattr(case.ensemble, name):g}, which draws {first.key} = {first.value}"
                 problems.append(ConfigProblem(case.name, f"ensemble.{name}", end, first.allowed))
-    problems += [
-        ConfigProblem(case.name, f"ensemble.{name}", end, f"allowed: {more}") for name, end, more in _no_tests(case)
-    ]
+    problems += [ConfigProblem(case.name, key, end, f"allowed: {more}") for key, end, more in _no_tests(case)]
     if problems:
         raise ConfigError(problems)
 
 
 def _no_tests(case: Case) -> Iterator[tuple[str, str, str]]:
-    """Name, its end, and what is allowed, where the case may have such a value but tests nothing with it."""
+    """Key, its end, and what is allowed, where the case may have such a value but tests nothing with it."""
     spread, duration = case.ensemble, case.time.duration
-    slowest, stop = (1.0 - spread.speed) * case.motion.speed, case.motion.stop_speed
-    if case.brake is not None and not slowest > stop:
-        end = f"{spread.speed:g}, which draws motion.speed = {3.6 * slowest:g} km/h"
-        yield "speed", end, f"more than motion.stop_speed, {3.6 * stop:g} km/h"
+    speed, stop = case.motion.speed, case.motion.stop_speed
+    if case.brake is not None and not (slowest := (1.0 - spread.speed) * speed) > stop:
+        key, end = "ensemble.speed", f"{spread.speed:g}, which draws motion.speed = {3.6 * slowest:g} km/h"
+        if not speed > stop:  # whatever is drawn
+            key, end = "motion.speed", f"{3.6 * speed:g} km/h"
+        yield key, end, f"more than motion.stop_speed, {3.6 * stop:g} km/h"
     if case.adhesion is not None and not spread.adhesion < 1.0:
-        yield "adhesion", f"{spread.adhesion:g}, which draws rails without friction", "less than 1"
+        yield "ensemble.adhesion", f"{spread.adhesion:g}, which draws rails without friction", "less than 1"
     for name in ("brake", "traction"):
         rows = () if getattr(case, name) is None else getattr(case, name).demand
         last = max((t for t, _ in rows if t < duration), default=-math.inf) + spread.demand_time
         if not last < duration:
             end = f"{spread.demand_time:g} s, which draws a row of {name}.demand at {last:g} s"
-            yield "demand_time", end, f"before time.duration, {duration:g} s"
+            yield "ensemble.demand_time", end, f"before time.duration, {duration:g} s"
 
 
 def finer(case: Case) -> Case:

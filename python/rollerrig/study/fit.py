@@ -105,9 +105,16 @@ class _Reader:
             x = x - begin
             case = self._driven(case, x[used], used, log)
             case = case.with_changes({"time.duration": f"{float(x[used][-1]) + case.time.output_step!r} s"})
-        elif (wrong := np.abs(x) > 1.0 if unit == "1" else x <= 0.0).any():
-            allowed = "-1 to 1, a part of the vehicle's speed" if unit == "1" else f"more than 0 {unit}"
-            _refuse(self.table.file, name, f"{x[wrong][0]:g} in row {int(np.argmax(wrong)) + 1}", f"allowed: {allowed}")
+        elif unit == "1" and (middle := float(np.median(np.abs(x)))) > 1.0:  # a wheel that spins has more than 1
+            allowed = "allowed: parts of the vehicle's speed, most of them from -1 to 1; is it in per cent?"
+            _refuse(self.table.file, name, f"{middle:g} in the median", allowed)
+        elif unit != "1" and (wrong := x <= 0.0).any():
+            _refuse(
+                self.table.file,
+                name,
+                f"{x[wrong][0]:g} in row {int(np.argmax(wrong)) + 1}",
+                f"allowed: more than 0 {unit}",
+            )
         outputs, fitted = MODELS[kind].outputs(case), self._fitted(int(used.sum()), held_back)
         channels = (
             self._channel(output, outputs, used, fitted, f"output[{number}]", case)
@@ -150,7 +157,10 @@ class _Reader:
         error = np.full(len(measured), math.nan)
         try:
             if output.error_column is not None:
-                error = self._column(output.error_column, f"{at}.error_column", factor, used)
+                key = f"{at}.error_column"
+                if self.table.units.get(output.error_column):  # else in the unit of what it belongs to
+                    factor = self._factor(output.error_column, None, unit, key)
+                error = self._column(output.error_column, key, factor, used)
             elif output.error is not None:
                 error[:] = Quantity(unit, 0.0, 1e300).parse(output.error)
             if output.low_pass is not None:

@@ -180,11 +180,13 @@ def test_check_prints_actuators_and_controllers() -> None:
     assert (done.code, "'full_scale_rig' is a support; allowed: with a case or a plan" in done.err) == (2, True)
 
 
-def test_check_refuses_an_ensemble_that_is_no_test(case: Path) -> None:
+def test_check_names_an_ensemble_that_is_no_test(case: Path) -> None:
+    """`run` takes such a case, `adhesion` refuses it."""
     case.write_text('base = "adhesion_brake"\nname = "mine"\n"ensemble.load" = 1.0\n')
     done = Done("check", case)
-    assert done.code == 2
-    assert "ensemble.load: 1, which draws veh" in done.err
+    assert done.code == 0
+    assert "no test for adhesion, tune, wsp: mine: ensemble.load: 1, which draws veh" in done.out
+    assert "no test for" not in Done("check", "adhesion_brake").out
 
 
 def test_check_loads_the_users_controllers(tmp_path: Path) -> None:

@@ -220,6 +220,7 @@ def test_starts_are_the_case_itself_and_others_drawn_by_its_ensemble_and_always_
         ({"adhesion.rail.friction.mu_0": 1.2, "ensemble.adhesion": 0.5}, "ensemble.adhesion: 0.5, which draws adhesion.rail"),
         ({"ensemble.load": 1.0}, "ensemble.load: 1, which draws vehicle.body.car_body.mass"),
         ({"ensemble.speed": 0.98}, "ensemble.speed: 0.98, which draws motion.speed = 2.4 km/h; allowed: more than motion.stop"),
+        ({"motion.speed": "3 km/h", "ensemble.speed": 0.0}, "motion.speed: 3 km/h; allowed: more than motion.stop_speed, "),
         ({"ensemble.adhesion": 1.0}, "ensemble.adhesion: 1, which draws rails without friction; allowed: less than 1"),
         ({"ensemble.demand_time": 100.0}, "ensemble.demand_time: 100 s, which draws a row of brake.demand at 100.6 s"),
     ],

@@ -363,6 +363,17 @@ def test_an_output_with_a_mistake_is_refused_in_a_line(output: dict[str, Any], e
     assert expected in refused(run_plan(**output), log)
 
 
+def test_a_column_of_errors_has_a_unit_of_its_own() -> None:
+    log, columns = run_plan(error_column="e"), {"time [s]": AT, "y [mm]": np.ones(100)}
+    for heading, error in (("e [m]", 1e-5), ("e [um]", 10.0), ("e", 0.01)):  # without one it is that of y
+        (record,) = records(
+            load_fit(Document(log, "plan", Path())), [log_of({**columns, heading: error * np.ones(100)}, "log 1")]
+        )
+        assert record.channels[0].error == pytest.approx(1e-5)
+    line = refused(log, {**columns, "e [km/h]": np.ones(100)})
+    assert line == "log 1: e: 'km/h'; allowed: a unit of what is compared, such as m"
+
+
 @pytest.mark.parametrize(
     ("free", "expected"),
     [
@@ -438,8 +449,16 @@ def test_a_creepage_in_per_cent_without_its_unit_is_refused() -> None:
         "creepage": 100.0 * CREEPAGES,
         **{f"traction_{name}": 0.0 * CREEPAGES for name in ("coefficient", "error")},
     }
+    allowed = "allowed: parts of the vehicle's speed, most of them from -1 to 1; is it in per cent?"
     line = refused({**read_document("fit", "creep_curve").raw}, columns)
-    assert line == "log 1: creepage: 1.06366 in row 4; allowed: -1 to 1, a part of the vehicle's speed"
+    assert line == f"log 1: creepage: 2.82843 in the median; {allowed}"
+    spinning = {
+        **columns,
+        "creepage": np.where(CREEPAGES > 0.1, 3.0, CREEPAGES),
+        "traction_error": 0.01 + 0.0 * CREEPAGES,
+    }
+    (record,) = records(plan_of("creep_curve"), [log_of(spinning, "log 1")])
+    assert record.x.max() == 3.0
 
 
 def test_speeds_of_hunting_are_positive_in_any_order_and_may_repeat() -> None:
@@ -510,11 +529,12 @@ def test_a_run_is_read_again_as_a_log(tmp_path: Path, kind: str) -> None:
 
 @pytest.mark.parametrize("separator", [";", "\t"])
 def test_a_table_with_decimal_commas_is_read(tmp_path: Path, separator: str) -> None:
-    text = "# from a rig\ntime [s];speed [km/h];note;\n0,0;1,5;on;\n0,1;2,5;off;\n"
-    (tmp_path / "log.csv").write_text(text.replace(";", separator))
-    log = read_log(tmp_path / "log.csv")
-    assert log.columns["speed"].tolist() == [1.5, 2.5]
-    assert log.units == {"time": "s", "speed": "km/h"}
+    text = "# from a rig\ntime [s];speed [km/h];note;\n0,0;1,5;on;\n0,1;2,5;1.2.2026;\n"
+    for one in (text, text.replace("note;", "note")):  # cells that end in a separator, with a heading for each or not
+        (tmp_path / "log.csv").write_text(one.replace(";", separator))
+        log = read_log(tmp_path / "log.csv")
+        assert log.columns["speed"].tolist() == [1.5, 2.5]
+        assert log.units == {"time": "s", "speed": "km/h"}
 
 
 @pytest.mark.parametrize(
@@ -525,6 +545,9 @@ def test_a_table_with_decimal_commas_is_read(tmp_path: Path, separator: str) -> 
         ("", "log.csv: an empty file; needed: a heading and rows of numbers"),
         ("time,y\n0,0,1,5\n", "row 1 has 4 cells, the heading 2; decimal commas need ; or tabs between the cells"),
         ("time,y\n0,1\n1\n", "row 2 has 1 cells, the heading 2"),
+        ("time;y\n0;1;2\n", "row 1 has 3 cells, the heading 2$"),
+        ("time\ty\n0.0\t1.5\n0.1\t1,234\n", "a point in '0.0', a comma in '1,234'; allowed: one of them"),
+        ("time;y\n0.0;1,234\n", "a point in '0.0', a comma in '1,234'; allowed: one of them"),
         ("time,y,y\n0,1,2\n", "column 'y' is there twice; allowed: each heading once"),
         ("time,y [m],y [mm]\n0,1,2\n", "column 'y' is there twice; allowed: each heading once"),
     ],

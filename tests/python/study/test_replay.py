@@ -120,14 +120,16 @@ def test_the_delay_is_known_afterwards(found: xr.Dataset) -> None:
 # ----------------------------------------------------------------------------------------------------------- noise
 
 
-def encoder(speed: NDArray[np.float64], random: np.random.Generator) -> NDArray[np.float64]:
+def encoder(
+    speed: NDArray[np.float64], random: np.random.Generator, per_turn: int = COUNTS, window: int = WINDOW
+) -> NDArray[np.float64]:
     """Speed of one axle as an encoder sees it, after docs: counts that have passed, differenced over a window."""
     angle = np.concatenate([[0.0], np.cumsum(0.5e-3 * (speed[1:] + speed[:-1]))])
-    counts = np.floor(angle / (2 * np.pi) * COUNTS + JITTER * random.normal(size=len(angle)))
+    counts = np.floor(angle / (2 * np.pi) * per_turn + JITTER * random.normal(size=len(angle)))
     sample = np.arange(len(counts))
-    back = np.clip(sample, 1, WINDOW)
+    back = np.clip(sample, 1, window)
     passed = counts - counts[np.maximum(sample - back, 0)]
-    return np.where(sample == 0, speed[0], passed * 2 * np.pi / (COUNTS * back * 1e-3))
+    return np.where(sample == 0, speed[0], passed * 2 * np.pi / (per_turn * back * 1e-3))
 
 
 @pytest.fixture(scope="module")
@@ -186,6 +188,33 @@ def test_pads_that_rub_otherwise_show_in_the_torques(
     for axle in outcome.numbers["axles"].values():
         assert axle["torque_ratio"] == pytest.approx(0.8, abs=0.01)
         assert axle["torque_s"] > 1.0
+
+
+@pytest.mark.parametrize(("name", "per_turn"), [("axle_speed", 4096), ("roller_speed", 5000)])
+def test_wheels_read_from_sample_to_sample_roll_on_their_rollers(
+    name: str, per_turn: int, case: Case, run: xr.Dataset, tmp_path: Path
+) -> None:
+    """With steps of 4 % of the speed; the median of the ratio of such speeds is off by 2 %."""
+    random, part = np.random.default_rng(1), run.isel(time=slice(0, 1000)).drop_vars("measured_axle_speed")
+    read = [encoder(speed, random, per_turn, 1) for speed in part[name].to_numpy().T]
+    part[name] = part[name].copy(data=np.column_stack(read))
+    ratio = 0.46 * part["axle_speed"] / (0.725 * part["roller_speed"])
+    assert abs(float(ratio.median()) - 1.0) > 0.01
+    read_rig_log(export(part, tmp_path / "rig.csv"), case)
+
+
+@pytest.mark.slow
+def test_the_steps_of_encoders_alone_contradict_no_brake(case: Case, run: xr.Dataset, tmp_path: Path) -> None:
+    """600 N m without braking; where it brakes, bar in place of Pa shows with these sensors, too."""
+    built = load_case("adhesion_rig_as_built")
+    rolling = built.with_changes({**SHORT, "brake.demand": [[0.0, 0.0], [1.0, 0.0]], "time.duration": "1.5 s"})
+    found = replay(rolling, read_rig_log(export(simulate(rolling), tmp_path / "rolling.csv"), rolling))
+    assert float((found["torque"] ** 2).mean() ** 0.5) > 50.0 * float((found["torque_known"] ** 2).mean() ** 0.5)
+    other = run.assign(cylinder_pressure=run["cylinder_pressure"] * 1e-5)
+    other["cylinder_pressure"].attrs["units"] = "Pa"
+    sensed = case.with_changes({"sensors": built.sensors})
+    with pytest.raises(ResultsError, match="look at the units of pressures"):
+        replay(sensed, read_rig_log(export(other, tmp_path / "rig.csv"), sensed))
 
 
 def test_a_wheel_that_slides_or_stands_is_named(case: Case, run: xr.Dataset, tmp_path: Path) -> None:
