@@ -130,8 +130,8 @@ def test_no_force_is_outside_a_factor_of_the_exact_one(block: int) -> None:
 
     Where regions from tread to flange become one, the reference has one plane for them, and lets the force fall by a fifth to two
     thirds while the wheel is pressed 10 um deeper (1 015 to 360 kN, ours 1 008 and 1 112); the strips pass such places without a
-    jump. Poses with so bent a patch are left out, and those in which the reference disagrees with itself on two fine grids: where a
-    hollow tread closes around the rail it loses patches, at 1 to 2 MN.
+    jump. Poses with so bent a patch are left out, and those in which two fine grids of the reference disagree: where a hollow
+    tread closes around the rail it loses patches, at 1 to 2 MN.
     """
     rng = np.random.default_rng((11, block))
     found = []
