@@ -435,11 +435,14 @@ def test_finer_tests_that_say_nothing_leave_intervals_without_bounds() -> None:
         assert found["dump_cycles"].verdict == "met"
 
 
-def test_finer_tests_that_ended_early_have_a_row_of_their_own_and_leave_nothing_met() -> None:
-    case, early = load_case("adhesion_brake"), records("contact_lost")[:3]
-    rows = {row.key: row for row in verdict_rows(case, (records(), records()), (records()[:3], early))}
+@pytest.mark.parametrize(
+    "bad", [{"status": "contact_lost"}, {"energy_relative_residual": 0.5}, {"contact_lost_s": 0.3}]
+)
+def test_bad_finer_tests_have_a_row_of_their_own_and_leave_nothing_met(bad: dict[str, Any]) -> None:
+    case = load_case("adhesion_brake")
+    rows = {row.key: row for row in verdict_rows(case, (records(), records()), (records()[:3], records(**bad)[:3]))}
     assert rows["rig_ended"].verdict == "met"
-    assert (rows["fine_ended"].verdict, rows["fine_ended"].value_text) == ("not decided", "3 of 6")
+    assert (rows["fine_sound"].verdict, rows["fine_sound"].value_text) == ("not decided", "3 of 6")
     assert {row.verdict for row in rows.values() if row.group == "fidelity" and not row.gate} == {"not decided"}
     assert verdict_of(list(rows.values()), "tracking") == "not decided"
 

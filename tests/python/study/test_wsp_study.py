@@ -265,12 +265,17 @@ def made(status: str = "stopped", scatter: float = 1e-3, count: int = 8, **chang
 
 
 def judged(
-    own: Sequence[TestRecord], on: Support = "track", dry: TestRecord | None = None, stop: int = 0
+    own: Sequence[TestRecord],
+    on: Support = "track",
+    dry: TestRecord | None = None,
+    stop: int = 0,
+    fine: Sequence[TestRecord] = (),
 ) -> dict[str, Judgement]:
     rig = load_case("adhesion_brake")
     reference = record(DRY) if dry is None else dry
-    found = StopTests(ALL.stop[stop], on, rig, ALL.starts, own, reference)
-    other = StopTests(ALL.stop[stop], "rig" if on == "track" else "track", rig, ALL.starts, made(), reference)
+    found = StopTests(ALL.stop[stop], on, rig, ALL.starts, own, reference, fine)
+    beside = made()[: len(fine)]
+    other = StopTests(ALL.stop[stop], "rig" if on == "track" else "track", rig, ALL.starts, made(), reference, beside)
     return {one.limit.criterion: one for one in judgements(ALL, found, other)}
 
 
@@ -329,6 +334,31 @@ def test_a_bad_run_gets_no_verdict_whatever_its_numbers_are(reason: str, on: Sup
         found = judged(own, on)
         assert words(found) == {"not decided"}
         assert all(reason in one.why for one in found.values())
+
+
+@pytest.mark.parametrize(
+    "bad",
+    [
+        made("contact_lost"),
+        made("ok"),
+        made(energy_relative_residual=0.5),
+        made(contact_lost_s=0.3),
+        made(contact_lost_s=math.nan),
+    ],
+)
+@pytest.mark.parametrize("on", ["track", "rig"])
+def test_bad_tests_with_finer_steps_leave_nothing_decided(bad: list[TestRecord], on: Support) -> None:
+    """Nobody knows then what steps change, of which every interval says that it has it."""
+    assert words(judged(made(), on, fine=made()[:2])) == {"met"}
+    found = judged(made(), on, fine=[made()[0], bad[1]])
+    assert words(found) == {"not decided"}
+    assert all(one.why.startswith("1 of 2 tests with finer steps ended early, did not") for one in found.values())
+
+
+def test_on_the_rig_what_finer_steps_change_may_leave_it_no_track() -> None:
+    fine = made(force_error_rms=0.06)[:2]
+    assert words(judged(made(), "track", fine=fine)) == {"met"}
+    assert words(judged(made(), "rig", fine=fine)) == {"not decided"}
 
 
 def test_a_run_that_says_nothing_of_itself_gets_no_verdict() -> None:
@@ -414,7 +444,7 @@ def test_axles_that_stay_on_the_peak_of_the_creep_curve_use_all_of_the_adhesion(
 
 
 def test_a_drag_braking_need_not_stop_and_is_judged_by_what_it_has() -> None:
-    found = judged(made("ok"), stop=1)
+    found = judged(made("ok"), stop=1, fine=made("ok")[:2])
     assert found.keys() == {
         "adhesion_utilisation",
         "longest_lock",

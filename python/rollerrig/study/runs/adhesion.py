@@ -235,9 +235,12 @@ def verdict_rows(case: Case, tests: Tests, fine: Tests = ((), ())) -> list[Row]:
             row if row.shown else replace(row, value=stepped(row.value, coarse.get(row.key), close.get(row.key)))
             for row in rows
         ]
-        ended, why = [one.completed for one in (*fine[0], *fine[1])], "what steps change is known of whole tests alone"
-        text = "tests with finer steps, on both, that came to their end"
-        rows.append(_all_of("fidelity", "fine_ended", text, ended, why, undecided=True))
+        whole, why = (
+            [one.completed and is_sound(one) for one in (*fine[0], *fine[1])],
+            "else nobody knows what steps change",
+        )
+        text = "tests with finer steps, on both, that came to their end, closed their energy balance and kept contact"
+        rows.append(_all_of("fidelity", "fine_sound", text, whole, why, undecided=True))
     return [row if row.shown else replace(row, bad_run=_is_bad(rows, row.group)) for row in rows]
 
 
@@ -282,6 +285,11 @@ def is_closed(test: TestRecord) -> bool:
     return test.measures.get("energy_relative_residual", math.nan) <= ENERGY_WARNING
 
 
+def is_sound(test: TestRecord) -> bool:
+    """Whether the energy balance of a test closes and its wheels keep contact."""
+    return is_closed(test) and keeps_contact(test)
+
+
 def all_differ(tests: Sequence[TestRecord]) -> bool:
     """Whether no two tests ran the same distance: starts that do not differ are one test, however many are made."""
     return len({one.measures.get("distance_m") for one in tests}) == len(tests)
@@ -302,7 +310,7 @@ def _gates(track: Sequence[TestRecord], rig: Sequence[TestRecord]) -> Iterator[R
         text, why = "starts with a stop on both, or on neither", "a stopping distance needs a stop"
         yield replace(_all_of("fidelity", "stops", text, ends, why), value=Estimate(0.0, 0.0, math.inf))
     for group, label, records in tests:
-        sound = [is_closed(record) and keeps_contact(record) for record in records]
+        sound = [is_sound(record) for record in records]
         text, why = (
             f"tests on the {label} whose energy balance closes and whose wheels keep contact",
             "else they are none",
