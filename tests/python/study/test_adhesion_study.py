@@ -371,6 +371,7 @@ GOOD = {
     "drive_limited_share": 0.005, "crown_gravity_largest": 0.005, "mean_deceleration_mps2": 0.6, "dump_cycles": 300.0,
     "air_litres": 1100.0, "regrip_adhesion": 0.083, "longest_lock_s": 0.0, "beyond_peak_s": 20.0,
     "drive_oscillation_spell_s": 0.25, "energy_relative_residual": 1e-6, "contact_lost_s": 0.0,
+    "contact_lost_total_s": 0.0, "duration_s": 50.0,
 }  # fmt: skip
 
 
@@ -401,6 +402,7 @@ BAD_RUNS: dict[str, dict[str, Any]] = {
     "outputs too rare to see oscillations": {"drive_oscillation_nm": math.nan},
     "energy from nowhere": {"energy_relative_residual": 0.5},
     "wheels that left the rollers for a while": {"contact_lost_s": 0.3},
+    "wheels that hardly touch the rollers": {"contact_lost_s": 5e-3, "contact_lost_total_s": 0.6},
     "a sample beyond the peak of the creep curve": {"beyond_peak_s": 0.01},
     "the same test eight times": {"scatter": 0.0},
 }

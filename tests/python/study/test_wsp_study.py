@@ -233,7 +233,7 @@ def test_every_criterion_has_a_name_and_a_measure() -> None:
 GOOD = {
     "distance_m": 900.0, "mean_deceleration_mps2": 0.6, "dump_cycles": 300.0, "air_litres": 1100.0, "longest_lock_s": 0.1,
     "largest_slip": 0.3, "flat_length_m": 0.01, "large_slip_share": 0.01, "adhesion_utilisation": 0.7,
-    "contact_lost_s": 0.0, "energy_relative_residual": 1e-6, "force_error_rms": 0.02, "drive_oscillation_nm": 5.0,
+    "contact_lost_s": 0.0, "contact_lost_total_s": 0.0, "energy_relative_residual": 1e-6, "force_error_rms": 0.02, "drive_oscillation_nm": 5.0,
     "drive_limited_share": 0.001, "tracking_rms": 0.001, "duration_s": 50.0, "beyond_peak_s": 20.0,
     "drive_oscillation_spell_s": 0.25, "build_up_s": 1.5,
 }  # fmt: skip
@@ -317,6 +317,7 @@ SPOILED = {
     "1 of 8 tests ended early: rollers_protected": [*made()[:7], record({**GOOD}, "rollers_protected")],
     "in 8 of 8 tests the train had not stopped after 20 s": made("ok"),
     "in 1 of 8 tests a wheel lost contact": [*made()[:7], record({**GOOD, "contact_lost_s": 0.02})],
+    "in 2 of 8 tests a wheel lost contact": [*made()[:6], *made(contact_lost_total_s=0.6)[6:]],  # 0.6 s of 50 s
     "in 8 of 8 tests the axles hardly passed the peak of the creep curve": made(beyond_peak_s=0.01),
     "in 8 of 8 tests the energy balance is open": made(energy_relative_residual=0.01),
     "starts that should differ gave the same test": made(scatter=0.0),
@@ -362,7 +363,7 @@ def test_on_the_rig_what_finer_steps_change_may_leave_it_no_track() -> None:
 
 
 def test_a_run_that_says_nothing_of_itself_gets_no_verdict() -> None:
-    for name in ("contact_lost_s", "beyond_peak_s", "energy_relative_residual"):
+    for name in ("contact_lost_s", "contact_lost_total_s", "duration_s", "beyond_peak_s", "energy_relative_residual"):
         assert words(judged([replace(one, measures=one.measures | {name: math.nan}) for one in made()])) == {
             "not decided"
         }

@@ -25,7 +25,7 @@ from rollerrig.cases import on_track
 from rollerrig.common.formatting import number
 from rollerrig.config import Case, ConfigError, Rig
 from rollerrig.config.schema.rig_control import EstimatedTorque, ExactEstimator, LeadCommand
-from rollerrig.results.summary import LONGEST_SPELL
+from rollerrig.results import summary
 from rollerrig.simulation.run import ENERGY_WARNING
 from rollerrig.study.assessment import NOT_DECIDED, Outcome, outcome, overall
 from rollerrig.study.ensemble import SEED, Estimate, difference, distances, measure, relative, stepped, values_of
@@ -277,7 +277,8 @@ def has_slid(test: TestRecord) -> bool:
 
 def keeps_contact(test: TestRecord) -> bool:
     """Whether no wheel of a test left its rail or roller."""
-    return test.measures.get("contact_lost_s", math.nan) <= LONGEST_SPELL
+    names = ("contact_lost_s", "contact_lost_total_s", "duration_s")
+    return summary.keeps_contact(*(test.measures.get(name, math.nan) for name in names))
 
 
 def is_closed(test: TestRecord) -> bool:
