@@ -82,7 +82,8 @@ def keeps_contact(longest: float, total: float, duration: float) -> bool:
     """Whether a wheel was without contact for no longer than vibrations explain; not where a number is missing.
 
     Args:
-        longest, total: the longest time without contact, and the sum of all [s].
+        longest: time without contact [s].
+        total: sum of all such times [s].
         duration: of the run [s].
     """
     return longest <= LONGEST_SPELL and total <= LARGEST_PART * duration

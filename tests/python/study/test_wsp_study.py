@@ -233,7 +233,8 @@ def test_every_criterion_has_a_name_and_a_measure() -> None:
 GOOD = {
     "distance_m": 900.0, "mean_deceleration_mps2": 0.6, "dump_cycles": 300.0, "air_litres": 1100.0, "longest_lock_s": 0.1,
     "largest_slip": 0.3, "flat_length_m": 0.01, "large_slip_share": 0.01, "adhesion_utilisation": 0.7,
-    "contact_lost_s": 0.0, "contact_lost_total_s": 0.0, "energy_relative_residual": 1e-6, "force_error_rms": 0.02, "drive_oscillation_nm": 5.0,
+    "contact_lost_s": 0.0, "contact_lost_total_s": 0.0,
+    "energy_relative_residual": 1e-6, "force_error_rms": 0.02, "drive_oscillation_nm": 5.0,
     "drive_limited_share": 0.001, "tracking_rms": 0.001, "duration_s": 50.0, "beyond_peak_s": 20.0,
     "drive_oscillation_spell_s": 0.25, "build_up_s": 1.5,
 }  # fmt: skip
