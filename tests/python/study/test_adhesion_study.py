@@ -437,6 +437,12 @@ def test_finer_tests_that_say_nothing_leave_intervals_without_bounds() -> None:
         assert found["dump_cycles"].verdict == "met"
 
 
+def test_what_is_zero_on_track_alone_is_not_met_with_finer_tests_too() -> None:
+    none = records(dump_cycles=0.0)
+    rows = verdict_rows(load_case("adhesion_brake"), (none, records()), (none[:3], records()[:3]))
+    assert {row.key: row.verdict for row in rows}["dump_cycles"] == "not met"
+
+
 @pytest.mark.parametrize(
     "bad", [{"status": "contact_lost"}, {"energy_relative_residual": 0.5}, {"contact_lost_s": 0.3}]
 )

@@ -13,7 +13,7 @@ no property of the rig.
 """
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any, Literal
@@ -235,10 +235,8 @@ def verdict_rows(case: Case, tests: Tests, fine: Tests = ((), ())) -> list[Row]:
             row if row.shown else replace(row, value=stepped(row.value, coarse.get(row.key), close.get(row.key)))
             for row in rows
         ]
-        whole, why = (
-            [one.completed and is_sound(one) for one in (*fine[0], *fine[1])],
-            "else nobody knows what steps change",
-        )
+        whole = [one.completed and is_sound(one) for one in (*fine[0], *fine[1])]
+        why = "what steps change is known of whole and sound tests alone"
         text = "tests with finer steps, on both, that came to their end, closed their energy balance and kept contact"
         rows.append(_all_of("fidelity", "fine_sound", text, whole, why, undecided=True))
     return [row if row.shown else replace(row, bad_run=_is_bad(rows, row.group)) for row in rows]
@@ -296,32 +294,29 @@ def all_differ(tests: Sequence[TestRecord]) -> bool:
     return len({one.measures.get("distance_m") for one in tests}) == len(tests)
 
 
+GATES: tuple[tuple[str, str, str, Callable[[TestRecord, Sequence[TestRecord]], bool]], ...] = (
+    ("ended", "runs on the {} that came to their end", "a test that ended early is none", lambda one, _: one.completed),
+    ("sound", "tests on the {} whose energy balance closes and whose wheels keep contact",
+     "a run with an open balance or lost contact is no test", lambda one, _: is_sound(one)),
+    ("differ", "tests on the {} that differ", "equal starts are one test: their scatter of zero says nothing",
+     lambda _, tests: all_differ(tests)),
+    ("slid", f"tests on the {{}} whose axles were beyond the peak of the creep curve for {LEAST_SLIDE:g} s in all",
+     "where nothing slides nothing is tested", lambda one, _: has_slid(one)),
+)  # fmt: skip
+"""Of each support: ending of the key, what is counted, why, whether one of these tests has it."""
+
+
 def _gates(track: Sequence[TestRecord], rig: Sequence[TestRecord]) -> Iterator[Row]:
     """Whether runs came to their end, one that rolled off the crowns did not, are sound, differ, and axles slid in them."""
-    tests: tuple[tuple[Group, str, Sequence[TestRecord]], ...] = (
-        ("tracking", "rig", rig),
-        ("fidelity", "track", track),
-    )
-    for group, label, records in tests:
-        completed = [record.completed for record in records]
-        text = f"runs on the {label} that came to their end"
-        yield _all_of(group, f"{label}_ended", text, completed, "a test that ended early is none")
+    tests: Mapping[Group, tuple[str, Sequence[TestRecord]]] = {"tracking": ("rig", rig), "fidelity": ("track", track)}
+    for group, (label, records) in tests.items():
+        for key, text, why, has in GATES:
+            met = [has(one, records) for one in records]
+            yield _all_of(group, f"{label}_{key}", text.format(label), met, why, undecided=key != "ended")
     ends = [a.stopped == b.stopped for a, b in zip(track, rig, strict=False) if a.completed and b.completed]
     if not all(ends):
         text, why = "starts with a stop on both, or on neither", "a stopping distance needs a stop"
         yield replace(_all_of("fidelity", "stops", text, ends, why), value=Estimate(0.0, 0.0, math.inf))
-    for group, label, records in tests:
-        sound = [is_sound(record) for record in records]
-        text, why = (
-            f"tests on the {label} whose energy balance closes and whose wheels keep contact",
-            "else they are none",
-        )
-        yield _all_of(group, f"{label}_sound", text, sound, why, undecided=True)
-        text, why = f"tests on the {label} that differ", "equal starts are one test: their scatter of zero says nothing"
-        yield _all_of(group, f"{label}_differ", text, [all_differ(records)] * len(records), why, undecided=True)
-        text = f"tests on the {label} whose axles were beyond the peak of the creep curve for {LEAST_SLIDE:g} s in all"
-        slid, why = [has_slid(record) for record in records], "where nothing slides nothing is tested"
-        yield _all_of(group, f"{label}_slid", text, slid, why, undecided=True)
 
 
 def _tracking(case: Case, rig: Sequence[TestRecord]) -> Iterator[Row]:
