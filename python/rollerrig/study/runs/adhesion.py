@@ -303,7 +303,7 @@ GATES: tuple[tuple[str, str, str, Callable[[TestRecord, Sequence[TestRecord]], b
     ("slid", f"tests on the {{}} whose axles were beyond the peak of the creep curve for {LEAST_SLIDE:g} s in all",
      "where nothing slides nothing is tested", lambda one, _: has_slid(one)),
 )  # fmt: skip
-"""Of each support: ending of the key, what is counted, why, whether one of these tests has it."""
+"""Ending of the key, what is counted, why, and whether one of these tests has it, for each support."""
 
 
 def _gates(track: Sequence[TestRecord], rig: Sequence[TestRecord]) -> Iterator[Row]:
