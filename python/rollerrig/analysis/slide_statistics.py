@@ -245,7 +245,7 @@ def _train(run: xr.Dataset) -> dict[str, float]:
     begin = acting[0] if acting.size else -1
     run_since = way[-1] - way[begin]
     wrong = run["reference_speed_error"].to_numpy()
-    fast = speed > LEAST_SPEED
+    fast, losses = speed > LEAST_SPEED, contact_losses(run)
     return {
         "distance_m": way[-1],
         "duration_s": run.attrs["stopped_at_s"],
@@ -257,7 +257,8 @@ def _train(run: xr.Dataset) -> dict[str, float]:
         "reference_speed_error_largest_mps": largest(wrong[fast]),
         "odometer_error_m": np.trapezoid(wrong, run["time"].to_numpy()),
         "energy_relative_residual": run.attrs["energy_relative_residual"],
-        "contact_lost_s": max((loss.longest_s for loss in contact_losses(run)), default=0.0),
+        "contact_lost_s": max((loss.longest_s for loss in losses), default=0.0),
+        "contact_lost_total_s": max((loss.total_s for loss in losses), default=0.0),
     }
 
 

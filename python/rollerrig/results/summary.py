@@ -78,6 +78,17 @@ def contact_losses(run: xr.Dataset) -> list[ContactLoss]:
     return [ContactLoss(**loss) for loss in json.loads(run.attrs.get(ATTRIBUTE, "[]"))]
 
 
+def keeps_contact(longest: float, total: float, duration: float) -> bool:
+    """Whether a wheel was without contact for no longer than vibrations explain; not where a number is missing.
+
+    Args:
+        longest: time without contact [s].
+        total: sum of all such times [s].
+        duration: of the run [s].
+    """
+    return longest <= LONGEST_SPELL and total <= LARGEST_PART * duration
+
+
 def contact_loss_warning(losses: Sequence[ContactLoss], duration: float, *, on_rollers: bool, advice: str = "") -> str:
     """One line that names the wheels whose contact was lost for longer than vibrations explain; empty if there are none.
 
@@ -87,11 +98,7 @@ def contact_loss_warning(losses: Sequence[ContactLoss], duration: float, *, on_r
         on_rollers: whether it was on a rig.
         advice: what to try, a sentence.
     """
-    gross = [
-        loss
-        for loss in losses
-        if loss.longest_s > LONGEST_SPELL or (loss.longest_s > 0.0 and loss.total_s > LARGEST_PART * duration)
-    ]
+    gross = [loss for loss in losses if not keeps_contact(loss.longest_s, loss.total_s, duration)]
     if not gross:
         return ""
     told = "wheels lost contact: " + "; ".join(loss.in_words(on_rollers) for loss in gross)

@@ -186,7 +186,7 @@ def stepped(found: Estimate, coarse: Estimate | None, fine: Estimate | None) -> 
     Without bounds where one of them has no number: nobody knows then what the steps change.
     """
     a, b = (math.nan if one is None else one.mean for one in (coarse, fine))
-    change = 0.0 if a == b else abs(b - a)
+    change = 0.0 if a == b else abs(b - a)  # also where both are infinite: not zero, against zero
     return replace(found, systematic=math.inf if math.isnan(change) else change)
 
 

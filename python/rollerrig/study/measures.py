@@ -23,6 +23,8 @@ from rollerrig.analysis.wheel_rail_forces import wheel_forces
 from rollerrig.assembly.laws import core_law
 from rollerrig.config import Case, Programme, case_from_toml
 from rollerrig.config.schema import plan
+from rollerrig.config.schema.actuators import SlideProtection
+from rollerrig.config.schema.programme import FlatWear
 from rollerrig.contact_analysis.static_contact import contact_table
 from rollerrig.results import COMPLETED, RunInfo
 from rollerrig.results.quantities import registered
@@ -132,17 +134,29 @@ def _on_track(text: str) -> TestRecord:
 
 
 def _stop(case: Case, options: plan.WspMeasure, progress: Progress | None) -> tuple[wsp.StopTests]:
-    """The stop on track, with its dry reference where it ends in a standstill."""
+    """The stop on track, with its dry reference where it ends in a standstill; the same reference is run once per worker.
+
+    Nothing slides in the reference, so that it has our law with the default thresholds whatever those of the case are. A stop
+    without slides is kept: where thresholds, demand or rail are varied, it is a result that nothing slides at some of them.
+    """
     stop, programme = options.stop, Programme(name="sweep", stop=(options.stop,))
     wsp.check_case(case, programme)
+    protection = case.slide_protection
+    assert protection is not None
     own, dry = (track_case(make(case, programme, stop)) for make in (wsp.stop_case, wsp.dry_case))
     test = wsp.stop_record(own, programme.flat, keep=False, progress=progress).test
-    reference = wsp.stop_record(dry, programme.flat, keep=False).test if stop.stops else None
+    idle = SlideProtection(sample_time=protection.sample_time, delay=protection.delay)
+    reference = _dry_on_track(dry.model_copy(update={"slide_protection": idle}).to_toml()) if stop.stops else None
     found = wsp.StopTests(stop, "track", case, 1, [test], reference)
     bad = [*wsp.faults(found, must_slide=False), *(wsp.dry_faults(found) if stop.stops else ())]
     if bad:
         raise RuntimeError("; ".join(bad))
     return (found,)
+
+
+@lru_cache(maxsize=64)
+def _dry_on_track(text: str) -> TestRecord:
+    return wsp.stop_record(case_from_toml(text, allow_code=True), FlatWear(), keep=False).test
 
 
 OF_PROTECTION = {

@@ -26,7 +26,18 @@ from rollerrig.study.frame import Content, Study
 from rollerrig.study.jobs import Done, Round
 from rollerrig.study.quantities import Numbers
 from rollerrig.study.report import Block, Mark, Picture, Section, Table, Text
-from rollerrig.study.runs.wsp import MEASURES, OVER_DRY, SUPPORTS, StopTests, Support, dry_faults, faults, rig_faults
+from rollerrig.study.runs.wsp import (
+    MEASURES,
+    OVER_DRY,
+    SUPPORTS,
+    StopTests,
+    Support,
+    check_case,
+    dry_faults,
+    faults,
+    rig_faults,
+    stop_case,
+)
 from rollerrig.study.wsp import ON, Results, WspStudy, label, quantity_of
 
 Better = Literal["first", "second", "neither", "not decided"]
@@ -111,7 +122,9 @@ class ProtectionComparison(Study[Mapping[System, Results]]):
     irrelevant = ("description", "source")
 
     def __post_init__(self) -> None:
-        """Refuse cases with nothing to test or that differ in more than the protection, and a case against itself."""
+        """Refuse cases with nothing to test or whose stops differ in more than the protection, and a case against itself."""
+        for case in (self.case, self.against):
+            check_case(case, self.programme)
         problems = [
             ConfigProblem(
                 self.against.name, key, value, f"allowed: {first}, as in {self.case.name}; only the protection differs"
@@ -126,8 +139,6 @@ class ProtectionComparison(Study[Mapping[System, Results]]):
                 f"needed: a system that differs from {self.case.name}, such as another threshold in [slide_protection]"
             )
             raise ConfigError.of(self.against.name, "", "the same case", needed)
-        for study in self.studies.values():
-            study.__post_init__()
 
     @property
     def studies(self) -> Mapping[System, WspStudy]:
@@ -137,8 +148,11 @@ class ProtectionComparison(Study[Mapping[System, Results]]):
 
     @property
     def changes(self) -> list[tuple[str, str, str]]:
-        """Key, value of the first and of the second system, of all that differs but the names."""
-        found = self.case.diff(self.against).texts()
+        """Key, value of the first and of the second system, of all that differs in any stop but the names."""
+        found: dict[tuple[str, str, str], None] = {}
+        for stop in self.programme.stop:
+            first, second = (stop_case(case, self.programme, stop) for case in (self.case, self.against))
+            found |= dict.fromkeys(first.diff(second).texts())
         return [row for row in found if row[0].rpartition(".")[2] not in ("name", "description", "source")]
 
     @property

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Mapping
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
@@ -15,6 +17,8 @@ from rollerrig.analysis.slide_statistics import test_record as record_of
 from rollerrig.analysis.virtual_rail import creep_curve, patch_of, slipperiest_peak
 from rollerrig.assembly.model import assemble
 from rollerrig.cli.describe import actuator_lines
+from rollerrig.results.summary import ATTRIBUTE, ContactLoss, contact_loss_warning
+from rollerrig.study.runs.adhesion import keeps_contact
 
 
 def test_an_oscillation_of_less_than_half_of_the_time_is_seen_and_its_spell_measured() -> None:
@@ -54,6 +58,17 @@ def test_valves_that_a_fill_pulse_does_not_move_are_named_by_check() -> None:
     assert line in actuator_lines(slow)
     assert idle_valves(slow.with_changes({"brake.air.least_pulse": "105 ms"})) == []
     assert idle_valves(load_case("adhesion_brake")) == []
+
+
+def test_a_test_keeps_contact_exactly_where_its_run_does_not_warn_of_lost_contact() -> None:
+    """Spells that are short each add up to more than a hundredth of the run: of each wheel, not of all together."""
+    case = load_case("adhesion_brake").with_changes({"time.duration": "1 s", "contact.normal": "hertz"})
+    run = simulate(case)
+    for times, kept in (((0.008, 0.008), True), ((0.008, 0.012), False), ((0.012, 0.012), False)):
+        losses = [ContactLoss("left", 1, 0.008, 0.008, 0.5, 1.0), ContactLoss("right", 2, times[1], times[0], 0.5, 1.0)]
+        record = record_of(run.assign_attrs({ATTRIBUTE: json.dumps([asdict(loss) for loss in losses])}), case)
+        assert keeps_contact(record) is kept
+        assert (contact_loss_warning(losses, 1.0, on_rollers=True) == "") is kept
 
 
 class Filling:

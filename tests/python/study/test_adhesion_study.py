@@ -372,6 +372,7 @@ GOOD = {
     "drive_limited_share": 0.005, "crown_gravity_largest": 0.005, "mean_deceleration_mps2": 0.6, "dump_cycles": 300.0,
     "air_litres": 1100.0, "regrip_adhesion": 0.083, "longest_lock_s": 0.0, "beyond_peak_s": 20.0,
     "drive_oscillation_spell_s": 0.25, "energy_relative_residual": 1e-6, "contact_lost_s": 0.0,
+    "contact_lost_total_s": 0.0, "duration_s": 50.0,
 }  # fmt: skip
 
 
@@ -402,6 +403,7 @@ BAD_RUNS: dict[str, dict[str, Any]] = {
     "outputs too rare to see oscillations": {"drive_oscillation_nm": math.nan},
     "energy from nowhere": {"energy_relative_residual": 0.5},
     "wheels that left the rollers for a while": {"contact_lost_s": 0.3},
+    "wheels that hardly touch the rollers": {"contact_lost_s": 5e-3, "contact_lost_total_s": 0.6},
     "a sample beyond the peak of the creep curve": {"beyond_peak_s": 0.01},
     "the same test eight times": {"scatter": 0.0},
 }
@@ -436,11 +438,20 @@ def test_finer_tests_that_say_nothing_leave_intervals_without_bounds() -> None:
         assert found["dump_cycles"].verdict == "met"
 
 
-def test_finer_tests_that_ended_early_have_a_row_of_their_own_and_leave_nothing_met() -> None:
-    case, early = load_case("adhesion_brake"), records("contact_lost")[:3]
-    rows = {row.key: row for row in verdict_rows(case, (records(), records()), (records()[:3], early))}
+def test_what_is_zero_on_track_alone_is_not_met_with_finer_tests_too() -> None:
+    none = records(dump_cycles=0.0)
+    rows = verdict_rows(load_case("adhesion_brake"), (none, records()), (none[:3], records()[:3]))
+    assert {row.key: row.verdict for row in rows}["dump_cycles"] == "not met"
+
+
+@pytest.mark.parametrize(
+    "bad", [{"status": "contact_lost"}, {"energy_relative_residual": 0.5}, {"contact_lost_s": 0.3}]
+)
+def test_bad_finer_tests_have_a_row_of_their_own_and_leave_nothing_met(bad: dict[str, Any]) -> None:
+    case = load_case("adhesion_brake")
+    rows = {row.key: row for row in verdict_rows(case, (records(), records()), (records()[:3], records(**bad)[:3]))}
     assert rows["rig_ended"].verdict == "met"
-    assert (rows["fine_ended"].verdict, rows["fine_ended"].value_text) == ("not decided", "3 of 6")
+    assert (rows["fine_sound"].verdict, rows["fine_sound"].value_text) == ("not decided", "3 of 6")
     assert {row.verdict for row in rows.values() if row.group == "fidelity" and not row.gate} == {"not decided"}
     assert verdict_of(list(rows.values()), "tracking") == "not decided"
 

@@ -32,8 +32,9 @@ from rollerrig.study.wsp import Results
 LOW = {"name": "low_26", "kind": "uniform", "speed": "26 km/h", "rail": "low", "duration": "20 s"}
 
 
-def programme() -> Programme:
-    found, problems = resolve_programme(Document({"name": "short", "starts": 4, "stop": [LOW]}, "mine.toml", Path()))
+def programme(*stops: Mapping[str, Any]) -> Programme:
+    tables = {"name": "short", "starts": 4, "stop": list(stops or [LOW])}
+    found, problems = resolve_programme(Document(tables, "mine.toml", Path()))
     assert found is not None, problems
     return found
 
@@ -159,9 +160,9 @@ def test_what_cannot_be_compared_is_refused_in_a_line(case: Case) -> None:
         ("brake.demand", [[0.0, 0.0], [0.1, "3 bar"]]),
         ("train.mass", "20 t"),
         ("vehicle.body.bogie_frame.mass", "2.8 t"),
-        ("motion.speed", "100 km/h"),
+        ("motion.stop_speed", "4 m/s"),
         ("rig_control.sample_time", "2 ms"),
-        ("adhesion.blend", "3 m"),
+        ("adhesion.recovered.friction.mu_0", 0.2),
     ],
 )
 def test_systems_whose_tests_are_not_the_same_are_refused_with_the_key(
@@ -170,6 +171,30 @@ def test_systems_whose_tests_are_not_the_same_are_refused_with_the_key(
     with pytest.raises(ConfigError) as refused:
         ProtectionComparison(case, other.with_changes({key: value}), programme())
     assert [problem.key for problem in refused.value.problems] == [key]
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("motion.speed", "100 km/h"),
+        ("time.duration", "30 s"),
+        ("train.gradient", -0.01),
+        ("brake.demand", [[0.0, 0.0], [0.2, "3.8 bar"]]),  # as large: the stop has no pressure of its own
+        ("adhesion.blend", "3 m"),
+    ],
+)
+def test_what_every_stop_sets_itself_may_differ(case: Case, other: Case, key: str, value: Any) -> None:
+    study = ProtectionComparison(case, other.with_changes({key: value}), programme())
+    assert [row[0] for row in study.changes] == ["slide_protection.vent_slip", "slide_protection.vent_slip_speed"]
+    with pytest.raises(ConfigError, match="the same case; needed: a system that differs"):
+        ProtectionComparison(case, case.with_changes({key: value}), programme())
+
+
+def test_a_demand_may_differ_where_every_stop_has_its_own_pressure(case: Case, other: Case) -> None:
+    weaker = other.with_changes({"brake.demand": [[0.0, 0.0], [0.1, "3 bar"]]})
+    ProtectionComparison(case, weaker, programme({**LOW, "pressure": "3 bar"}))
+    with pytest.raises(ConfigError, match=r"brake\.demand"):  # of one stop of two
+        ProtectionComparison(case, weaker, programme({**LOW, "pressure": "3 bar"}, {**LOW, "name": "other"}))
 
 
 def test_protections_differ_in_valves_sensors_and_faults_and_idle_valves_are_told(case: Case, other: Case) -> None:

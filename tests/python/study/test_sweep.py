@@ -34,6 +34,7 @@ from rollerrig.study.checkpoint import NAME
 from rollerrig.study.report import Table
 from rollerrig.study.runs.adhesion import track_case
 from rollerrig.study.runs.sweep import FAILED, Axis, Points, quantile, resized, sobol_indices, statistics, sweep_rows
+from rollerrig.study.runs.wsp import StopRecord, stop_record
 from rollerrig.study.sweep import SweepStudy, sweep_study
 
 PLAN = """
@@ -216,6 +217,25 @@ def test_thresholds_of_slide_protection_are_swept_by_the_numbers_of_the_programm
         assert distance == pytest.approx(float(wet["train_distance"][-1]), rel=1e-6)
         assert k_wet == pytest.approx((float(dry["train_distance"][-1]) - way) / (distance - way), rel=1e-6)
     assert abs(found["distance"][1] / found["distance"][0] - 1.0) > 1e-3
+
+
+def test_the_dry_reference_is_run_once_for_all_thresholds(monkeypatch: pytest.MonkeyPatch) -> None:
+    """And anew for what changes it, such as another brake."""
+    times = {f"slide_protection.{key}": "6 ms" for key in ("sample_time", "delay")}
+    times |= {"time.sampling_step": "2 ms", "rig_control.sample_time": "2 ms"}
+    case = load_case("adhesion_brake").with_changes({"motion.stop_speed": "5 m/s", **times})
+    stop = {"name": "low", "kind": "uniform", "speed": "22 km/h", "rail": "low"}
+    made: list[str] = []
+
+    def counted(case: Case, *args: Any, **more: Any) -> StopRecord:
+        made.append(case.name)
+        return stop_record(case, *args, **more)
+
+    monkeypatch.setattr("rollerrig.study.runs.wsp.stop_record", counted)
+    vary = {"slide_protection.vent_slip": [0.12, 0.5], "brake.friction_radius": ["240 mm", "250 mm"]}
+    rr.sweep(case, vary, measure={"kind": "wsp", "stop": stop, "keep": ["k_wet"]})
+    assert len([name for name in made if name.endswith("_dry_track")]) == 2
+    assert len(made) == 6
 
 
 def test_a_stop_that_does_not_end_is_a_failed_case() -> None:

@@ -233,7 +233,8 @@ def test_every_criterion_has_a_name_and_a_measure() -> None:
 GOOD = {
     "distance_m": 900.0, "mean_deceleration_mps2": 0.6, "dump_cycles": 300.0, "air_litres": 1100.0, "longest_lock_s": 0.1,
     "largest_slip": 0.3, "flat_length_m": 0.01, "large_slip_share": 0.01, "adhesion_utilisation": 0.7,
-    "contact_lost_s": 0.0, "energy_relative_residual": 1e-6, "force_error_rms": 0.02, "drive_oscillation_nm": 5.0,
+    "contact_lost_s": 0.0, "contact_lost_total_s": 0.0,
+    "energy_relative_residual": 1e-6, "force_error_rms": 0.02, "drive_oscillation_nm": 5.0,
     "drive_limited_share": 0.001, "tracking_rms": 0.001, "duration_s": 50.0, "beyond_peak_s": 20.0,
     "drive_oscillation_spell_s": 0.25, "build_up_s": 1.5,
 }  # fmt: skip
@@ -265,12 +266,17 @@ def made(status: str = "stopped", scatter: float = 1e-3, count: int = 8, **chang
 
 
 def judged(
-    own: Sequence[TestRecord], on: Support = "track", dry: TestRecord | None = None, stop: int = 0
+    own: Sequence[TestRecord],
+    on: Support = "track",
+    dry: TestRecord | None = None,
+    stop: int = 0,
+    fine: Sequence[TestRecord] = (),
 ) -> dict[str, Judgement]:
     rig = load_case("adhesion_brake")
     reference = record(DRY) if dry is None else dry
-    found = StopTests(ALL.stop[stop], on, rig, ALL.starts, own, reference)
-    other = StopTests(ALL.stop[stop], "rig" if on == "track" else "track", rig, ALL.starts, made(), reference)
+    found = StopTests(ALL.stop[stop], on, rig, ALL.starts, own, reference, fine)
+    beside = made()[: len(fine)]
+    other = StopTests(ALL.stop[stop], "rig" if on == "track" else "track", rig, ALL.starts, made(), reference, beside)
     return {one.limit.criterion: one for one in judgements(ALL, found, other)}
 
 
@@ -312,6 +318,7 @@ SPOILED = {
     "1 of 8 tests ended early: rollers_protected": [*made()[:7], record({**GOOD}, "rollers_protected")],
     "in 8 of 8 tests the train had not stopped after 20 s": made("ok"),
     "in 1 of 8 tests a wheel lost contact": [*made()[:7], record({**GOOD, "contact_lost_s": 0.02})],
+    "in 2 of 8 tests a wheel lost contact": [*made()[:6], *made(contact_lost_total_s=0.6)[6:]],  # 0.6 s of 50 s
     "in 8 of 8 tests the axles hardly passed the peak of the creep curve": made(beyond_peak_s=0.01),
     "in 8 of 8 tests the energy balance is open": made(energy_relative_residual=0.01),
     "starts that should differ gave the same test": made(scatter=0.0),
@@ -331,8 +338,33 @@ def test_a_bad_run_gets_no_verdict_whatever_its_numbers_are(reason: str, on: Sup
         assert all(reason in one.why for one in found.values())
 
 
+@pytest.mark.parametrize(
+    "bad",
+    [
+        made("contact_lost"),
+        made("ok"),
+        made(energy_relative_residual=0.5),
+        made(contact_lost_s=0.3),
+        made(contact_lost_s=math.nan),
+    ],
+)
+@pytest.mark.parametrize("on", ["track", "rig"])
+def test_bad_tests_with_finer_steps_leave_nothing_decided(bad: list[TestRecord], on: Support) -> None:
+    """Nobody knows then what steps change, of which every interval says that it has it."""
+    assert words(judged(made(), on, fine=made()[:2])) == {"met"}
+    found = judged(made(), on, fine=[made()[0], bad[1]])
+    assert words(found) == {"not decided"}
+    assert all(one.why.startswith("1 of 2 tests with finer steps ended early, did not") for one in found.values())
+
+
+def test_on_the_rig_what_finer_steps_change_may_leave_it_no_track() -> None:
+    fine = made(force_error_rms=0.06)[:2]
+    assert words(judged(made(), "track", fine=fine)) == {"met"}
+    assert words(judged(made(), "rig", fine=fine)) == {"not decided"}
+
+
 def test_a_run_that_says_nothing_of_itself_gets_no_verdict() -> None:
-    for name in ("contact_lost_s", "beyond_peak_s", "energy_relative_residual"):
+    for name in ("contact_lost_s", "contact_lost_total_s", "duration_s", "beyond_peak_s", "energy_relative_residual"):
         assert words(judged([replace(one, measures=one.measures | {name: math.nan}) for one in made()])) == {
             "not decided"
         }
@@ -414,7 +446,7 @@ def test_axles_that_stay_on_the_peak_of_the_creep_curve_use_all_of_the_adhesion(
 
 
 def test_a_drag_braking_need_not_stop_and_is_judged_by_what_it_has() -> None:
-    found = judged(made("ok"), stop=1)
+    found = judged(made("ok"), stop=1, fine=made("ok")[:2])
     assert found.keys() == {
         "adhesion_utilisation",
         "longest_lock",

@@ -13,7 +13,7 @@ no property of the rig.
 """
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
 from typing import Any, Literal
@@ -25,7 +25,7 @@ from rollerrig.cases import on_track
 from rollerrig.common.formatting import number
 from rollerrig.config import Case, ConfigError, Rig
 from rollerrig.config.schema.rig_control import EstimatedTorque, ExactEstimator, LeadCommand
-from rollerrig.results.summary import LONGEST_SPELL
+from rollerrig.results import summary
 from rollerrig.simulation.run import ENERGY_WARNING
 from rollerrig.study.assessment import NOT_DECIDED, Outcome, outcome, overall
 from rollerrig.study.ensemble import SEED, Estimate, difference, distances, measure, relative, stepped, values_of
@@ -235,9 +235,10 @@ def verdict_rows(case: Case, tests: Tests, fine: Tests = ((), ())) -> list[Row]:
             row if row.shown else replace(row, value=stepped(row.value, coarse.get(row.key), close.get(row.key)))
             for row in rows
         ]
-        ended, why = [one.completed for one in (*fine[0], *fine[1])], "what steps change is known of whole tests alone"
-        text = "tests with finer steps, on both, that came to their end"
-        rows.append(_all_of("fidelity", "fine_ended", text, ended, why, undecided=True))
+        whole = [one.completed and is_sound(one) for one in (*fine[0], *fine[1])]
+        why = "what steps change is known of whole and sound tests alone"
+        text = "tests with finer steps, on both, that came to their end, closed their energy balance and kept contact"
+        rows.append(_all_of("fidelity", "fine_sound", text, whole, why, undecided=True))
     return [row if row.shown else replace(row, bad_run=_is_bad(rows, row.group)) for row in rows]
 
 
@@ -274,7 +275,8 @@ def has_slid(test: TestRecord) -> bool:
 
 def keeps_contact(test: TestRecord) -> bool:
     """Whether no wheel of a test left its rail or roller."""
-    return test.measures.get("contact_lost_s", math.nan) <= LONGEST_SPELL
+    names = ("contact_lost_s", "contact_lost_total_s", "duration_s")
+    return summary.keeps_contact(*(test.measures.get(name, math.nan) for name in names))
 
 
 def is_closed(test: TestRecord) -> bool:
@@ -282,37 +284,39 @@ def is_closed(test: TestRecord) -> bool:
     return test.measures.get("energy_relative_residual", math.nan) <= ENERGY_WARNING
 
 
+def is_sound(test: TestRecord) -> bool:
+    """Whether the energy balance of a test closes and its wheels keep contact."""
+    return is_closed(test) and keeps_contact(test)
+
+
 def all_differ(tests: Sequence[TestRecord]) -> bool:
     """Whether no two tests ran the same distance: starts that do not differ are one test, however many are made."""
     return len({one.measures.get("distance_m") for one in tests}) == len(tests)
 
 
+GATES: tuple[tuple[str, str, str, Callable[[TestRecord, Sequence[TestRecord]], bool]], ...] = (
+    ("ended", "runs on the {} that came to their end", "a test that ended early is none", lambda one, _: one.completed),
+    ("sound", "tests on the {} whose energy balance closes and whose wheels keep contact",
+     "a run with an open balance or lost contact is no test", lambda one, _: is_sound(one)),
+    ("differ", "tests on the {} that differ", "equal starts are one test: their scatter of zero says nothing",
+     lambda _, tests: all_differ(tests)),
+    ("slid", f"tests on the {{}} whose axles were beyond the peak of the creep curve for {LEAST_SLIDE:g} s in all",
+     "where nothing slides nothing is tested", lambda one, _: has_slid(one)),
+)  # fmt: skip
+"""Ending of the key, what is counted, why, and whether one of these tests has it, for each support."""
+
+
 def _gates(track: Sequence[TestRecord], rig: Sequence[TestRecord]) -> Iterator[Row]:
     """Whether runs came to their end, one that rolled off the crowns did not, are sound, differ, and axles slid in them."""
-    tests: tuple[tuple[Group, str, Sequence[TestRecord]], ...] = (
-        ("tracking", "rig", rig),
-        ("fidelity", "track", track),
-    )
-    for group, label, records in tests:
-        completed = [record.completed for record in records]
-        text = f"runs on the {label} that came to their end"
-        yield _all_of(group, f"{label}_ended", text, completed, "a test that ended early is none")
+    tests: Mapping[Group, tuple[str, Sequence[TestRecord]]] = {"tracking": ("rig", rig), "fidelity": ("track", track)}
+    for group, (label, records) in tests.items():
+        for key, text, why, has in GATES:
+            met = [has(one, records) for one in records]
+            yield _all_of(group, f"{label}_{key}", text.format(label), met, why, undecided=key != "ended")
     ends = [a.stopped == b.stopped for a, b in zip(track, rig, strict=False) if a.completed and b.completed]
     if not all(ends):
         text, why = "starts with a stop on both, or on neither", "a stopping distance needs a stop"
         yield replace(_all_of("fidelity", "stops", text, ends, why), value=Estimate(0.0, 0.0, math.inf))
-    for group, label, records in tests:
-        sound = [is_closed(record) and keeps_contact(record) for record in records]
-        text, why = (
-            f"tests on the {label} whose energy balance closes and whose wheels keep contact",
-            "else they are none",
-        )
-        yield _all_of(group, f"{label}_sound", text, sound, why, undecided=True)
-        text, why = f"tests on the {label} that differ", "equal starts are one test: their scatter of zero says nothing"
-        yield _all_of(group, f"{label}_differ", text, [all_differ(records)] * len(records), why, undecided=True)
-        text = f"tests on the {label} whose axles were beyond the peak of the creep curve for {LEAST_SLIDE:g} s in all"
-        slid, why = [has_slid(record) for record in records], "where nothing slides nothing is tested"
-        yield _all_of(group, f"{label}_slid", text, slid, why, undecided=True)
 
 
 def _tracking(case: Case, rig: Sequence[TestRecord]) -> Iterator[Row]:

@@ -5,8 +5,9 @@ Case of a rig with brake and slide protection, Programme -> [stop_case, dry_case
 
 A criterion is met where the whole interval of its mean is within the limit, and, where each test must keep it, each test too.
 Nothing is decided, neither met nor not met, from a bad run: fewer tests than asked, a test that ended early, lost contact or did
-not stop, wheels that hardly passed the peak of the creep curve, an open energy balance, starts that do not differ, a dry
-reference that is none, and on the rig a drive at its limit or a contact force that is not the virtual one.
+not stop, wheels that hardly passed the peak of the creep curve, an open energy balance, starts that do not differ, a test with
+finer steps that is none, a dry reference that is none, and on the rig a drive at its limit or a contact force that is not the
+virtual one.
 """
 
 import math
@@ -32,7 +33,15 @@ from rollerrig.results.run_info import RunInfo
 from rollerrig.study.assessment import NOT_DECIDED, Outcome, outcome
 from rollerrig.study.ensemble import Estimate, check_ensemble, estimate, stepped, values_of
 from rollerrig.study.jobs import Progress, whole_run
-from rollerrig.study.runs.adhesion import all_differ, has_slid, is_closed, keeps_contact, track_case, verdict_rows
+from rollerrig.study.runs.adhesion import (
+    all_differ,
+    has_slid,
+    is_closed,
+    is_sound,
+    keeps_contact,
+    track_case,
+    verdict_rows,
+)
 
 RISE = 0.1
 """In which the demand rises; the brake is slower anyhow [s]."""
@@ -339,16 +348,19 @@ def faults(found: StopTests, *, must_slide: bool = True) -> Iterator[str]:
         yield f"in {count - closed} of {count} tests the energy balance is open"
     if not all_differ(tests):
         yield "starts that should differ gave the same test"
+    bad = sum(not (one.completed and is_sound(one) and (one.stopped or not found.stop.stops)) for one in found.fine)
+    if bad:
+        faulty = "ended early, did not stop, lost contact or have an open energy balance"
+        yield f"{bad} of {len(found.fine)} tests with finer steps {faulty}"
 
 
 def rig_faults(rig: StopTests, track: StopTests) -> Iterator[str]:
     """Why the rig's tests say nothing about the vehicle: the exclusion criteria of the rig itself."""
     if not (rig.tests and track.tests):
         return
-    rows = verdict_rows(rig.case, (track.tests, rig.tests))
-    gates = [
-        row for row in rows if row.gate and row.key.partition("_")[0] not in SUPPORTS
-    ]  # those say it of their own tests
+    rows = verdict_rows(rig.case, (track.tests, rig.tests), (track.fine, rig.fine))
+    own = (*SUPPORTS, "fine")  # those say it of their own tests
+    gates = [row for row in rows if row.gate and row.key.partition("_")[0] not in own]
     kept = [row.verdict == "met" or (row.low <= 0.0 and row.value.interval.high <= row.high) for row in gates]
     shut = [row.told for row, is_open in zip(gates, kept, strict=True) if not is_open]
     power = max(one.measures.get("drive_power_limited_s", 0.0) / one.measures["duration_s"] for one in rig.tests)
