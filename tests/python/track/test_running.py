@@ -24,6 +24,8 @@ def curving(direction: str, segments: list[dict[str, object]] | None = None, dur
             "support.segment": segments or [curve],
             "time.method": "rodas4",
             "time.step": None,
+            "time.relative_tolerance": 1e-6,
+            "time.absolute_tolerance": 1e-9,
             "time.duration": duration,
             "time.output_step": 0.02,
         }
@@ -59,7 +61,7 @@ def test_a_right_curve_is_the_mirror_of_a_left_one_and_the_energy_audit_closes()
         assert run.attrs["status"] == "ok"
         assert run.attrs["energy_relative_residual"] < 1e-6
     assert float(left["distance"][-1]) == pytest.approx(4.0 * SPEED)
-    # Rounding grows where patches come and go, and where a step is halved or not.
+    # Rounding grows where patches come and go and a step is halved or not, by the error of a step (1e-5: 7e-4).
     for name in ("lateral", "roll", "yaw"):
         size = float(np.abs(left[name]).max())
-        assert float(np.abs(left[name] + right[name]).max()) < 5e-4 * size
+        assert float(np.abs(left[name] + right[name]).max()) < 1e-4 * size

@@ -223,7 +223,7 @@ def _heads_with_spot(rig: Rig) -> dict[Side, RailHeads]:
     begins = after + spot.length
     rows = [
         [spot.start, 0.0, 0.0, 3 / ramp**2, -2 / ramp**3],
-        *([[after, 1.0, 0.0, 0.0, 0.0]] if spot.length else []),
+        *([[after, 1.0, 0.0, 0.0, 0.0]] if begins > after else []),
         [begins, 1.0, 0.0, -3 / ramp**2, 2 / ramp**3],
         [begins + ramp, 0.0, 0.0, 0.0, 0.0],
     ]
