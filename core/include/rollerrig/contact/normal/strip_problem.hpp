@@ -33,9 +33,10 @@ struct Strips {
   StripRow<T, n> load;         ///< w [N/m], not negative
   StripRow<T, n> half_length;  ///< a [m]
   StripRow<T, n> on;           ///< how far a strip takes part, 0 to 1: over 1/2 where it would carry load by itself
-  StripRow<T, n> inverse_largest2;  ///< A/d: of the half-length over which the undeformed surfaces interpenetrate [1/m^2]
-  T shortest2{0.0};            ///< square of the least half-length [m^2]
-  T change;                    ///< of the force in the last pass, over the force [-]
+  StripRow<T, n>
+      inverse_largest2;  ///< A/d: of the half-length over which the undeformed surfaces interpenetrate [1/m^2]
+  T shortest2{0.0};      ///< square of the least half-length [m^2]
+  T change;              ///< of the force in the last pass, over the force [-]
 };
 
 namespace strip_detail {
@@ -43,7 +44,7 @@ namespace strip_detail {
 // Of the half-length over that of Hertz. Over the strip's width it would be too short for many strips: one without load deflects
 // itself so much more than its neighbours do that every second strip was left without.
 inline constexpr double smallest_length = 0.05;
-inline constexpr double fading = 0.03;        // of the mean load: that of a strip which just touches
+inline constexpr double fading = 0.03;  // of the mean load: that of a strip which just touches
 // Square of a half-length over the largest: up to which it is as found, and most that (S4) may find.
 inline constexpr double freely = 0.7, most_found = 4.0;
 inline constexpr double start_length = 0.02;  // square of the start's least half-length over the largest
