@@ -130,8 +130,8 @@ def test_no_force_is_outside_a_factor_of_the_exact_one(block: int) -> None:
 
     Where regions from tread to flange become one, the reference has one plane for them, and lets the force fall by a fifth to two
     thirds while the wheel is pressed 10 um deeper (1 015 to 360 kN, ours 1 008 and 1 112); the strips pass such places without a
-    jump. Poses with so bent a patch are left out, and those in which two fine grids of the reference disagree: where a hollow
-    tread closes around the rail it loses patches, at 1 to 2 MN.
+    jump. Poses with so bent a patch are left out, and those in which two fine grids of the reference disagree or its force falls
+    while the wheel is lowered: where a hollow tread closes around the rail it loses patches, at 1 to 2 MN.
     """
     rng = np.random.default_rng((11, block))
     found = []
@@ -148,8 +148,8 @@ def test_no_force_is_outside_a_factor_of_the_exact_one(block: int) -> None:
             ours = sum(patch.normal for patch in our_patches(at, "strips"))
             off = abs(np.log(ours / theirs)) if ours > 0.0 and theirs > 0.0 else np.inf
             if off > 0.1:
-                theirs, again = exact_force(at), exact_force(at, 32)
-                if again != pytest.approx(theirs, rel=0.05):
+                theirs, raised = exact_force(at), exact_force(replace(at, height=at.height + 0.02))
+                if not raised < theirs or exact_force(at, 32) != pytest.approx(theirs, rel=0.05):
                     continue
                 off = abs(np.log(ours / theirs)) if ours > 0.0 else np.inf
             found.append((off, ours, theirs, at))
