@@ -33,10 +33,9 @@ struct Strips {
   StripRow<T, n> load;         ///< w [N/m], not negative
   StripRow<T, n> half_length;  ///< a [m]
   StripRow<T, n> on;           ///< how far a strip takes part, 0 to 1: over 1/2 where it would carry load by itself
-  StripRow<T, n>
-      inverse_largest2;  ///< A/d: of the half-length over which the undeformed surfaces interpenetrate [1/m^2]
-  T shortest2{0.0};      ///< square of the least half-length [m^2]
-  T change;              ///< of the force in the last pass, over the force [-]
+  StripRow<T, n> longest2;     ///< square of the half-length over which the undeformed surfaces interpenetrate [m^2]
+  T shortest2{0.0};            ///< square of the least half-length [m^2]
+  T change;                    ///< of the force in the last pass, over the force [-]
 };
 
 namespace strip_detail {
@@ -44,9 +43,9 @@ namespace strip_detail {
 // Of the half-length over that of Hertz. Over the strip's width it would be too short for many strips: one without load deflects
 // itself so much more than its neighbours do that every second strip was left without.
 inline constexpr double smallest_length = 0.05;
-inline constexpr double fading = 0.03;  // of the mean load: that of a strip which just touches
-// Square of a half-length over the largest: up to which it is as found, and most that (S4) may find.
-inline constexpr double freely = 0.7, most_found = 4.0;
+inline constexpr double fading = 0.03;     // of the mean load: that of a strip which just touches
+inline constexpr double freely = 0.7;      // square of a half-length over the longest, up to which it is as (S4) says
+inline constexpr double most_found = 4.0;  // the same, that (S4) may say
 inline constexpr double start_length = 0.02;  // square of the start's least half-length over the largest
 inline constexpr double least_change = 0.1, most_change = 10.0;  // of a conformity in one pass
 
@@ -225,11 +224,11 @@ template <class T, std::size_t n>
 void lengths_from_load(Strips<T, n>& s, StripRow<T, n>& conformity) {
   using std::sqrt;
   for (std::size_t i = 0; i < n; ++i) {
-    T const load = 2.0 * s.compliance * s.load[i], flattest = load * s.inverse_largest2[i] * (1.0 / most_found);
+    T const load = 2.0 * s.compliance * s.load[i], flattest = load * reciprocal(T(most_found * s.longest2[i]));
     conformity[i] = select(conformity[i] > flattest, conformity[i], flattest);
-    T const found2 = load * reciprocal(T(conformity[i] + 1e-30)), largest2 = reciprocal(s.inverse_largest2[i]);
-    T const beyond = select(found2 > freely * largest2, T(found2 - freely * largest2), T(0.0));
-    s.half_length[i] = sqrt(found2 - beyond * beyond * reciprocal(T((1.0 - freely) * largest2 + beyond)) + s.shortest2);
+    T const found2 = load * reciprocal(conformity[i]), free2 = freely * s.longest2[i];
+    T const beyond = select(found2 > free2, T(found2 - free2), T(0.0));
+    s.half_length[i] = sqrt(found2 - beyond * beyond * reciprocal(T(s.longest2[i] - free2 + beyond)) + s.shortest2);
   }
 }
 
@@ -246,9 +245,8 @@ void start_from_hertz(Strips<T, n>& s, StripRow<T, n>& conformity) {
   for (std::size_t i = 0; i < n; ++i) {
     T const a2 = per_depth * (s.interpenetration[i] - edge);
     s.half_length[i] = sqrt(0.5 * (a2 + sqrt(a2 * a2 + 4.0 * floor * floor)));
-    T const least = floor * s.curvature[i];
-    T const depth = select(s.interpenetration[i] > least, s.interpenetration[i], least);
-    s.inverse_largest2[i] = s.curvature[i] * reciprocal(depth);
+    T const all2 = s.interpenetration[i] * reciprocal(s.curvature[i]);
+    s.longest2[i] = select(all2 > floor, all2, floor);
     conformity[i] = e.pressure_gradient;
   }
 }
