@@ -65,9 +65,10 @@ narrowly; bars for it are at 0.24 and 0.45 mm.
 
 In 20 000 other poses, 5 to 800 µm below their first touch, up to 2 MN (`HALF_SPACE_POSES=20000 pytest
 tests/validation/test_half_space_pairs.py --long -s -k exact_one`), the force of the strips is off by 0.2 % in the median, by
-1.4 % at 95 % and 4.7 to 8.2 % at 99.9 %; by 21 % in one pose (a roller of 300 mm, flange
-root, 387 for 321 kN: three contacts of the strips are one in one plane there), by 9.3 % at most in the others. Left out is one pose of 800, in which the reference says nothing: where regions from tread to flange become
-one, it has one plane for them, and where a hollow tread closes around the rail it loses patches.
+1.4 % at 95 % and 4.7 to 8.2 % at 99.9 %; by 21 % in one pose (a roller of 300 mm, flange root, 387 for 321 kN: three contacts
+of the strips are one in one plane there), by 9.3 % at most in the others. Left out is one pose of 800, in which the reference
+says nothing: where regions from tread to flange become one, it has one plane for them, and where a hollow tread closes around
+the rail it loses patches.
 
 """
 
