@@ -20,7 +20,7 @@ from scipy.sparse.linalg import spsolve
 from scipy.stats import qmc
 
 from rollerrig import _core
-from rollerrig.assembly.creep_table import write_table
+from rollerrig.assembly.creep_table import TABLE_FORMAT, checksum
 from rollerrig.results import write_bytes
 
 Array = NDArray[np.float64]
@@ -229,10 +229,20 @@ def main() -> None:
         knots.append(fitted(creepage, force, float(log_aspect)))
         print(f"a/b = {np.exp(log_aspect):.3g}: fitted", flush=True)
     options.out.parent.mkdir(parents=True, exist_ok=True)
-    made_with = {"poisson_ratio": POISSON_RATIO, "fineness": FINENESS, "samples": len(force) * (ASPECTS + 1)}
+    table = np.ascontiguousarray(along_aspect(np.array(knots)), dtype=np.float32)
     content = io.BytesIO()
-    write_table(
-        content, LOG_ASPECT_END, RHO_0, ASPECTS, CELLS, along_aspect(np.array(knots)).astype(np.float32), made_with
+    np.savez_compressed(
+        content,
+        format=np.asarray(TABLE_FORMAT),
+        log_aspect_end=np.asarray(LOG_ASPECT_END),
+        rho_0=np.asarray(RHO_0),
+        aspects=np.asarray(ASPECTS),
+        cells=np.asarray(CELLS),
+        coefficients=table,
+        sha256=np.asarray(checksum(table)),
+        made_with_poisson_ratio=np.asarray(POISSON_RATIO),
+        made_with_fineness=np.asarray(FINENESS),
+        made_with_samples=np.asarray(len(force) * (ASPECTS + 1)),
     )
     write_bytes(options.out, content.getbuffer(), force=True)
     print(f"{options.out}: {options.out.stat().st_size / 1e6:.2f} MB")

@@ -2,17 +2,14 @@
 
     creep_table.npz -> [table_file] -> CreepTable of the core
 
-The table is computed by `scripts/build_creep_table.py`; docs/theory/creep_laws.md says how and how accurate it is.
+The table is computed and written by `scripts/build_creep_table.py`; docs/theory/creep_laws.md says how and how accurate it is.
 """
 
 import hashlib
 import io
 import zipfile
-from collections.abc import Mapping
 from functools import cache
 from importlib.resources import files
-from types import MappingProxyType
-from typing import Any, BinaryIO
 
 import numpy as np
 import numpy.typing as npt
@@ -49,7 +46,7 @@ def read_table(data: bytes, name: str) -> _core.CreepTable:
     """A table from the bytes of its file.
 
     Args:
-        data: the whole file.
+        data: the whole file; its coefficients have the shape (aspects + 3, cells[0] + 3, 2 cells[1] + 3, cells[2] + 3, 3).
         name: of the file, for messages.
 
     Raises:
@@ -83,34 +80,6 @@ def read_table(data: bytes, name: str) -> _core.CreepTable:
         )
     except ValueError as error:
         raise CreepTableError(f"{name}: {error}") from None
-
-
-def write_table(
-    target: BinaryIO, log_aspect_end: float, rho_0: float, aspects: int, cells: tuple[int, int, int],
-    coefficients: npt.NDArray[np.float32], made_with: Mapping[str, Any] = MappingProxyType({}),
-) -> None:  # fmt: skip
-    """Write what `read_table` reads.
-
-    Args:
-        target: what takes the bytes.
-        log_aspect_end: largest ln(a/b) of the table, [-].
-        rho_0: see core/include/rollerrig/contact/creep/creep_table.hpp.
-        aspects: intervals of ln(a/b).
-        cells: intervals per unit of q.
-        coefficients: shape (aspects + 3, cells[0] + 3, 2 cells[1] + 3, cells[2] + 3, 3).
-        made_with: numbers worth knowing about how it was made.
-    """
-    content: dict[str, Any] = {
-        "format": TABLE_FORMAT,
-        "log_aspect_end": log_aspect_end,
-        "rho_0": rho_0,
-        "aspects": aspects,
-        "cells": cells,
-        "coefficients": np.ascontiguousarray(coefficients, dtype=np.float32),
-        "sha256": checksum(coefficients),
-        **{f"made_with_{key}": value for key, value in made_with.items()},
-    }
-    np.savez_compressed(target, **{key: np.asarray(value) for key, value in content.items()}, allow_pickle=False)
 
 
 def checksum(coefficients: npt.NDArray[np.float32]) -> str:
