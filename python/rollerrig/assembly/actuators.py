@@ -7,6 +7,7 @@ How they are driven during a run is the matter of `rollerrig.simulation.mechatro
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 from rollerrig import _core
@@ -41,7 +42,7 @@ def assemble_with_actuators(case: Case, *, torque_on_all: bool = False) -> Assem
     if case.contact.pure_rolling:
         for name in assembly.wheelsets:
             assembly.builder.add_rolling_constraint(assembly.index(name))
-    return assembly.finish(axles=axles, adhesion=adhesion, bogies=bogies)
+    return replace(assembly.finish(), axles=axles, adhesion=adhesion, bogies=bogies)
 
 
 def _add_adhesion(assembly: Assembly) -> _core.AdhesionMap | None:
@@ -167,22 +168,17 @@ def _add_track_brakes(assembly: Assembly) -> int:
     if table is None:
         return 0
     frames = {assembly.frame_of(name) for name in assembly.wheelsets}
-    bodies = {assembly.index(_body(assembly)) if frame == GROUND else frame for frame in frames}
+    bodies = {assembly.index(assembly.main_body) if frame == GROUND else frame for frame in frames}
     for body in sorted(bodies) if isinstance(assembly.support, Track) else ():
         assembly.builder.add_track_brake(_core.BodyTrackBrake(body=body, brake=track_brake(table, 1)))
     return len(bodies)
 
 
-def _body(assembly: Assembly) -> str:
-    fixed = assembly.cut.fixed
-    return fixed[0] if fixed else max(assembly.vehicle_bodies, key=lambda name: assembly.masses[name])
-
-
 def _add_resistance(assembly: Assembly) -> None:
-    train, body = assembly.case.train, _body(assembly)
+    train = assembly.case.train
     assembly.builder.set_resistance(
         _core.RunningResistance(
-            body=assembly.index(body),
+            body=assembly.index(assembly.main_body),
             constant=train.resistance_constant,
             linear=train.resistance_linear,
             quadratic=train.resistance_quadratic,

@@ -70,11 +70,11 @@ class AssembledModel:
     """Displacements of the rails, or of the rollers that stand for them; None where there are none."""
     breakpoints: tuple[float, ...]
     """Times at which an input has a corner [s]."""
-    axles: tuple[AxleActuators, ...]
+    axles: tuple[AxleActuators, ...] = ()
     """Actuators of each axle; empty where the model was assembled without."""
-    adhesion: _core.AdhesionMap | None
+    adhesion: _core.AdhesionMap | None = None
     """Adhesion of the case's rails; None without [adhesion], and where the model was assembled without actuators."""
-    bogies: int
+    bogies: int = 0
     """That carry the magnets of a track brake, where the case has one."""
 
     def body_index(self, name: str) -> int:
@@ -149,9 +149,10 @@ class Assembly:
         return self.bodies.index(name)
 
     @property
-    def vehicle_bodies(self) -> list[str]:
-        """Bodies of the vehicle, fixed ones included; no rollers, no rails."""
-        return [b for b in self.bodies if b not in self.rollers and b not in self.rails]
+    def main_body(self) -> str:
+        """The body that is held in the train, or else the heaviest one."""
+        fixed = self.cut.fixed
+        return fixed[0] if fixed else max(self.case.vehicle.bodies, key=lambda body: body.mass).name
 
     def frame_of(self, wheelset: str) -> int:
         """The body that carries callipers and motor of a wheelset: what its springs stand under; or GROUND."""
@@ -161,13 +162,7 @@ class Assembly:
                 return self.index(other) if other in self.bodies else GROUND
         return GROUND
 
-    def finish(
-        self,
-        *,
-        axles: tuple[AxleActuators, ...] = (),
-        adhesion: _core.AdhesionMap | None = None,
-        bogies: int = 0,
-    ) -> AssembledModel:
+    def finish(self) -> AssembledModel:
         """The model with what has been added so far."""
         core = self.builder.finish()
         return AssembledModel(
@@ -194,18 +189,14 @@ class Assembly:
             line=self.line,
             irregularity=self.irregularity,
             breakpoints=self.breakpoints,
-            axles=axles,
-            adhesion=adhesion,
-            bogies=bogies,
         )
 
     def _add_plant(self) -> None:
-        preloads, axle_loads = self.preloads, self.axle_loads
         kept = {*self.cut.bodies, *self.cut.fixed}
         for body in self.vehicle.body:
             if body.name in kept:
                 self._add_vehicle_body(body)
-        wheelsets = [b for b in self.vehicle.bodies_in(self.cut) if b.kind == "wheelset"]
+        wheelsets = self.case.vehicle.wheelsets
         self.wheel_profile = profile_from_spec(self.vehicle.wheel.profile.arguments(), "wheel")
         self.rail_heads = rail_heads(self.support)
         left, other = profile_from_spec(self.support.profile.arguments(), "rail"), self.support.right_profile
@@ -217,15 +208,15 @@ class Assembly:
             for side, profile in self.rail_profiles.items()
         }
         for element in self.vehicle.elements_in(self.cut):
-            self._add_element(element, preloads.get(element.name, 0.0))
+            self._add_element(element)
         if isinstance(self.support, Rig):
             for place, body in enumerate(wheelsets):
-                self._add_rollers(body, self.support, axle_loads[body.name], place)
+                self._add_rollers(body, self.support, place)
             if self.support.restraint is not None:
                 self._restrain(self.support.restraint)
         elif self.support.foundation is not None:
             for body in wheelsets:
-                self._add_rails(body, self.support.foundation, axle_loads[body.name])
+                self._add_rails(body, self.support.foundation)
         self.wheelsets = [body.name for body in wheelsets]
         self.line, self.irregularity = self._add_track_geometry()
         self._add_contacts(wheelsets)
@@ -237,17 +228,11 @@ class Assembly:
         position = (x - self.cut.origin_x, y, z)
         held = body.name in self.cut.fixed
         locked = [held or direction in body.locked for direction in DIRECTIONS]
-        locked[0] = locked[0] or body.name == self._hauled()
+        # A line with curves takes the main body along at the running speed. Curving slows a free vehicle down; it would fall
+        # behind its own track frame, whose x axis is straight.
+        curves = isinstance(self.support, Track) and bool(self.support.segment)
+        locked[0] |= curves and not self.cut.fixed and body.name == self.main_body
         self._add_body(body.name, body.mass, body.inertia, position, locked, axisymmetric=body.kind == "wheelset")
-
-    def _hauled(self) -> str | None:
-        """The body that a line with curves takes along at the running speed: the heaviest, where no body is held.
-
-        Curving slows a free vehicle down; it would fall behind its own track frame, whose x axis is straight.
-        """
-        if not isinstance(self.support, Track) or not self.support.segment or self.cut.fixed:
-            return None
-        return max(self.vehicle.bodies_in(self.cut), key=lambda body: body.mass).name
 
     def _add_body(
         self,
@@ -266,36 +251,40 @@ class Assembly:
         given = _PLAIN_BODY | more
         return self.builder.add_body(_core.Body(mass=mass, inertia=inertia, position=position, locked=locked, **given))
 
-    def _add_element(self, element: Element, preload: float) -> None:
-        a, b = (self.bodies.index(name) for name in element.between)
+    def _add_element(self, element: Element) -> None:
+        a, b = element.between
         x, y, z = element.end_b
-        bx, by, bz = self.positions[element.between[1]]
-        self.elements.append(element.name)
-        self.builder.add_element(
-            _core.ForceElement(
-                body_a=a,
-                body_b=b,
-                point_on_b=(x - self.cut.origin_x - bx, y - by, z - bz),
-                law=self._direction_laws(f"vehicle.element.{element.name}", element.laws, {"z": preload}),
-                clamped=element.clamped,
-            )
-        )
+        bx, by, bz = self.positions[b]
+        point, loads = (x - self.cut.origin_x - bx, y - by, z - bz), {"z": self.preloads.get(element.name, 0.0)}
+        key = f"vehicle.element.{element.name}"
+        self._join(element.name, self.index(a), self.index(b), point, element.laws, loads, key, clamped=element.clamped)
 
-    def _direction_laws(
-        self, key: str, laws: Mapping[Any, Any], loads: Mapping[str, float]
-    ) -> list[_core.DirectionLaw]:
-        """Laws and loads at rest of an element, in each direction.
+    def _join(
+        self,
+        name: str,
+        a: int,
+        b: int,
+        point: Point,
+        laws: Mapping[Any, Any],
+        loads: Mapping[str, float],
+        key: str = "",
+        *,
+        clamped: bool = False,
+    ) -> None:
+        """An element at a point of body b, with its laws and loads at rest in each direction.
 
         Raises:
-            ConfigError: what it carries is too heavy.
+            ConfigError: what it carries is too heavy; it names the key.
         """
         try:
-            return [direction_law(laws.get(c), loads.get(c, 0.0)) for c in DIRECTIONS]
+            law = [direction_law(laws.get(c), loads.get(c, 0.0)) for c in DIRECTIONS]
         except ValueError as error:
             allowed = "allowed: lighter bodies above it"
-            raise ConfigError.of(self.case.name, key, str(error).partition(": ")[2], allowed) from None
+            raise ConfigError.of(self.case.name, key or name, str(error).partition(": ")[2], allowed) from None
+        self.elements.append(name)
+        self.builder.add_element(_core.ForceElement(body_a=a, body_b=b, point_on_b=point, law=law, clamped=clamped))
 
-    def _add_rollers(self, wheelset: Body, rig: Rig, axle_load: float, place: int) -> None:
+    def _add_rollers(self, wheelset: Body, rig: Rig, place: int) -> None:
         """The rollers under a wheelset, which is the `place`-th from the front."""
         x = wheelset.position[0] - self.cut.origin_x
         mounting = rig.mounting
@@ -305,48 +294,38 @@ class Assembly:
         number = wheelset.name.removeprefix("wheelset_")
         sides = ("",) if rig.coupling == "axle" else ("_left", "_right")
         share = 1.0 / len(sides)
+        load = share * (self.axle_loads[wheelset.name] + rig.roller_mass * self.case.gravity)
         for side in sides:
             y = {"": 0.0, "_left": self.rail_origins["left"], "_right": -self.rail_origins["right"]}[side]
             name = f"roller_{number}{side}"
             ixx, iyy, izz = rig.roller_inertia
             mass, inertia = share * rig.roller_mass, (share * ixx, share * iyy, share * izz)
-            position = (x, y, -rig.roller_radius)
             torques = (rig.losses or RollerLosses()).model_dump()
-            losses = {f"loss_{name}": share * torque for name, torque in torques.items()}
-            index = self._add_body(
-                name,
-                mass,
-                inertia,
-                position,
-                locked,
-                axisymmetric=True,
-                speed_controlled_radius=controlled,
-                **losses,
-            )
+            own = {f"loss_{name}": share * torque for name, torque in torques.items()}
+            own |= {"axisymmetric": True, "speed_controlled_radius": controlled}
+            index = self._add_body(name, mass, inertia, (x, y, -rig.roller_radius), locked, **own)
             self.rollers.append(name)
             for wheel_side in ("left", "right") if side == "" else (side[1:],):
                 self.roller_of[(wheelset.name, wheel_side)] = index
             if mounting is not None:
                 askew = dict(enumerate(mounting.misalignment)).get(place, 0.0)
-                self._mount(
-                    name, index, mounting.laws, share * (axle_load + rig.roller_mass * self.case.gravity), askew
-                )
+                self._mount(index, mounting.laws, load, askew)
 
-    def _add_rails(self, wheelset: Body, foundation: Foundation, axle_load: float) -> None:
+    def _add_rails(self, wheelset: Body, foundation: Foundation) -> None:
         """Under each wheel a piece of rail on its foot; under that, where asked for, half a sleeper at the same place."""
         x, mass, sleeper = wheelset.position[0] - self.cut.origin_x, foundation.rail_mass, foundation.sleeper
         number = wheelset.name.removeprefix("wheelset_")
         foot = (0.0, 0.0, -foundation.centre_height)
         for side, y in (("left", self.rail_origins["left"]), ("right", -self.rail_origins["right"])):
-            load, under = 0.5 * axle_load + mass * self.case.gravity, GROUND
+            load, under = 0.5 * self.axle_loads[wheelset.name] + mass * self.case.gravity, GROUND
             place = (x, y, -foundation.rail_height)
             if sleeper is not None:
                 under = self._add_piece(f"sleeper_{number}_{side}", sleeper.mass, sleeper.mass, place, sleeper.laws)
-                self._mount(self.bodies[under], under, sleeper.laws, load + sleeper.mass * self.case.gravity)
+                self._mount(under, sleeper.laws, load + sleeper.mass * self.case.gravity)
             place = (*place[:2], foundation.centre_height - foundation.rail_height)
             index = self._add_piece(f"rail_{number}_{side}", mass, foundation.roll_inertia, place, foundation.laws)
             self.roller_of[(wheelset.name, side)] = index
-            self._mount(self.bodies[index], index, foundation.laws, load, point=foot, under=under)
+            self._mount(index, foundation.laws, load, point=foot, under=under)
 
     def _add_piece(self, name: str, mass: float, inertia: float, place: Point, free: Mapping[str, Support]) -> int:
         """A piece of track that moves in the directions in which it has supports."""
@@ -356,7 +335,6 @@ class Assembly:
 
     def _mount(
         self,
-        name: str,
         body: int,
         laws: Mapping[str, Support],
         load: float,
@@ -368,32 +346,16 @@ class Assembly:
         loads = {"z": load} if "z" in laws else {}
         if askew and (yaw := laws.get("yaw")):
             loads["yaw"] = yaw.stiffness * askew
-        self._add_support(f"mounting_{name}", body, laws, loads, point, under)
-
-    def _add_support(
-        self,
-        name: str,
-        body: int,
-        given: Mapping[str, Support],
-        loads: Mapping[str, float],
-        point: Point,
-        under: int = GROUND,
-    ) -> None:
-        """An element between the ground, or what else is under it, and a point of a body."""
-        laws = self._direction_laws(name, given, loads)
-        self.elements.append(name)
-        self.builder.add_element(
-            _core.ForceElement(body_a=under, body_b=body, point_on_b=point, law=laws, clamped=False)
-        )
+        self._join(f"mounting_{self.bodies[body]}", under, body, point, laws, loads)
 
     def _restrain(self, restraint: Restraint) -> None:
         """The coupler rod that holds the vehicle along the track."""
         heaviest = self.vehicle.heaviest_in(self.cut)
         name = restraint.body or (heaviest.name if heaviest else "")
         point = (0.0, 0.0, restraint.height - self.positions[name][2])
-        self._add_support("restraint", self.index(name), {"x": restraint}, {}, point)
+        self._join("restraint", GROUND, self.index(name), point, {"x": restraint}, {})
 
-    def _add_contacts(self, wheelsets: list[Body]) -> None:
+    def _add_contacts(self, wheelsets: Sequence[Body]) -> None:
         changing = {side: heads.tables[0] for side, heads in self.rail_heads.items()}
         laws = contact_laws(self.case.contact)
         for body in wheelsets:
