@@ -112,7 +112,7 @@ def test_mistakes_are_one_line_each(tmp_path: Path) -> None:
 
 
 def test_the_line_of_a_track_without_rails_of_its_own_is_checked_as_before() -> None:
-    assert check_line(load_support("curved_track_600"), "x.toml") == []
+    assert [*check_line(load_support("curved_track_600"))] == []
 
 
 def test_a_misalignment_whose_moment_the_core_does_not_take_is_refused() -> None:

@@ -11,7 +11,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any, Literal, TypeVar, get_args
 
-from rollerrig.config.errors import ConfigError, ConfigProblem, show_value
+from rollerrig.config.errors import ConfigError, ConfigProblem, problems_of, show_value
 from rollerrig.config.load.adhesion_file import read_adhesion_file
 from rollerrig.config.load.change import BASE, WITHOUT, apply_changes, changed_tables, changes_in
 from rollerrig.config.load.code import place_code
@@ -231,8 +231,7 @@ def load_profile(source: str | Path, kind: Literal["wheel", "rail"] | None = Non
     file = str(source)
     raw, problems = resolve_profile(file, Document({}, file, Path()), "")
     root = _whole(*validate(ProfileRoot, _whole(raw, problems), file))
-    mistakes = check_profile(root.root, kind, file, "")[1] if kind else []
-    return _whole(root.root, mistakes)
+    return _whole(root.root, problems_of(file, check_profile(root.root, kind, "")) if kind else [])
 
 
 def kind_of(raw: Mapping[str, Any]) -> CatalogKind:

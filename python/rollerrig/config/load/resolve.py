@@ -8,11 +8,13 @@ of it `primary_1_left`, as written, and `primary_1_right`, mirrored at the middl
 along y, about x and about z do in one direction only.
 """
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
-from rollerrig.config.errors import ConfigError, ConfigProblem, join_key, nearest, show_value
+from pydantic import BaseModel
+
+from rollerrig.config.errors import ConfigError, ConfigProblem, Mistake, join_key, nearest, problems_of, show_value
 from rollerrig.config.read import NO_SUCH_FILE, CatalogKind, Document, catalog_names, read_document
 from rollerrig.config.schema.contact import Material
 from rollerrig.config.schema.programme import Programme
@@ -20,14 +22,14 @@ from rollerrig.config.schema.support import Rig, SupportRoot
 from rollerrig.config.schema.track import Track
 from rollerrig.config.schema.vehicle import Vehicle
 from rollerrig.config.validate.check_case import check_programme
-from rollerrig.config.validate.check_profile import check_gauge, check_profile
-from rollerrig.config.validate.check_track import check_line, check_measured_file, check_spot
+from rollerrig.config.validate.check_track import check_support
 from rollerrig.config.validate.check_vehicle import check_vehicle, check_vehicle_names
 from rollerrig.config.validate.messages import validate
 
 AT, BOTH_SIDES = "at", "both_sides"
 Raw = dict[str, Any]
 Problems = list[ConfigProblem]
+M = TypeVar("M", bound=BaseModel)
 
 _ONE_SIDED = ("y", "roll", "yaw")
 """Directions that a mirror at the plane y = 0 turns round."""
@@ -135,13 +137,7 @@ def resolve_vehicle(document: Document) -> tuple[Vehicle | None, Problems]:
     problems += check_vehicle_names(raw, file)
     if isinstance(raw.get("wheel"), Mapping):
         raw["wheel"] = _with_profiles(raw["wheel"], document, problems, "wheel.", ("profile",))
-    vehicle, mistakes = validate(Vehicle, raw, file)
-    problems += _new(mistakes, problems)
-    if vehicle is None or problems:
-        return None, problems
-    problems += check_vehicle(vehicle, file)
-    problems += check_profile(vehicle.wheel.profile, "wheel", file, "wheel.profile")[1]
-    return (None if problems else vehicle), problems
+    return _checked(Vehicle, raw, file, check_vehicle, problems)
 
 
 def resolve_support(document: Document) -> tuple[Rig | Track | None, Problems]:
@@ -157,14 +153,8 @@ def resolve_support(document: Document) -> tuple[Rig | Track | None, Problems]:
         ]
     if isinstance(raw.get("irregularity"), Mapping):
         raw["irregularity"] = _absolute(raw["irregularity"], document.folder)
-    found, mistakes = validate(SupportRoot, raw, document.file)
-    problems += _new(mistakes, problems)
-    if found is None or problems:
-        return None, problems
-    support: Rig | Track = found.root
-    for check in (check_gauge, check_line, check_measured_file, check_spot):
-        problems += check(support, document.file)
-    return (None if problems else support), problems
+    root, problems = _checked(SupportRoot, raw, document.file, lambda root: check_support(root.root), problems)
+    return (root.root if root else None), problems
 
 
 def resolve_material(document: Document) -> tuple[Material | None, Problems]:
@@ -174,10 +164,19 @@ def resolve_material(document: Document) -> tuple[Material | None, Problems]:
 
 def resolve_programme(document: Document) -> tuple[Programme | None, Problems]:
     """A test programme from its raw tables."""
-    programme, problems = validate(Programme, document.raw, document.file)
-    if programme is not None:
-        problems += check_programme(programme, document.file)
-    return (None if problems else programme), problems
+    return _checked(Programme, document.raw, document.file, check_programme, [])
+
+
+def _checked(
+    model: type[M], raw: Mapping[str, Any], file: str, check: Callable[[M], Iterable[Mistake]], known: Problems
+) -> tuple[M | None, Problems]:
+    """The object that raw tables describe, with what is wrong beside the mistakes that are known."""
+    found, mistakes = validate(model, raw, file)
+    said = {(problem.file, problem.key) for problem in known}
+    problems = [*known, *(mistake for mistake in mistakes if (mistake.file, mistake.key) not in said)]
+    if found is not None and not problems:
+        problems += problems_of(file, check(found))
+    return (None if problems else found), problems
 
 
 def refer(kind: CatalogKind, name: str, document: Document, key: str) -> tuple[Document | None, Problems]:
@@ -237,9 +236,3 @@ def relative_to(folder: Path, key: str, value: object) -> object:
     names_a_file = last in _HEADS and Path(value).suffix.lower() in (*_POINT_FILES, ".toml")
     names_a_file |= last in ("path", "fmu", "file") or (last == "user" and ".py:" in value)
     return str((folder / value).absolute()) if names_a_file else value
-
-
-def _new(mistakes: Problems, known: Problems) -> Problems:
-    """Mistakes at keys of which nothing has been said yet."""
-    keys = {(problem.file, problem.key) for problem in known}
-    return [mistake for mistake in mistakes if (mistake.file, mistake.key) not in keys]

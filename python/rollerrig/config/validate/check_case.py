@@ -1,7 +1,7 @@
 """Checks across the tables of a case or programme, and of its size.
 
     Case -> [check_case] -> problems that say which key to change, before anything is computed
-    Programme -> [check_programme] -> ConfigProblem, one per mistake
+    Programme -> [check_programme] -> mistakes
 
 A run must end: each key may be in its range, and the numbers kept, steps integrated and rail remembered be too many.
 """
@@ -157,17 +157,14 @@ def _disturbances(case: CaseTables) -> Iterator[Mistake]:
             yield f"disturbance.{body.name}.pitch", show_value(disturbance.pitch), allowed
 
 
-def check_programme(programme: Programme, file: str) -> list[ConfigProblem]:
-    """All mistakes."""
+def check_programme(programme: Programme) -> Iterator[Mistake]:
+    """What only a programme of valid tables can be asked."""
     names = [stop.name for stop in programme.stop]
-    found: list[Mistake] = [
-        (f"stop[{number}].name", show_value(name), "allowed: each name once")
-        for number, name in enumerate(names)
-        if name in names[:number]
-    ]
+    for number, name in enumerate(names):
+        if name in names[:number]:
+            yield f"stop[{number}].name", show_value(name), "allowed: each name once"
     for number, limit in enumerate(programme.limit):
-        found += [*_names(programme, limit, f"limit[{number}]")] or [*_reach(programme, number)]
-    return problems_of(file, found)
+        yield from [*_names(programme, limit, f"limit[{number}]")] or _reach(programme, number)
 
 
 def _names(programme: Programme, limit: Limit, key: str) -> Iterator[Mistake]:

@@ -9,43 +9,40 @@ from collections.abc import Iterator
 from typing import Literal
 
 from rollerrig import _core
-from rollerrig.config.errors import ConfigProblem, Mistake, show_value
+from rollerrig.config.errors import Mistake, show_value
 from rollerrig.config.schema.case import CaseTables
 from rollerrig.config.schema.profile import ProfileSpec
 from rollerrig.config.schema.support import Rig, heads
 from rollerrig.config.schema.track import Track
 from rollerrig.config.schema.vehicle import Wheel
-from rollerrig.profiles import ProfileError, ProfileTable, gauge_point, profile_from_spec
+from rollerrig.profiles import ProfileError, gauge_point, profile_from_spec
 
 FLANGE_DEPTH = 0.010  # [m] below the tape circle, where the thickness of a flange is taken, EN 13715
 WIDEST_SCALES = 10.0  # [-] between the lengths of wheel and rail: beyond it they are of different models
 WIDEST_CLEARANCE = 0.040  # [m] between the flanges of a wheelset and the rails, both sides together
 
 
-def check_profile(
-    spec: ProfileSpec, kind: Literal["wheel", "rail"], file: str, key: str
-) -> tuple[ProfileTable | None, list[ConfigProblem]]:
-    """The table of a profile, or what is wrong with the profile."""
+def check_profile(spec: ProfileSpec, kind: Literal["wheel", "rail"], key: str) -> Iterator[Mistake]:
+    """The profile must be usable as a wheel or as a rail."""
     try:
-        return profile_from_spec(spec.arguments(), kind), []
+        profile_from_spec(spec.arguments(), kind)
     except (ProfileError, OSError) as error:
         what = str(getattr(spec, "path", None) or getattr(spec, "kind", ""))
         reason = str(error).removeprefix("profile: ").removeprefix(f"{what}: ")
-        return None, [ConfigProblem(file, key, show_value(what), reason)]
+        yield key, show_value(what), reason
 
 
-def check_gauge(support: Rig | Track, file: str) -> list[ConfigProblem]:
+def check_gauge(support: Rig | Track) -> Iterator[Mistake]:
     """The profiles must be usable as rails and reach down to where the gauge is taken."""
-    problems = []
     for key in ("profile", "right_profile")[: 1 if support.right_profile is None else 2]:
-        table, mistakes = check_profile(getattr(support, key), "rail", file, key)
-        problems += mistakes
+        head = getattr(support, key)
+        if mistakes := [*check_profile(head, "rail", key)]:
+            yield from mistakes
+            continue
         try:
-            if table is not None:
-                gauge_point(table, support.gauge_depth)
+            gauge_point(profile_from_spec(head.arguments(), "rail"), support.gauge_depth)
         except ProfileError as error:
-            problems.append(ConfigProblem(file, "gauge_depth", show_value(support.gauge_depth), str(error)))
-    return problems
+            yield "gauge_depth", show_value(support.gauge_depth), str(error)
 
 
 def gauges(support: Rig | Track) -> Iterator[tuple[str, float]]:

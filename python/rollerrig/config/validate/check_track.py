@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from rollerrig.config.errors import ConfigProblem, Mistake, problems_of, show_value
+from rollerrig.config.errors import Mistake, show_value
 from rollerrig.config.schema.case import CaseTables, Motion
 from rollerrig.config.schema.support import Rig, changes_rails, heads, place, rail_heads
 from rollerrig.config.schema.track import (
@@ -24,7 +24,7 @@ from rollerrig.config.schema.track import (
     rails_of_run,
 )
 from rollerrig.config.schema.vehicle import Body
-from rollerrig.config.validate.check_profile import check_profile, flange_clearance, wheel_load
+from rollerrig.config.validate.check_profile import check_gauge, check_profile, flange_clearance, wheel_load
 from rollerrig.irregularity import IrregularityError, read_measured_track
 from rollerrig.profiles import ProfileError, flange_angle, profile_from_spec
 from rollerrig.track import Segment, highest_speed, limit_of_lateral_force, plane_acceleration
@@ -44,13 +44,17 @@ FLATTEST_FLANGE = math.radians(45)
 """A wheel that is nowhere steeper has no flange to climb."""
 
 
-def check_line(support: Rig | Track, file: str) -> list[ConfigProblem]:
+def check_support(support: Rig | Track) -> Iterator[Mistake]:
+    """What only rails or rollers of valid tables can be asked."""
+    for check in (check_gauge, check_line, check_measured_file, check_spot):
+        yield from check(support)
+
+
+def check_line(support: Rig | Track) -> Iterator[Mistake]:
     """Segments must join: curvature and cant jump nowhere, and a transition has something on either side."""
-    return problems_of(file, _line(support)) if isinstance(support, Track) else []
-
-
-def _line(track: Track) -> Iterator[Mistake]:
-    segments, joined = track.segment, True
+    if not isinstance(support, Track):
+        return
+    segments, joined = support.segment, True
     for i, segment in enumerate(segments):
         if isinstance(segment, Transition):
             lone = i in (0, len(segments) - 1) or isinstance(segments[i - 1], Transition)
@@ -59,13 +63,13 @@ def _line(track: Track) -> Iterator[Mistake]:
                 joined = False
                 yield f"segment[{i}].kind", "'transition'", allowed
     if joined:
-        chain = layout(track)
+        chain = layout(support)
         for i, (before, after) in enumerate(zip(chain[:-1], chain[1:], strict=True), 1):
             if before.curvature[1] != after.curvature[0] or before.cant[1] != after.cant[0]:
                 ends = f"segment[{i - 1}] ends with {end_of(before)}, segment[{i}] begins with {end_of(after, 0)}"
                 allowed = f"segments do not join: {ends}; put a transition between them"
                 yield f"segment[{i}]", f"a {after.kind}", allowed
-        yield from _rails(track)
+        yield from _rails(support)
 
 
 def _rails(track: Track) -> Iterator[Mistake]:
@@ -107,11 +111,10 @@ def end_of(segment: Segment, side: int = 1) -> str:
     return f"a radius of {1 / abs(curvature):g} m to the {where} and {outer:g} mm of cant"
 
 
-def check_spot(support: Rig | Track, file: str) -> list[ConfigProblem]:
+def check_spot(support: Rig | Track) -> Iterator[Mistake]:
     """The generatrix of a spot must be usable, wherever the roller stands."""
-    if not isinstance(support, Rig) or support.spot is None or support.spot.profile is None:
-        return []
-    return check_profile(support.spot.profile, "rail", file, "spot.profile")[1]
+    if isinstance(support, Rig) and support.spot is not None and support.spot.profile is not None:
+        yield from check_profile(support.spot.profile, "rail", "spot.profile")
 
 
 def check_heads(case: CaseTables) -> Iterator[Mistake]:
@@ -126,17 +129,14 @@ def check_heads(case: CaseTables) -> Iterator[Mistake]:
         yield "motion.drive", show_value(case.motion.drive), allowed
 
 
-def check_measured_file(support: Rig | Track, file: str) -> list[ConfigProblem]:
+def check_measured_file(support: Rig | Track) -> Iterator[Mistake]:
     """A file of measured rails must be readable, whatever runs over it."""
-    if not isinstance(support.irregularity, MeasuredIrregularity):
-        return []
-    path = support.irregularity.path
-    try:
-        read_measured_track(Path(path))
-    except IrregularityError as error:
-        reason = str(error).removeprefix(f"{path}: ")
-        return [ConfigProblem(file, "irregularity.path", show_value(path), reason)]
-    return []
+    if isinstance(support.irregularity, MeasuredIrregularity):
+        path = support.irregularity.path
+        try:
+            read_measured_track(Path(path))
+        except IrregularityError as error:
+            yield "irregularity.path", show_value(path), str(error).removeprefix(f"{path}: ")
 
 
 def check_track(case: CaseTables) -> list[Mistake]:

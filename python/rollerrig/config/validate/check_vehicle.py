@@ -3,8 +3,9 @@
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from rollerrig.config.errors import ConfigProblem, Mistake, join_key, nearest, one_of, problems_of, show_value
+from rollerrig.config.errors import ConfigProblem, Mistake, join_key, nearest, one_of, show_value
 from rollerrig.config.schema.vehicle import DIRECTIONS, Element, Vehicle
+from rollerrig.config.validate.check_profile import check_profile
 from rollerrig.config.validate.messages import item_labels
 
 _ON_AXLE = 1e-6  # [m] round-off of positions written in decimals
@@ -58,12 +59,8 @@ def _duplicates(raw: Mapping[str, Any], key: str, file: str) -> Iterator[ConfigP
             seen.add(name)
 
 
-def check_vehicle(vehicle: Vehicle, file: str) -> list[ConfigProblem]:
+def check_vehicle(vehicle: Vehicle) -> Iterator[Mistake]:
     """What only a vehicle of valid tables can be asked."""
-    return problems_of(file, _mistakes(vehicle))
-
-
-def _mistakes(vehicle: Vehicle) -> Iterator[Mistake]:
     radius = vehicle.wheel.radius
     for body in vehicle.body:
         x, y, z = body.position
@@ -74,6 +71,7 @@ def _mistakes(vehicle: Vehicle) -> Iterator[Mistake]:
         yield from _ends(vehicle, element)
     for name in vehicle.cut_names():
         yield from _cut(vehicle, name)
+    yield from check_profile(vehicle.wheel.profile, "wheel", "wheel.profile")
 
 
 def _ends(vehicle: Vehicle, element: Element) -> Iterator[Mistake]:
