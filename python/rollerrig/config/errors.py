@@ -9,6 +9,9 @@ import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
+from typing import TypeVar
+
+T = TypeVar("T")
 
 _LONGEST_VALUE = 80
 
@@ -58,6 +61,14 @@ class ConfigError(Exception):
     def __reduce__(self) -> "tuple[type[ConfigError], tuple[tuple[ConfigProblem, ...]]]":
         """Copy from its problems, on its way back from another process."""
         return type(self), (self.problems,)
+
+
+def whole(part: T | None, problems: Iterable[ConfigProblem]) -> T:
+    """What was read; a ConfigError where there are problems, or nothing was."""
+    problems = tuple(problems)
+    if problems or part is None:
+        raise ConfigError(problems)
+    return part
 
 
 Mistake = tuple[str, str, str] | tuple[str, str, str, str]

@@ -11,7 +11,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any, Literal, TypeVar, get_args
 
-from rollerrig.config.errors import ConfigError, ConfigProblem, problems_of, show_value
+from rollerrig.config.errors import ConfigError, ConfigProblem, problems_of, show_value, whole
 from rollerrig.config.load.adhesion_file import read_adhesion_file
 from rollerrig.config.load.change import BASE, WITHOUT, apply_changes, changed_tables, changes_in
 from rollerrig.config.load.code import place_code
@@ -200,7 +200,7 @@ def case_from_toml(text: str, file: str = "case", folder: Path | None = None, *,
 
 def load_vehicle(source: str | Path) -> Vehicle:
     """Read a vehicle by catalogue name or path; raises ConfigError with all mistakes."""
-    return _whole(*resolve_vehicle(read_document("vehicle", source)))
+    return whole(*resolve_vehicle(read_document("vehicle", source)))
 
 
 def load_support(source: str | Path) -> Rig | Track:
@@ -213,12 +213,12 @@ def load_support(source: str | Path) -> Rig | Track:
 
 def load_material(source: str | Path) -> Material:
     """Read a material by catalogue name or path; raises ConfigError with all mistakes."""
-    return _whole(*resolve_material(read_document("material", source)))
+    return whole(*resolve_material(read_document("material", source)))
 
 
 def load_programme(source: str | Path) -> Programme:
     """Read a test programme by catalogue name or path; raises ConfigError with all mistakes."""
-    return _whole(*resolve_programme(read_document("programme", source)))
+    return whole(*resolve_programme(read_document("programme", source)))
 
 
 def load_profile(source: str | Path, kind: Literal["wheel", "rail"] | None = None) -> ProfileSpec:
@@ -230,8 +230,8 @@ def load_profile(source: str | Path, kind: Literal["wheel", "rail"] | None = Non
     """
     file = str(source)
     raw, problems = resolve_profile(file, Document({}, file, Path()), "")
-    root = _whole(*validate(ProfileRoot, _whole(raw, problems), file))
-    return _whole(root.root, problems_of(file, check_profile(root.root, kind, "")) if kind else [])
+    root = whole(*validate(ProfileRoot, whole(raw, problems), file))
+    return whole(root.root, problems_of(file, check_profile(root.root, kind, "")) if kind else [])
 
 
 def kind_of(raw: Mapping[str, Any]) -> CatalogKind:
@@ -297,7 +297,7 @@ def build_case(
         problems += check_case_names(raw, vehicle, file)
     if case is not None and not problems:
         problems += check_case(case, file)
-    return _whole(case, problems)
+    return whole(case, problems)
 
 
 def _build_from_base(document: Document, own_folder: Path | None, *, allow_code: bool, above: tuple[str, ...]) -> Case:
@@ -305,9 +305,7 @@ def _build_from_base(document: Document, own_folder: Path | None, *, allow_code:
     name, file = document.raw[BASE], document.file
     if not isinstance(name, str):
         raise ConfigError.of(file, BASE, show_value(name), "allowed: a case of the catalogue or a file")
-    found, problems = refer("case", name, document, BASE)
-    if found is None:
-        raise ConfigError(problems)
+    found = whole(*refer("case", name, document, BASE))
     here = str((found.folder / Path(name).name).absolute())
     if here in above:
         allowed = "allowed: a case that does not start from this one again"
@@ -324,7 +322,7 @@ def _built(problems: Problems, document: Document, **options: Any) -> Case:
         case = build_case(document, **options)
     except ConfigError as error:
         problems = problems + [problem.shortened() for problem in error.problems]
-    return _whole(None if problems else case, problems)
+    return whole(None if problems else case, problems)
 
 
 def _copied(value: Any) -> Any:
@@ -410,9 +408,3 @@ def _material(raw: dict[str, Any], document: Document) -> Problems:
     if material is not None:
         contact["material"] = material
     return problems + mistakes
-
-
-def _whole(part: T | None, problems: Problems) -> T:
-    if problems or part is None:
-        raise ConfigError(problems)
-    return part

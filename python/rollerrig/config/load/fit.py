@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import NoReturn
 
 from rollerrig.common.free_number import FreeNumber
-from rollerrig.config.errors import ConfigError, ConfigProblem, show_value
+from rollerrig.config.errors import ConfigError, ConfigProblem, show_value, whole
 from rollerrig.config.load.case import Case, build_case
 from rollerrig.config.load.change import leaves
 from rollerrig.config.load.code import Code, check_new_code, code_of
@@ -61,24 +61,19 @@ def load_fit(
         ConfigError: all mistakes found.
     """
     document = source if isinstance(source, Document) else read_document("fit", source)
-    plan, problems = validate(FitPlan, document.raw, document.file)
-    if plan is None:
-        raise ConfigError(problems)
+    plan = whole(*validate(FitPlan, document.raw, document.file))
     cases = []
     starts = {one.key: one.start for one in plan.free if one.start is not None}
     for number, log in enumerate(plan.log):
-        found, problems = refer("case", log.case or plan.case, document, f"log[{number}].case" if log.case else "case")
-        if found is None:
-            raise ConfigError(problems)
+        at = f"log[{number}].case" if log.case else "case"
+        found = whole(*refer("case", log.case or plan.case, document, at))
         case = build_case(found, own_folder=found.folder, allow_code=allow_code)
         for given, at in ((plan.changes, "changes"), (log.changes, f"log[{number}].changes")):
             own = {key: relative_to(document.folder, key, value) for key, value in leaves(given)}
-            problems = check_new_code(own, file=document.file, own_folder=document.folder, allow=allow_code, at=at)[1]
-            if problems:
-                raise ConfigError(problems)
+            whole(*check_new_code(own, file=document.file, own_folder=document.folder, allow=allow_code, at=at))
             case = changed_by_plan(case, own, document.file, at)
         cases.append(changed_by_plan(case.with_changes(changes or {}), starts, document.file, "free"))
-    free, problems = [], []
+    free, problems = [], list[ConfigProblem]()
     for number, one in enumerate(plan.free):
         try:
             if one.label in [other.label for other in plan.free[:number]]:
@@ -87,9 +82,7 @@ def load_fit(
             free.append(found_in[0])
         except ConfigError as error:
             problems += error.problems
-    if problems:
-        raise ConfigError(problems)
-    return WholeFit(plan, tuple(cases), document.file, tuple(free))
+    return whole(WholeFit(plan, tuple(cases), document.file, tuple(free)), problems)
 
 
 def _number(one: FreeKey, case: Case, file: str, at: str) -> FreeKeyNumber:

@@ -1,6 +1,6 @@
 """Read a plan of a sweep with the case it varies, and find what each varied key is.
 
-TOML -> plan -> its case, with the changes of the plan -> [varied_keys] -> the quantity at each varied key
+TOML -> plan -> its case, with the changes of the plan -> [plan_of_case] -> the quantity at each varied key
 """
 
 from collections.abc import Mapping
@@ -11,7 +11,7 @@ from typing import Any
 
 from pydantic import BaseModel
 
-from rollerrig.config.errors import ConfigError, ConfigProblem, nearest, one_of, show_value
+from rollerrig.config.errors import ConfigError, ConfigProblem, nearest, one_of, show_value, whole
 from rollerrig.config.load.case import Case, build_case
 from rollerrig.config.load.change import leaves, matching_paths, parts_of, read_parts, whole_key
 from rollerrig.config.load.code import Code, check_new_code, code_of
@@ -55,21 +55,17 @@ def load_plan(
         ConfigError: all mistakes found.
     """
     document = source if isinstance(source, Document) else read_document("plan", source)
-    plan, problems = validate(Plan, document.raw, document.file)
-    if plan is None:
-        raise ConfigError(problems)
+    plan = whole(*validate(Plan, document.raw, document.file))
     if not plan.measure:
         allowed = "needed: what is computed of each case, such as [[measure]] with kind = 'critical_speed'"
         raise ConfigError.of(document.file, "measure", "missing", allowed)
-    found, problems = refer("case", plan.case, document, "case")
-    if found is None:
-        raise ConfigError(problems)
+    found = whole(*refer("case", plan.case, document, "case"))
     case = build_case(found, own_folder=found.folder, allow_code=allow_code)
     own = {key: relative_to(document.folder, key, value) for key, value in leaves(plan.changes)}
     plan, code = _with_code(plan, own, document, allow=allow_code)
     case = changed_by_plan(case, own, document.file)
-    whole = plan_of_case(plan, case.with_changes(changes) if changes else case, document.file)
-    return replace(whole, varied_code=code)
+    found_keys = plan_of_case(plan, case.with_changes(changes) if changes else case, document.file)
+    return replace(found_keys, varied_code=code)
 
 
 def _with_code(
@@ -93,9 +89,7 @@ def _with_code(
             problems += mistakes
             values.append(absolute if found else value)
         vary.append(one if one.values is None else one.model_copy(update={"values": tuple(values)}))
-    if problems:
-        raise ConfigError(problems)
-    return plan.model_copy(update={"vary": tuple(vary)}), tuple(code)
+    return whole(plan.model_copy(update={"vary": tuple(vary)}), problems), tuple(code)
 
 
 def plan_of_case(plan: Plan, case: Case, file: str) -> WholePlan:
@@ -104,22 +98,6 @@ def plan_of_case(plan: Plan, case: Case, file: str) -> WholePlan:
     Raises:
         ConfigError: a key that is varied does not exist, or two have one name.
     """
-    quantities, problems = varied_keys(plan, case, file)
-    if problems:
-        raise ConfigError(problems)
-    return WholePlan(plan, case, file, quantities)
-
-
-def changed_by_plan(case: Case, changes: Mapping[str, object], file: str, at: str = "changes") -> Case:
-    """The case with what a plan changes at its key `at`, which the messages of a ConfigError name."""
-    try:
-        return case.with_changes(changes) if changes else case
-    except ConfigError as error:
-        raise ConfigError([replace(p, file=file, key=f"{at}.{p.key}") for p in error.problems]) from None
-
-
-def varied_keys(plan: Plan, case: Case, file: str) -> tuple[tuple[Quantity | None, ...], Problems]:
-    """The quantity at each varied key, and the keys that lead nowhere or have a name twice."""
     raw = plain(case.model_dump(exclude_none=True))
     quantities: list[Quantity | None] = []
     problems: Problems = []
@@ -131,8 +109,17 @@ def varied_keys(plan: Plan, case: Case, file: str) -> tuple[tuple[Quantity | Non
         found = value_at(case, raw, variation.key, file)
         if isinstance(found, ConfigProblem):
             problems.append(replace(found, key=f"{at}.key", value=show_value(variation.key)))
-        quantities.append(None if isinstance(found, ConfigProblem) else found[0])
-    return tuple(quantities), problems
+        else:
+            quantities.append(found[0])
+    return whole(WholePlan(plan, case, file, tuple(quantities)), problems)
+
+
+def changed_by_plan(case: Case, changes: Mapping[str, object], file: str, at: str = "changes") -> Case:
+    """The case with what a plan changes at its key `at`, which the messages of a ConfigError name."""
+    try:
+        return case.with_changes(changes) if changes else case
+    except ConfigError as error:
+        raise ConfigError([replace(p, file=file, key=f"{at}.{p.key}") for p in error.problems]) from None
 
 
 def named_twice(file: str, at: str, label: str) -> ConfigProblem:
