@@ -17,9 +17,9 @@ from pydantic import (
     model_validator,
 )
 
-from rollerrig.config.schema.base import OrShort, Table, by_kind, in_order, optional, refused
+from rollerrig.config.schema.base import OrShort, Table, TorqueTable, by_kind, in_order, optional, refused
 from rollerrig.config.schema.brakes import AnyAir, AnyElectrodynamicBrake, Pressure, Rate, UnlimitedAir, Volume
-from rollerrig.config.schema.units import Quantity, Time, Torque
+from rollerrig.config.schema.units import Quantity, Time
 
 _LARGEST = 1e18
 """Largest value of a parameter: any unit has room below it."""
@@ -60,7 +60,6 @@ AnyControllerFmu = Annotated[ControllerFmu, BeforeValidator(_from_file), OrShort
 
 
 PressureTable = Annotated[tuple[tuple[Time, Pressure], ...], AfterValidator(in_order)]
-TorqueOverTime = Annotated[tuple[tuple[Time, Torque], ...], AfterValidator(in_order)]
 TorqueOverSpeed = Annotated[
     tuple[tuple[Annotated[float, Quantity("rad/s", 0.0, 1e5)], Annotated[float, Quantity("N m", 0.0, 1e9)]], ...],
     AfterValidator(in_order),
@@ -144,7 +143,7 @@ class Brake(Table):
 class Traction(Table):
     """Traction drive of each axle."""
 
-    demand: TorqueOverTime = optional(
+    demand: TorqueTable = optional(
         ((0.0, 0.0), (1.0, 0.0)), "rows [time, torque per axle], positive forward; linear between"
     )
     motor: Motor = optional(Motor(), "the motor and its gear, seen from the axle")

@@ -1,6 +1,7 @@
 """How much adhesion the rail has, where or when: degraded track, and what the rig reproduces."""
 
 from collections.abc import Mapping
+from contextlib import suppress
 from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field, ValidationInfo, field_validator, model_validator
@@ -57,14 +58,6 @@ def _by_name(value: Any) -> Any:
 
 
 _RECOVERY = {"area": Quantity("m^2/J", 0.0, 1e6), "length": Quantity("m/J", 0.0, 1e6)}
-
-
-def _fits(quantity: Quantity, value: object) -> bool:
-    try:
-        quantity.parse(value)
-    except ValueError:
-        return False
-    return True
 
 
 AnyCondition = Annotated[Condition, BeforeValidator(_by_name), OrShort({"enum": list(CONDITIONS)})]
@@ -136,12 +129,10 @@ class Adhesion(Table):
     def _per_area_or_length(cls, data: Any) -> Any:
         """The unit that is written beside the recovery constant says what it goes with."""
         text = data.get("recovery_constant") if isinstance(data, Mapping) else None
-        if not isinstance(text, str):
-            return data
-        per = next((name for name, quantity in _RECOVERY.items() if _fits(quantity, text)), None)
-        if per is None:  # the field itself refuses it
-            return data
-        return {**data, "recovery_per": per, "recovery_constant": _RECOVERY[per].parse(text)}
+        for per, quantity in _RECOVERY.items() if isinstance(text, str) else ():
+            with suppress(ValueError):
+                return {**data, "recovery_per": per, "recovery_constant": quantity.parse(text)}
+        return data  # a text that is neither is refused by the field itself
 
     @field_validator("blend", mode="before")
     @classmethod

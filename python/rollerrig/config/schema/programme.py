@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, ClassVar, Literal
 
 from pydantic import Discriminator, Field, ValidationInfo, field_validator, model_validator
 
@@ -30,15 +30,13 @@ class BrakedRun(Table):
     )
     rail: AnyCondition = Field(description=f"condition of the rail at the start: {ALLOWED}")
 
-    @property
-    def stops(self) -> bool:
-        """Whether the train is to come to a stop."""
-        return True
+    stops: ClassVar[bool] = True
+    """Whether the train is to come to a stop."""
 
     @property
     def falls(self) -> float:
         """Gradient of the line, positive uphill [-]."""
-        return 0.0
+        return getattr(self, "gradient", 0.0)
 
     def pieces(self) -> tuple[Piece, ...]:
         """Where the rail changes."""
@@ -88,10 +86,7 @@ class PatchStop(BrakedRun):
         return tuple(
             piece
             for begin in begins
-            for piece in (
-                Piece(distance=begin, rail=self.patch),
-                Piece(distance=begin + self.length, rail=self.rail),
-            )
+            for piece in (Piece(distance=begin, rail=self.patch), Piece(distance=begin + self.length, rail=self.rail))
         )
 
     @model_validator(mode="after")
@@ -104,18 +99,9 @@ class PatchStop(BrakedRun):
 class DragBraking(BrakedRun):
     """Braking for a time on a falling line, which keeps the train running."""
 
+    stops: ClassVar[bool] = False
     kind: Literal["drag"] = Field(description="braking for a time on a falling line; the train need not stop")
     gradient: Annotated[float, Quantity("1", -0.1, 0.0)] = Field(description="gradient of the line, negative: it falls")
-
-    @property
-    def stops(self) -> bool:
-        """Whether the train is to come to a stop."""
-        return False
-
-    @property
-    def falls(self) -> float:
-        """Gradient of the line, positive uphill [-]."""
-        return self.gradient
 
 
 AnyStop = Annotated[UniformStop | SteppedStop | PatchStop | DragBraking, Discriminator("kind")]

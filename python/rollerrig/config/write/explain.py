@@ -297,8 +297,7 @@ def unit_text(field: FieldInfo, unit: str) -> str:
     for part in alternatives(field.annotation):
         row = get_args(part)[:1]
         if row and get_origin(row[0]) is tuple and len(get_args(row[0])) == 2:
-            first, second = (quantity_of(item) or quantity_of(None, getattr(item, "__metadata__", ()))
-                             for item in get_args(row[0]))  # fmt: skip
+            first, second = map(quantity_of, get_args(row[0]))
             return f"{first.unit if first else ''}, {second.unit if second else ''}"
     return unit
 
