@@ -8,7 +8,7 @@ The core has no defaults: each stands once, in `rollerrig.config`. A name that i
 """
 
 import math
-from collections.abc import Collection, Mapping
+from collections.abc import Collection
 from functools import lru_cache
 from typing import Any, TypeAlias, TypeVar, cast
 
@@ -38,17 +38,13 @@ def core_struct(struct: type[S], table: BaseModel | None = None, *, without: Col
     Raises:
         TypeError: a parameter is neither in the table nor given, or the struct does not have it.
     """
-    values = _values(table, without, given)
+    fields = type(table).model_fields if table is not None else ()
+    values = {name: getattr(table, name) for name in fields if name not in without} | given
     names = set(cast("Any", struct).fields)
     missing, unknown = names - set(values), set(values) - names
     if missing or unknown:
         raise TypeError(f"{struct.__name__}: missing {sorted(missing)}, unknown {sorted(unknown)}")
     return struct(**values)
-
-
-def _values(table: BaseModel | None, without: Collection[str], given: Mapping[str, Any]) -> dict[str, Any]:
-    fields = type(table).model_fields if table is not None else ()
-    return {name: getattr(table, name) for name in fields if name not in without} | dict(given)
 
 
 def angular(frequency: float) -> float:

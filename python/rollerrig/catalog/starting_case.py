@@ -13,10 +13,9 @@ from typing import Any
 from rollerrig.config import load_case
 from rollerrig.config.errors import ConfigError, ConfigProblem, show_value
 from rollerrig.config.read import catalog_file, catalog_names, schema_uri
-from rollerrig.config.schema.base import quantity_of
 from rollerrig.config.schema.vehicle import Vehicle
 from rollerrig.config.write.explain import KeyPlace, key_places, unit_text
-from rollerrig.config.write.toml import key_text, literal, plain
+from rollerrig.config.write.toml import is_table, key_text, literal, plain
 
 Raw = dict[str, Any]
 
@@ -69,7 +68,7 @@ def starting_case(name: str, source: str | Path = START) -> str:
 
 def _table(table: Raw, above: str, lines: list[str]) -> None:
     """The plain keys of a table, what else it could have, then the tables in it."""
-    inner = {key: value for key, value in table.items() if _is_table(value)}
+    inner = {key: value for key, value in table.items() if is_table(value)}
     for key, value in table.items():
         if key not in inner:
             lines += [*_meaning(f"{above}{key}"), f"{key_text(key)} = {literal(value)}"]
@@ -79,10 +78,6 @@ def _table(table: Raw, above: str, lines: list[str]) -> None:
             name = f"{above}{key}"
             lines += ["", f"[[{name}]]" if isinstance(value, list) else f"[{name}]"]
             _table(item, f"{name}.", lines)
-
-
-def _is_table(value: object) -> bool:
-    return isinstance(value, dict) or (isinstance(value, list) and bool(value) and isinstance(value[0], dict))
 
 
 def _place(key: str) -> KeyPlace | None:
@@ -100,8 +95,7 @@ def _meaning(key: str) -> list[str]:
 
 def _said(place: KeyPlace) -> str:
     """Its description, with the unit."""
-    quantity = quantity_of(place.field.annotation, place.field.metadata)
-    unit = unit_text(place.field, quantity.unit if quantity and quantity.unit != "1" else "")
+    unit = unit_text(place.field)
     return f"{place.field.description or ''} {f'[{unit}]' if unit else ''}".strip()
 
 

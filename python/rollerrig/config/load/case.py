@@ -104,12 +104,12 @@ class Case(CaseTables):
         """What differs from the nearest case of the catalogue, or all that has not its default value: a file to read and edit."""
         changes, name = _nearest_base(self)
         text = text_from_base(name, changes)
-        whole = to_short_toml(self)
+        full = to_short_toml(self)
         try:
-            same = len(text) < len(whole) and case_from_toml(text, allow_code=True) == self
+            same = len(text) < len(full) and case_from_toml(text, allow_code=True) == self
         except ConfigError:
             same = False
-        return text if same else whole
+        return text if same else full
 
     def save(self, path: str | Path) -> None:
         """Write `to_short_toml` to a file that `load_case` reads.

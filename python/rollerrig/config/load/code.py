@@ -81,23 +81,25 @@ def place_code(
 
     Relative paths start at `folder`; `own_folder` is that of the case, None: it has none.
     """
-    problems = _place_fmus(raw, file, folder, own_folder, allow=allow)
+    found = _placed_fmus(raw, folder)
     for key, table in raw.items():
         if isinstance(user := _user(table), str) and "\0" not in user:
             code = _code(key, user)
             if code.is_file:
                 table["user"] = f"{(folder / code.source).absolute()}:{code.name}"
                 code = _code(key, table["user"])
-            if ":" in user and not (allow or _is_below(own_folder, code)):
-                problems.append(_elsewhere(file, code.key, repr(table["user"]), code, own_folder))
-    return problems
+            if ":" in user:
+                found.append((code, table["user"]))
+    return [
+        _elsewhere(file, code.key, repr(written), code, own_folder)
+        for code, written in found
+        if not (allow or _is_below(own_folder, code))
+    ]
 
 
-def _place_fmus(
-    raw: dict[str, Any], file: str, folder: Path, own_folder: Path | None, *, allow: bool
-) -> list[ConfigProblem]:
-    """The same for FMUs: a table `fmu`, or the file alone."""
-    problems = []
+def _placed_fmus(raw: dict[str, Any], folder: Path) -> list[tuple[Code, str]]:
+    """FMUs in the tables of a case, a table `fmu` or the file alone: their paths made absolute."""
+    found = []
     for key, table in raw.items():
         fmu = table.get("fmu") if isinstance(table, Mapping) else getattr(table, "fmu", None)
         if isinstance(fmu, BaseModel) or not isinstance(table, dict):  # of a checked case: placed before
@@ -107,10 +109,9 @@ def _place_fmus(
             if isinstance(path, str) and path and "\0" not in path:
                 path = str((folder / path).absolute())
                 table["fmu"] = {**fmu, "file": path} if isinstance(fmu, Mapping) else path
-        code = Code(f"{key}.fmu", str(path), "")
-        if isinstance(path, str) and path and not (allow or _is_below(own_folder, code)):
-            problems.append(_elsewhere(file, code.key, repr(path), code, own_folder))
-    return problems
+        if isinstance(path, str) and path:
+            found.append((Code(f"{key}.fmu", path, ""), path))
+    return found
 
 
 def _elsewhere(

@@ -181,8 +181,6 @@ def _texts(places: list[KeyPlace]) -> list[str]:
 def _text(alike: list[KeyPlace]) -> str:
     place = alike[0]
     field = place.field
-    quantity = None if _below(field.annotation)[0] else quantity_of(field.annotation, field.metadata)
-    unit = unit_text(field, quantity.unit if quantity and quantity.unit != "1" else "")
     default = default_text(field)
     holder = place.key.rpartition(".")[0]
     tags = [f"'{tag}'" for one in alike if (tag := tag_of(one.table)) and not one.key.endswith(".kind")]
@@ -190,9 +188,9 @@ def _text(alike: list[KeyPlace]) -> str:
     summary = f": {_summary(place.table)}" if len(alike) == 1 else ""
     rows = [
         ("meaning", field.description or ""),
-        ("unit", unit or "none"),
+        ("unit", unit_text(field) or "none"),
         ("default", {"required": "none: it must be given", "": _absent(field)}.get(default, default).replace("`", "'")),
-        ("allowed", _allowed(place, quantity)),
+        ("allowed", _allowed(place)),
         ("belongs to", f"[{holder}]{kind} of a {place.file}{summary}" if holder else f"a {place.file}"),
         ("used by", _users(place)),
         *_keys_in(field),
@@ -209,8 +207,9 @@ def _absent(field: FieldInfo) -> str:
     return "none: absent" if field.default is None else "none: empty"
 
 
-def _allowed(place: KeyPlace, quantity: Quantity | None) -> str:
+def _allowed(place: KeyPlace) -> str:
     """A number with its unit, names of kinds, or the type; what is shorter than a table first."""
+    quantity = _quantity_at(place.field)
     words = type_text(place.field).replace("`", "")
     if quantity is None:
         tags = [tag for table in _below(place.field.annotation)[0] if (tag := tag_of(table))]
@@ -292,19 +291,24 @@ def _keys_of(value: Any, above: str) -> Iterator[str]:
 # ------------------------------------------------------------------------------------------------ one field in words
 
 
-def unit_text(field: FieldInfo, unit: str) -> str:
-    """Both units of a table of pairs, else the one unit."""
+def _quantity_at(field: FieldInfo) -> Quantity | None:
+    """The quantity of a number, or of the numbers of a list; None where tables may stand."""
+    return None if _below(field.annotation)[0] else quantity_of(field.annotation, field.metadata)
+
+
+def unit_text(field: FieldInfo) -> str:
+    """Both units of a table of pairs, else the one unit; "" where there is none."""
     for part in alternatives(field.annotation):
         row = get_args(part)[:1]
         if row and get_origin(row[0]) is tuple and len(get_args(row[0])) == 2:
             first, second = map(quantity_of, get_args(row[0]))
             return f"{first.unit if first else ''}, {second.unit if second else ''}"
-    return unit
+    quantity = _quantity_at(field)
+    return quantity.unit if quantity and quantity.unit != "1" else ""
 
 
 def type_text(field: FieldInfo) -> str:
     """What may stand at a field, in words."""
-    is_quantity = not _below(field.annotation)[0] and quantity_of(field.annotation, field.metadata) is not None
     names: list[str] = []
     for part in alternatives(field.annotation):
         origin, arguments = get_origin(part), get_args(part)
@@ -317,13 +321,9 @@ def type_text(field: FieldInfo) -> str:
         elif origin is dict:
             names.append("tables by name")
         else:
-            plain = {
-                str: "text",
-                bool: "true or false",
-                int: "whole number",
-                float: "quantity" if is_quantity else "number",
-            }
-            names.append(plain.get(part, "value"))
+            plain = {str: "text", bool: "true or false", int: "whole number"}
+            number = "quantity" if _quantity_at(field) else "number"
+            names.append(number if part is float else plain.get(part, "value"))
     return " or ".join(dict.fromkeys(names))
 
 

@@ -68,9 +68,7 @@ def text_of(tables: Mapping[str, Any]) -> str:
 def _write(table: Mapping[str, Any], path: str, lines: list[str]) -> None:
     inner = []
     for key, value in table.items():
-        if isinstance(value, dict | _Kept) or (
-            isinstance(value, list | tuple) and value and isinstance(value[0], dict)
-        ):
+        if is_table(value):
             inner.append((f"{path}{key_text(key)}", value))
         else:
             lines.append(f"{key_text(key)} = {literal(value)}")
@@ -88,6 +86,13 @@ def _write(table: Mapping[str, Any], path: str, lines: list[str]) -> None:
         for item in value:
             lines.append(f"\n[[{name}]]")
             _write(item, f"{name}.", lines)
+
+
+def is_table(value: object) -> bool:
+    """Whether it is written under a heading of its own: a table, or a list of tables."""
+    return isinstance(value, dict | _Kept) or (
+        isinstance(value, list | tuple) and bool(value) and isinstance(value[0], dict)
+    )
 
 
 @cache
