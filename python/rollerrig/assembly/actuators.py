@@ -6,14 +6,13 @@ How they are driven during a run is the matter of `rollerrig.simulation.mechatro
 """
 
 import math
-from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
 
 from rollerrig import _core
 from rollerrig.assembly.laws import adhesion_map, core_law, core_struct
 from rollerrig.assembly.model import GROUND, AssembledModel, Assembly, assemble
-from rollerrig.assembly.model_parts import ABSENT, AxleActuators
+from rollerrig.assembly.model_parts import ABSENT
 from rollerrig.config import Brake, Case, Track, Traction
 from rollerrig.config.schema.brakes import AnyTrackBrake, MagneticTrackBrake, ReservoirAir
 
@@ -55,10 +54,9 @@ def _add_adhesion(assembly: Assembly) -> _core.AdhesionMap | None:
     return adhesion
 
 
-def _add_axle(assembly: Assembly, number: int, name: str, *, torque_on_all: bool) -> AxleActuators:
+def _add_axle(assembly: Assembly, number: int, name: str, *, torque_on_all: bool) -> _core.AxleParts:
     case, builder = assembly.case, assembly.builder
     wheelset, frame = assembly.index(name), assembly.frame_of(name)
-    contacts = tuple(wheel.contact for wheel in assembly.wheels if wheel.wheelset == name)
     brake = axle_torque = roller = roller_torque = ABSENT
     if case.brake is not None and not case.brake.motors_stand_in:
         brake = builder.add_brake(_core.AxleBrake(wheelset=wheelset, reaction=frame, brake=friction_brake(case.brake)))
@@ -78,24 +76,18 @@ def _add_axle(assembly: Assembly, number: int, name: str, *, torque_on_all: bool
             roller=roller, torque=[], gear_ratio=motor.gear_ratio, rotor_inertia=motor.rotor_inertia
         )
         roller_torque = builder.add_roller_torque(drive)
-    return AxleActuators(
-        wheelset,
-        contacts,
-        assembly.positions[name][0],
-        brake,
-        axle_torque,
-        roller,
-        roller_torque,
+    return _core.AxleParts(
+        wheelset=wheelset,
+        contacts=[wheel.contact for wheel in assembly.wheels if wheel.wheelset == name],
+        brake=brake,
+        axle_torque=axle_torque,
+        roller=roller,
+        roller_torque=roller_torque,
         electrodynamic=brakes,
-        sands=name in sanding_axles(case, assembly.wheelsets),
+        sands=name in (case.sanding.axles or assembly.wheelsets[:1] if case.sanding else ()),
+        has_brake=False,
+        has_motor=False,
     )
-
-
-def sanding_axles(case: Case, wheelsets: Sequence[str]) -> tuple[str, ...]:
-    """Wheelsets in front of which sand falls: those of the case, or the leading one."""
-    if case.sanding is None:
-        return ()
-    return case.sanding.axles or tuple(wheelsets[:1])
 
 
 def _traction_motor(assembly: Assembly, name: str, frame: int, traction: Traction) -> _core.AxleTorque:

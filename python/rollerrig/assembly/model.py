@@ -12,7 +12,7 @@ from typing import Any, Literal
 
 from rollerrig import _core
 from rollerrig.assembly.laws import Support, contact_laws, direction_law
-from rollerrig.assembly.model_parts import AxleActuators, WheelInfo, static_loads
+from rollerrig.assembly.model_parts import WheelInfo, static_loads
 from rollerrig.config import Case, ConfigError, Foundation, Restraint, Rig, Track, Vehicle
 from rollerrig.config.schema.support import NOWHERE, RAIL_CURVES, RailHeads, RollerLosses, rail_heads, rail_layout
 from rollerrig.config.schema.track import rails_of_run
@@ -70,7 +70,7 @@ class AssembledModel:
     """Displacements of the rails, or of the rollers that stand for them; None where there are none."""
     breakpoints: tuple[float, ...]
     """Times at which an input has a corner [s]."""
-    axles: tuple[AxleActuators, ...] = ()
+    axles: tuple[_core.AxleParts, ...] = ()
     """Actuators of each axle; empty where the model was assembled without."""
     adhesion: _core.AdhesionMap | None = None
     """Adhesion of the case's rails; None without [adhesion], and where the model was assembled without actuators."""

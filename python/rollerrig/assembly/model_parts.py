@@ -9,6 +9,7 @@ from rollerrig import _core
 from rollerrig.config import Vehicle
 
 ABSENT = -1
+"""Index of what an axle does not have."""
 
 
 @dataclass(frozen=True)
@@ -19,22 +20,6 @@ class WheelInfo:
     wheelset: str
     side: str
     contact: int
-
-
-@dataclass(frozen=True)
-class AxleActuators:
-    """Indices in the core's model of what acts on one axle; ABSENT where there is none."""
-
-    wheelset: int
-    contacts: tuple[int, ...]
-    x: float
-    """Design position along the vehicle [m]."""
-    brake: int = ABSENT
-    axle_torque: int = ABSENT
-    roller: int = ABSENT
-    roller_torque: int = ABSENT
-    electrodynamic: bool = False
-    sands: bool = False
 
 
 def static_loads(vehicle: Vehicle, gravity: float) -> tuple[dict[str, float], dict[str, float]]:

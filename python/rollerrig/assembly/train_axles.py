@@ -26,6 +26,11 @@ def axle_loads(model: AssembledModel) -> list[float]:
     return [*tested, *others]
 
 
+def axle_places(model: AssembledModel) -> list[float]:
+    """Design position of each axle of the model along the vehicle [m]."""
+    return [model.positions[name][0] for name in model.wheelsets]
+
+
 def train_mass(model: AssembledModel) -> float:
     """What all axles of the train brake or pull [kg]."""
     return model.case.train.mass or sum(axle_loads(model)) / model.case.gravity
@@ -40,7 +45,7 @@ def simulated_axles(model: AssembledModel, wheelset_inertia: float) -> _core.Sim
     """
     case = model.case
     table = case.train.axles
-    first = max(axle.x for axle in model.axles)
+    first = max(axle_places(model))
     return _core.SimulatedAxles(
         wheelset_inertia=wheelset_inertia,
         wheel_radius=case.vehicle.data.wheel.radius,
@@ -74,6 +79,6 @@ def places(model: AssembledModel) -> list[float]:
     """Distance of each axle behind the train's first one, as `model.axle_names` [m]."""
     table = model.case.train.axles
     if table is None:
-        first = max(axle.x for axle in model.axles)
-        return [first - axle.x for axle in model.axles]
+        first = max(axle_places(model))
+        return [first - x for x in axle_places(model)]
     return [table.positions[k - 1] for k in (*table.under_test, *table.simulated)]

@@ -12,8 +12,15 @@ from rollerrig import _core
 from rollerrig.assembly.actuators import electrodynamic_brake, friction_brake, pneumatics, track_brake
 from rollerrig.assembly.laws import angular, core_struct
 from rollerrig.assembly.model import AssembledModel
-from rollerrig.assembly.model_parts import ABSENT, AxleActuators
-from rollerrig.assembly.train_axles import air_groups, brake_delay, simulated_axles, simulated_count, train_mass
+from rollerrig.assembly.model_parts import ABSENT
+from rollerrig.assembly.train_axles import (
+    air_groups,
+    axle_places,
+    brake_delay,
+    simulated_axles,
+    simulated_count,
+    train_mass,
+)
 from rollerrig.config import Adhesion, Brake, Case, ForceSensor, Motor, Rig, RigControl, Sensors
 from rollerrig.config.schema.actuators import SlideProtection, TableSlideProtection, entry_numbers
 from rollerrig.config.schema.rig_control import (
@@ -95,17 +102,16 @@ def _memory(case: Case) -> tuple[float, float, float]:
 
 def _axles(model: AssembledModel) -> list[_core.AxleParts]:
     """Those of the model, then those that are only simulated, which have what the first one has."""
-
-    def parts(axle: AxleActuators, **own: Any) -> _core.AxleParts:
-        given = {name: getattr(axle, name) for name in _core.AxleParts.fields if name not in own}
-        return core_struct(_core.AxleParts, **given, **own)
-
     case = model.case
-    absent = AxleActuators(ABSENT, (ABSENT, ABSENT), 0.0, electrodynamic=model.axles[0].electrodynamic)
-    braked = case.brake is not None and not case.brake.motors_stand_in
-    simulated = parts(absent, has_brake=braked, has_motor=case.traction is not None)
-    found = [parts(axle, has_brake=False, has_motor=False) for axle in model.axles]
-    return found + [simulated] * simulated_count(case)
+    simulated = _core.AxleParts(
+        **dict.fromkeys(("wheelset", "axle_torque", "brake", "roller", "roller_torque"), ABSENT),
+        contacts=[ABSENT, ABSENT],
+        electrodynamic=model.axles[0].electrodynamic,
+        has_brake=case.brake is not None and not case.brake.motors_stand_in,
+        has_motor=case.traction is not None,
+        sands=False,
+    )
+    return [*model.axles, *[simulated] * simulated_count(case)]
 
 
 def _frame(model: AssembledModel) -> _core.TravellingFrame:
@@ -322,7 +328,7 @@ def _virtual_train(model: AssembledModel) -> _core.VirtualTrain:
         wheel_radius=case.vehicle.data.wheel.radius,
         static_load=[model.axle_loads[name] for name in model.wheelsets],
         load_transfer=load_transfer(model),
-        position=[axle.x for axle in model.axles],
+        position=axle_places(model),
     )
 
 
