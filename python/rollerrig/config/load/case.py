@@ -294,7 +294,7 @@ def build_case(
     )
     problems += [m for m in mistakes if m.key not in known and not (m.key in unresolved and problems)]
     if vehicle is not None:
-        problems += check_case_names(raw, vehicle, file)
+        problems += [ConfigProblem(file, *mistake) for mistake in check_case_names(raw, vehicle)]
     if case is not None and not problems:
         problems += check_case(case, file)
     return whole(case, problems)

@@ -134,7 +134,7 @@ def resolve_vehicle(document: Document) -> tuple[Vehicle | None, Problems]:
     """A vehicle from its raw tables."""
     file = document.file
     raw, problems = placed(document.raw, file)
-    problems += check_vehicle_names(raw, file)
+    problems += [ConfigProblem(file, *mistake) for mistake in check_vehicle_names(raw)]
     if isinstance(raw.get("wheel"), Mapping):
         raw["wheel"] = _with_profiles(raw["wheel"], document, problems, "wheel.", ("profile",))
     return _checked(Vehicle, raw, file, check_vehicle, problems)

@@ -86,23 +86,22 @@ def _rail(case: CaseTables) -> Iterator[Mistake]:
 _DISTURBANCES = ("longitudinal", "lateral", "vertical", "roll", "pitch", "yaw")
 
 
-def check_case_names(raw: Mapping[str, Any], vehicle: Vehicle, file: str) -> list[ConfigProblem]:
+def check_case_names(raw: Mapping[str, Any], vehicle: Vehicle) -> Iterator[Mistake]:
     """Names of cuts and bodies that the vehicle does not have; works on raw tables next to other mistakes."""
     choice = raw.get("vehicle")
     name = choice.get("cut", "vehicle") if isinstance(choice, Mapping) else "vehicle"
-    problems = unknown_names(name, vehicle.cut_names(), "vehicle.cut", file)
-    if problems or not isinstance(name, str):
-        return problems
+    if name not in vehicle.cut_names():
+        yield from unknown_names(name, vehicle.cut_names(), "vehicle.cut")
+        return
     cut = vehicle.cut_named(name)
     free = [body.name for body in vehicle.bodies_in(cut)]
     wheelsets = [body.name for body in vehicle.bodies_in(cut) if body.kind == "wheelset"]
     for label, torque in labelled(raw, "axle_torque"):
-        problems += unknown_names(torque.get("wheelset"), wheelsets, f"{label}.wheelset", file)
+        yield from unknown_names(torque.get("wheelset"), wheelsets, f"{label}.wheelset")
         others = ["none", *(name for name in (*free, *cut.fixed) if name != torque.get("wheelset"))]
-        problems += unknown_names(torque.get("reacts_on"), others, f"{label}.reacts_on", file)
+        yield from unknown_names(torque.get("reacts_on"), others, f"{label}.reacts_on")
     for label, disturbance in labelled(raw, "disturbance"):
-        problems += unknown_names(disturbance.get("body"), free, f"{label}.body", file)
-    return problems
+        yield from unknown_names(disturbance.get("body"), free, f"{label}.body")
 
 
 def check_drive(raw: Mapping[str, Any], file: str) -> list[ConfigProblem]:

@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from rollerrig.config.errors import ConfigProblem, Mistake, join_key, nearest, one_of, show_value
+from rollerrig.config.errors import Mistake, join_key, nearest, one_of, show_value
 from rollerrig.config.schema.vehicle import DIRECTIONS, Element, Vehicle
 from rollerrig.config.validate.check_profile import check_profile
 from rollerrig.config.validate.messages import item_labels
@@ -11,22 +11,25 @@ from rollerrig.config.validate.messages import item_labels
 _ON_AXLE = 1e-6  # [m] round-off of positions written in decimals
 
 
-def check_vehicle_names(raw: Mapping[str, Any], file: str) -> list[ConfigProblem]:
+def check_vehicle_names(raw: Mapping[str, Any]) -> Iterator[Mistake]:
     """Names used twice or nowhere defined; works on raw tables, so that other mistakes do not hide these."""
-    problems = [*_duplicates(raw, "body", file), *_duplicates(raw, "element", file)]
-    names = [body["name"] for _, body in labelled(raw, "body") if isinstance(body.get("name"), str)]
-    bodies = list(dict.fromkeys(names))
+    found: dict[str, dict[str, None]] = {"body": {}, "element": {}}
+    for kind, names in found.items():
+        for label, item in labelled(raw, kind):
+            name = item.get("name")
+            if isinstance(name, str) and name in names:
+                yield f"{label}.name", show_value(name), "allowed: each name once"
+            elif isinstance(name, str):
+                names[name] = None
+    bodies = tuple(found["body"])
     if not bodies:
-        return problems
+        return
     for label, element in labelled(raw, "element"):
-        problems += unknown_names(element.get("between"), bodies, f"{label}.between", file)
+        yield from unknown_names(element.get("between"), bodies, f"{label}.between")
     cuts = raw.get("cut")
     for name, cut in cuts.items() if isinstance(cuts, Mapping) else ():
-        if not isinstance(cut, Mapping):
-            continue
-        for key in ("bodies", "fixed"):
-            problems += unknown_names(cut.get(key), bodies, f"cut.{name}.{key}", file)
-    return problems
+        for key in ("bodies", "fixed") if isinstance(cut, Mapping) else ():
+            yield from unknown_names(cut.get(key), bodies, f"cut.{name}.{key}")
 
 
 def labelled(raw: Mapping[str, Any], key: str) -> Iterator[tuple[str, Mapping[str, Any]]]:
@@ -39,24 +42,11 @@ def labelled(raw: Mapping[str, Any], key: str) -> Iterator[tuple[str, Mapping[st
             yield join_key(key, label), item
 
 
-def unknown_names(names: object, known: Sequence[str], key: str, file: str) -> list[ConfigProblem]:
-    """One problem for each name that is not known; a single text counts as a list of one."""
-    entries = names if isinstance(names, list | tuple) else [names]
-    return [
-        ConfigProblem(file, key, show_value(name), one_of(known), nearest(name, known))
-        for name in entries
-        if isinstance(name, str) and name not in known
-    ]
-
-
-def _duplicates(raw: Mapping[str, Any], key: str, file: str) -> Iterator[ConfigProblem]:
-    seen: set[str] = set()
-    for label, item in labelled(raw, key):
-        name = item.get("name")
-        if isinstance(name, str) and name in seen:
-            yield ConfigProblem(file, f"{label}.name", show_value(name), "allowed: each name once")
-        elif isinstance(name, str):
-            seen.add(name)
+def unknown_names(names: object, known: Sequence[str], key: str) -> Iterator[Mistake]:
+    """A mistake for each name that is not known; a single text counts as a list of one."""
+    for name in names if isinstance(names, list | tuple) else [names]:
+        if isinstance(name, str) and name not in known:
+            yield key, show_value(name), one_of(known), nearest(name, known)
 
 
 def check_vehicle(vehicle: Vehicle) -> Iterator[Mistake]:
