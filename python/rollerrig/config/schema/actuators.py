@@ -7,7 +7,6 @@ from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
 from pydantic import (
-    AfterValidator,
     BeforeValidator,
     Discriminator,
     Field,
@@ -17,7 +16,7 @@ from pydantic import (
     model_validator,
 )
 
-from rollerrig.config.schema.base import OrShort, Table, TorqueTable, by_kind, in_order, optional, refused
+from rollerrig.config.schema.base import OrShort, Rows, Table, TorqueTable, by_kind, optional, refused
 from rollerrig.config.schema.brakes import AnyAir, AnyElectrodynamicBrake, Pressure, Rate, UnlimitedAir, Volume
 from rollerrig.config.schema.units import Quantity, Time
 
@@ -59,15 +58,8 @@ def _from_file(value: Any) -> Any:
 AnyControllerFmu = Annotated[ControllerFmu, BeforeValidator(_from_file), OrShort({"type": "string"})]
 
 
-PressureTable = Annotated[tuple[tuple[Time, Pressure], ...], AfterValidator(in_order)]
-TorqueOverSpeed = Annotated[
-    tuple[tuple[Annotated[float, Quantity("rad/s", 0.0, 1e5)], Annotated[float, Quantity("N m", 0.0, 1e9)]], ...],
-    AfterValidator(in_order),
-]
-FrictionOverSpeed = Annotated[
-    tuple[tuple[Annotated[float, Quantity("m/s", 0.0, 1e3)], Annotated[float, Quantity("1", 0.0, 1.0)]], ...],
-    AfterValidator(in_order),
-]
+TorqueOverSpeed = Rows[Annotated[float, Quantity("rad/s", 0.0, 1e5)], Annotated[float, Quantity("N m", 0.0, 1e9)]]
+FrictionOverSpeed = Rows[Annotated[float, Quantity("m/s", 0.0, 1e3)], Annotated[float, Quantity("1", 0.0, 1.0)]]
 PressureRate = Annotated[float, Quantity("Pa/s", 1.0, 1e10)]
 Frequency = Annotated[float, Quantity("Hz", 1e-4, 1e7)]
 Ratio = Annotated[float, Quantity("1", 1e-6, 1.0)]
@@ -111,7 +103,7 @@ class Motor(Table):
 class Brake(Table):
     """Friction brake of each axle, filled by a control valve; the defaults are those of a coach with two discs an axle."""
 
-    demand: PressureTable = Field(description="rows [time, cylinder pressure over the ambient]; linear between")
+    demand: Rows[Time, Pressure] = Field(description="rows [time, cylinder pressure over the ambient]; linear between")
     application_rate: PressureRate = optional(1.2e5, "rise of the control valve's pressure")
     release_rate: PressureRate = optional(1.2e5, "its fall")
     follow_rate: Rate = optional(20.0, "how fast the control valve closes in on the demand")

@@ -1,7 +1,7 @@
 """The model all configuration tables derive from, and the tables of numbers inside them."""
 
 from collections.abc import Mapping
-from typing import Annotated, Any, get_args
+from typing import Annotated, Any, TypeVar, get_args
 
 from pydantic import (
     AfterValidator,
@@ -133,10 +133,14 @@ def in_order(rows: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float]
     return rows
 
 
-SpeedTable = Annotated[tuple[tuple[Time, RunningSpeed], ...], AfterValidator(in_order)]
-TorqueTable = Annotated[tuple[tuple[Time, Torque], ...], AfterValidator(in_order)]
-ForceOverDeflection = Annotated[tuple[tuple[Deflection, Force], ...], AfterValidator(in_order)]
-ForceOverSpeed = Annotated[tuple[tuple[DamperSpeed, Force], ...], AfterValidator(in_order)]
-MomentOverAngle = Annotated[tuple[tuple[Angle, Torque], ...], AfterValidator(in_order)]
-MomentOverRate = Annotated[tuple[tuple[AngularSpeed, Torque], ...], AfterValidator(in_order)]
+X = TypeVar("X")
+Y = TypeVar("Y")
+Rows = Annotated[tuple[tuple[X, Y], ...], AfterValidator(in_order)]
+"""A function of its first column."""
+SpeedTable = Rows[Time, RunningSpeed]
+TorqueTable = Rows[Time, Torque]
+ForceOverDeflection = Rows[Deflection, Force]
+ForceOverSpeed = Rows[DamperSpeed, Force]
+MomentOverAngle = Rows[Angle, Torque]
+MomentOverRate = Rows[AngularSpeed, Torque]
 Vector = tuple[Position, Position, Position]

@@ -4,10 +4,10 @@ import math
 from itertools import pairwise
 from typing import Annotated, Literal
 
-from pydantic import AfterValidator, Discriminator, Field, StrictInt, model_validator
+from pydantic import Discriminator, Field, StrictInt, model_validator
 
 from rollerrig.config.schema.adhesion import ALLOWED, AnyCondition, Condition
-from rollerrig.config.schema.base import Table, by_kind, in_order, optional, refused
+from rollerrig.config.schema.base import Rows, Table, by_kind, optional, refused
 from rollerrig.config.schema.contact import AnyFriction, FallingFriction
 from rollerrig.config.schema.units import Mass, Quantity, Time
 
@@ -163,7 +163,7 @@ BrakeForce = Annotated[float, Quantity("N", 0.0, 1e8)]
 Share = Annotated[float, Quantity("1", 0.0, 1.0)]
 FactorRate = Annotated[float, Quantity("1/s", 0.0, 1e4)]
 BrakeSpeed = Annotated[float, Quantity("m/s", 0.0, 1e3)]
-ForceOverSpeed = Annotated[tuple[tuple[BrakeSpeed, BrakeForce], ...], AfterValidator(in_order), Field(min_length=2)]
+ForceOverSpeed = Annotated[Rows[BrakeSpeed, BrakeForce], Field(min_length=2)]
 
 
 class ElectrodynamicBrake(Table):
@@ -225,9 +225,7 @@ AnyElectrodynamicBrake = Annotated[
 ]
 
 
-Excitation = Annotated[
-    tuple[tuple[Time, Annotated[float, Quantity("1", 0.0, 1.0)]], ...], AfterValidator(in_order), Field(min_length=1)
-]
+Excitation = Annotated[Rows[Time, Share], Field(min_length=1)]
 MagnetForce = Annotated[float, Quantity("N", 0.0, 1e8)]
 
 

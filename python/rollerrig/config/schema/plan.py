@@ -116,12 +116,7 @@ class Design(Table):
         return self
 
 
-def _design(value: Any) -> Any:
-    """The name of a design alone."""
-    return {"kind": value} if isinstance(value, str) else value
-
-
-AnyDesign = Annotated[Design, BeforeValidator(_design), OrShort({"enum": ["grid", "list"]})]
+AnyDesign = Annotated[Design, BeforeValidator(by_kind().completed), OrShort({"enum": ["grid", "list"]})]
 
 
 class Measure(Table):

@@ -136,11 +136,21 @@ class AngularSupport(Table):
     damping: AngularDamping = optional(0.0, "damping")
 
 
+class WithSupports(Table):
+    """What stands on elastic supports, each along or about one axis."""
+
+    @property
+    def laws(self) -> dict[str, LinearSupport | AngularSupport]:
+        """The supports that are given, by direction."""
+        keys = {"y": "lateral", "z": "vertical", "roll": "roll", "yaw": "yaw"}
+        return {direction: law for direction, key in keys.items() if (law := getattr(self, key, None)) is not None}
+
+
 _LARGEST_MOMENT = 1e8
 """At rest, in the support of a roller axle with a yaw misalignment [N m]: the range of preloads in the core."""
 
 
-class Mounting(Table):
+class Mounting(WithSupports):
     """How a roller axle is mounted; what is absent is rigid."""
 
     lateral: LinearSupport | None = optional(None, "elastic support along y")
@@ -165,12 +175,6 @@ class Mounting(Table):
             raise refused("misalignment", f"allowed: at most {largest}, a moment of {_LARGEST_MOMENT:g} N m at rest")
         return self
 
-    @property
-    def laws(self) -> dict[str, LinearSupport | AngularSupport]:
-        """The supports that are given, by direction."""
-        given = {"y": self.lateral, "z": self.vertical, "yaw": self.yaw}
-        return {direction: support for direction, support in given.items() if support is not None}
-
 
 class Restraint(Table):
     """A coupler rod from a vehicle to the ground: spring and damper along the track, which hold it on top of the rollers."""
@@ -181,7 +185,7 @@ class Restraint(Table):
     body: Name | None = optional(None, "that it holds; absent: the heaviest that is no wheelset")
 
 
-class Sleeper(Table):
+class Sleeper(WithSupports):
     """Half a sleeper under each piece of rail, on ballast; the supports of the foundation are then those of the rail pad."""
 
     mass: Mass = optional(150.0, "mass of the moving share of the sleepers under one wheel")
@@ -194,14 +198,8 @@ class Sleeper(Table):
             raise refused("vertical", "needed: ballast along y or z; without both leave out the sleeper")
         return self
 
-    @property
-    def laws(self) -> dict[str, LinearSupport]:
-        """The supports that are given, by direction."""
-        given = {"y": self.lateral, "z": self.vertical}
-        return {direction: support for direction, support in given.items() if support is not None}
 
-
-class Foundation(Table):
+class Foundation(WithSupports):
     """Rails on an elastic foundation: under each wheel a piece of rail that moves along with it; what is absent is rigid.
 
     docs/how_to/flexible_rails.md says when to use it, and where the values of the catalogue's `flexible_track` come from.
@@ -224,12 +222,6 @@ class Foundation(Table):
                 "needed: a support along y, z or about the foot, as flexible_track has them; without any leave it out",
             )
         return self
-
-    @property
-    def laws(self) -> dict[str, LinearSupport | AngularSupport]:
-        """The supports that are given, by direction."""
-        given = {"y": self.lateral, "z": self.vertical, "roll": self.roll}
-        return {direction: support for direction, support in given.items() if support is not None}
 
     @property
     def centre_height(self) -> float:

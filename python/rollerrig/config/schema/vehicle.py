@@ -222,10 +222,7 @@ class Element(Table):
     @property
     def laws(self) -> dict[Direction, LinearLaw | AngularLaw]:
         """The laws that are given, by direction."""
-        given: dict[Direction, LinearLaw | AngularLaw | None] = {
-            "x": self.x, "y": self.y, "z": self.z, "roll": self.roll, "pitch": self.pitch, "yaw": self.yaw
-        }  # fmt: skip
-        return {direction: law for direction, law in given.items() if law is not None}
+        return {direction: law for direction in DIRECTIONS if (law := getattr(self, direction)) is not None}
 
 
 class Cut(Table):
