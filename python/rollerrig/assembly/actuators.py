@@ -10,13 +10,11 @@ from dataclasses import replace
 from typing import Any
 
 from rollerrig import _core
-from rollerrig.assembly.laws import adhesion_map, core_law, core_struct
-from rollerrig.assembly.model import GROUND, AssembledModel, Assembly, assemble
+from rollerrig.assembly.laws import adhesion_map, core_law, core_struct, part_of
+from rollerrig.assembly.model import GROUND, AssembledModel, Assembly, assemble, axle_torque
 from rollerrig.assembly.model_parts import ABSENT
 from rollerrig.config import Brake, Case, Track, Traction
 from rollerrig.config.schema.brakes import AnyTrackBrake, MagneticTrackBrake, ReservoirAir
-
-_NO_ROTOR = {"link": 0.0, "gear_ratio": 1.0, "rotor_inertia": 0.0}
 
 
 def assemble_as_run(case: Case) -> AssembledModel:
@@ -33,15 +31,13 @@ def assemble_with_actuators(case: Case, *, torque_on_all: bool = False) -> Assem
     """
     assembly = Assembly(case)
     adhesion = _add_adhesion(assembly)
-    axles = tuple(
-        _add_axle(assembly, number, name, torque_on_all=torque_on_all) for number, name in enumerate(assembly.wheelsets)
-    )
+    axles = [_add_axle(assembly, number, torque_on_all=torque_on_all) for number in range(len(assembly.wheelsets))]
     _add_resistance(assembly)
     bogies = _add_track_brakes(assembly)
     if case.contact.pure_rolling:
         for name in assembly.wheelsets:
             assembly.builder.add_rolling_constraint(assembly.index(name))
-    return replace(assembly.finish(), axles=axles, adhesion=adhesion, bogies=bogies)
+    return replace(assembly.finish(), axles=tuple(axles), adhesion=adhesion, bogies=bogies)
 
 
 def _add_adhesion(assembly: Assembly) -> _core.AdhesionMap | None:
@@ -54,33 +50,28 @@ def _add_adhesion(assembly: Assembly) -> _core.AdhesionMap | None:
     return adhesion
 
 
-def _add_axle(assembly: Assembly, number: int, name: str, *, torque_on_all: bool) -> _core.AxleParts:
-    case, builder = assembly.case, assembly.builder
+def _add_axle(assembly: Assembly, number: int, *, torque_on_all: bool) -> _core.AxleParts:
+    case, builder, name = assembly.case, assembly.builder, assembly.wheelsets[number]
     wheelset, frame = assembly.index(name), assembly.frame_of(name)
-    brake = axle_torque = roller = roller_torque = ABSENT
+    brake = torque = roller = roller_torque = ABSENT
     if case.brake is not None and not case.brake.motors_stand_in:
         brake = builder.add_brake(_core.AxleBrake(wheelset=wheelset, reaction=frame, brake=friction_brake(case.brake)))
     machine = case.brake.electrodynamic if case.brake else None
     brakes = machine is not None and (machine.axles is None or name in machine.axles)
     if case.traction is not None:
-        axle_torque = builder.add_axle_torque(_traction_motor(assembly, name, frame, case.traction))
+        torque = builder.add_axle_torque(_traction_motor(assembly, name, frame, case.traction))
     elif brakes or torque_on_all:
-        axle_torque = builder.add_axle_torque(
-            _core.AxleTorque(wheelset=wheelset, reaction=frame, torque=[], **_NO_ROTOR)
-        )
+        torque = builder.add_axle_torque(axle_torque(wheelset, frame, []))
     if assembly.rollers:
         roller = assembly.index(assembly.rollers[number])
     if assembly.rollers and case.rig_control is not None:
-        motor = case.rig_control.motor
-        drive = _core.RollerTorque(
-            roller=roller, torque=[], gear_ratio=motor.gear_ratio, rotor_inertia=motor.rotor_inertia
-        )
+        drive = part_of(_core.RollerTorque, case.rig_control.motor, roller=roller, torque=[])
         roller_torque = builder.add_roller_torque(drive)
     return _core.AxleParts(
         wheelset=wheelset,
         contacts=[wheel.contact for wheel in assembly.wheels if wheel.wheelset == name],
         brake=brake,
-        axle_torque=axle_torque,
+        axle_torque=torque,
         roller=roller,
         roller_torque=roller_torque,
         electrodynamic=brakes,
@@ -96,19 +87,14 @@ def _traction_motor(assembly: Assembly, name: str, frame: int, traction: Tractio
     if traction.suspension == "axle" and frame != GROUND:
         ahead = assembly.positions[assembly.bodies[frame]][0] - assembly.positions[name][0]
         link = math.copysign(traction.link or 0.0, ahead)
-    return _core.AxleTorque(
-        wheelset=assembly.index(name),
-        reaction=GROUND if traction.suspension == "ground" else frame,
-        torque=[],
-        link=link,
-        gear_ratio=traction.motor.gear_ratio,
-        rotor_inertia=traction.motor.rotor_inertia,
-    )
+    reaction = GROUND if traction.suspension == "ground" else frame
+    wheelset = assembly.index(name)
+    return part_of(_core.AxleTorque, traction.motor, wheelset=wheelset, reaction=reaction, torque=[], link=link)
 
 
 def friction_brake(brake: Brake) -> _core.FrictionBrake:
     """Chain from cylinder pressure to the torque of an axle's brake."""
-    return core_struct(_core.FrictionBrake, **{name: getattr(brake, name) for name in _core.FrictionBrake.fields})
+    return part_of(_core.FrictionBrake, brake)
 
 
 def electrodynamic_brake(brake: Brake, wheel_radius: float) -> _core.ElectrodynamicBrake | None:
@@ -121,7 +107,7 @@ def electrodynamic_brake(brake: Brake, wheel_radius: float) -> _core.Electrodyna
         _core.ElectrodynamicBrake,
         table,
         without=("kind", "axles", *law.fields),
-        characteristic=core_struct(law, **{name: getattr(table, name) for name in law.fields}),
+        characteristic=part_of(law, table),
         wheel_radius=wheel_radius,
         on_slide=("keep", "reduce", "switch_off", "slip_control").index(table.on_slide),
     )
@@ -130,16 +116,12 @@ def electrodynamic_brake(brake: Brake, wheel_radius: float) -> _core.Electrodyna
 def track_brake(table: AnyTrackBrake, bogies: int) -> _core.TrackBrake:
     """Brakes of some bogies that act on the rail."""
     law = _core.track_brakes[table.kind]
-    given: dict[str, Any] = {name: getattr(table, name) for name in law.fields}
-    if isinstance(table, MagneticTrackBrake):
-        given["friction"] = core_law(table.friction)
-    timing = {name: getattr(table, name) for name in ("demand", "delay", "rise_time", "release_speed")}
-    return core_struct(_core.TrackBrake, law=core_struct(law, **given), bogies=bogies, **timing)
+    own = {"friction": core_law(table.friction)} if isinstance(table, MagneticTrackBrake) else {}
+    return part_of(_core.TrackBrake, table, law=part_of(law, table, **own), bogies=bogies)
 
 
 def pneumatics(brake: Brake) -> _core.Pneumatics:
     """Chain from brake demand and the dump valves' commands to cylinder pressures."""
-    valve = core_struct(_core.ControlValve, **{name: getattr(brake, name) for name in _core.ControlValve.fields})
     given: dict[str, Any] = {}
     if isinstance(brake.air, ReservoirAir):
         if brake.air.reservoir_pressure is None:
@@ -147,7 +129,7 @@ def pneumatics(brake: Brake) -> _core.Pneumatics:
         if brake.air.pipe is not None:
             given["pipe"] = core_struct(_core.CylinderPipe, brake.air.pipe, without=("axles_per_relay_valve",))
     air = core_struct(_core.airs[brake.air.kind], brake.air, without=("kind", "axles_per_reservoir"), **given)
-    return core_struct(_core.Pneumatics, control_valve=valve, air=air)
+    return _core.Pneumatics(control_valve=part_of(_core.ControlValve, brake), air=air)
 
 
 def _add_track_brakes(assembly: Assembly) -> int:

@@ -47,6 +47,12 @@ def core_struct(struct: type[S], table: BaseModel | None = None, *, without: Col
     return struct(**values)
 
 
+def part_of(struct: type[S], table: BaseModel, **given: Any) -> S:
+    """The same from a table that has more than the struct: of it only what the struct has and is not given."""
+    names = cast("Any", struct).fields
+    return struct(**{name: getattr(table, name) for name in names if name not in given}, **given)
+
+
 def angular(frequency: float) -> float:
     """A frequency of the configuration [Hz] as the core takes it [rad/s]."""
     return 2.0 * math.pi * frequency
@@ -149,9 +155,8 @@ def contact_laws(contact: Contact) -> _core.ContactLaws:
     Raises:
         CreepTableError: the table of the creep law `table` cannot be used.
     """
-    material = contact.material
     return _core.ContactLaws(
-        material=_core.Material(shear_modulus=material.shear_modulus, poisson_ratio=material.poisson_ratio),
+        material=part_of(_core.Material, contact.material),
         normal=core_law(contact.normal),
         damping=_core.NormalDamping(damping=contact.normal_damping, smoothing_speed=contact.damping_onset),
         creep=core_law(contact.creep),
@@ -175,4 +180,4 @@ def linear_coefficients(contact: Contact, a: float, b: float) -> tuple[float, ..
 
 
 def _condition(rail: Condition) -> _core.RailCondition:
-    return _core.RailCondition(friction=core_law(rail.friction), k_A=rail.k_A, k_S=rail.k_S)
+    return part_of(_core.RailCondition, rail, friction=core_law(rail.friction))
