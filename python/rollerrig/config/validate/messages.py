@@ -170,7 +170,6 @@ def _locate(model: type[BaseModel], raw: Any, location: Sequence[int | str]) -> 
         tables = tables_in(annotation)
         if len(tables) > 1:  # the item is the tag of a union, which the user did not write
             annotation = next(table for table in tables if tag_of(table) == item)
-            place = place._replace(choices=(annotation,))
         elif tables:
             place = _enter_table(place, tables[0], str(item))
             annotation = place.field.annotation if place.field else None
