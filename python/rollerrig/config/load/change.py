@@ -18,7 +18,7 @@ from rollerrig.config.load.resolve import relative_to
 from rollerrig.config.read import Document
 from rollerrig.config.schema.case import CaseTables
 from rollerrig.config.schema.units import AS_WRITTEN, KEY_SUFFIXES
-from rollerrig.config.validate.messages import item_labels, tables_below, tag_of
+from rollerrig.config.validate.messages import item_labels, named_items, tables_below, tag_of
 from rollerrig.config.write.differences import OWN_KEYS
 from rollerrig.config.write.toml import plain
 
@@ -78,13 +78,7 @@ def matching_paths(holder: Any, path: list[str], key: str, file: str) -> list[li
     if "*" not in ".".join(path):
         return [path]
     first, rest = path[0], path[1:]
-    items = (
-        {label.strip("[]"): item for label, item in zip(item_labels(holder), holder, strict=True)}
-        if isinstance(holder, list)
-        else holder
-    )
-    if not isinstance(items, dict):
-        items = {}
+    items = named_items(holder) if isinstance(holder, list) else holder if isinstance(holder, dict) else {}
     if first.isdecimal() and int(first) < len(items) and first not in items:
         first = list(items)[int(first)]
     matching = [name for name in items if fnmatchcase(name, first)]

@@ -93,33 +93,16 @@ def rails_of_run(
     Raises:
         IrregularityError: a measured file cannot be used, or is shorter than the run.
     """
-    scale = irregularity.length_scale
-    rails = _full_scale_rails(irregularity, foremost / scale, distance / scale)
+    own, scale = irregularity, irregularity.length_scale
+    size = {"fade_in": own.fade_in, "scale": own.scale}
+    if isinstance(own, SpectrumIrregularity):
+        waves = {"shortest": own.shortest_wavelength, "longest": own.longest_wavelength, "period": own.period}
+        rails = generate(own.level, own.seed, **waves, **size)
+    else:
+        track, ahead, run = read_measured_track(Path(own.path)), foremost / scale, distance / scale
+        start = float(track.distance[0]) - ahead if own.start is None else own.start
+        rails = measured_irregularity(track, start=start, needed=(ahead, ahead + run), **size)
     return rails if scale == 1.0 else rails.scaled(scale)
-
-
-def _full_scale_rails(
-    irregularity: SpectrumIrregularity | MeasuredIrregularity, foremost: float, distance: float
-) -> RailIrregularity:
-    if isinstance(irregularity, SpectrumIrregularity):
-        return generate(
-            irregularity.level,
-            irregularity.seed,
-            shortest=irregularity.shortest_wavelength,
-            longest=irregularity.longest_wavelength,
-            period=irregularity.period,
-            fade_in=irregularity.fade_in,
-            scale=irregularity.scale,
-        )
-    track = read_measured_track(Path(irregularity.path))
-    start = float(track.distance[0]) - foremost if irregularity.start is None else irregularity.start
-    return measured_irregularity(
-        track,
-        start=start,
-        needed=(foremost, foremost + distance),
-        fade_in=irregularity.fade_in,
-        scale=irregularity.scale,
-    )
 
 
 class LinearSupport(Table):

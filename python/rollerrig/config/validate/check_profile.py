@@ -6,6 +6,7 @@ The patch is estimated as the Hertzian circle of two balls of the radii of wheel
 """
 
 from collections.abc import Iterator
+from itertools import islice
 from typing import Literal
 
 from rollerrig import _core
@@ -57,10 +58,8 @@ def gauges(support: Rig | Track) -> Iterator[tuple[str, float]]:
 def check_fit(case: CaseTables) -> Iterator[Mistake]:
     """Wheels and rails of one model, of which the wheels stand on the rails, with the flanges between them."""
     wheel, support = case.vehicle.data.wheel, case.support.data
-    for check in (_scales, _misses, _flanges):
-        if mistakes := [*check(wheel, support)]:
-            yield mistakes[0]
-            return
+    mistakes = (mistake for check in (_scales, _misses, _flanges) for mistake in check(wheel, support))
+    yield from islice(mistakes, 1)
 
 
 def _misses(wheel: Wheel, support: Rig | Track) -> Iterator[Mistake]:

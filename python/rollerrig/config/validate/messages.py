@@ -118,6 +118,11 @@ def item_labels(items: Sequence[object]) -> list[str]:
     ]
 
 
+def named_items(items: Sequence[object]) -> dict[str, Any]:
+    """The items of a list by their names, or else by their numbers."""
+    return {label.strip("[]"): item for label, item in zip(item_labels(items), items, strict=True)}
+
+
 def alternatives(annotation: Any) -> tuple[Any, ...]:
     """What an annotation allows, one by one: without Annotated and without None."""
     while get_origin(annotation) is Annotated:

@@ -16,7 +16,7 @@ from rollerrig.config.errors import show_value
 from rollerrig.config.schema.case import CaseTables, Contact, SupportChoice, VehicleChoice
 from rollerrig.config.schema.support import Rig
 from rollerrig.config.schema.units import AS_WRITTEN
-from rollerrig.config.validate.messages import item_labels
+from rollerrig.config.validate.messages import named_items
 from rollerrig.config.write.explain import unit_of
 from rollerrig.config.write.toml import plain, text_of
 
@@ -83,7 +83,7 @@ def _items(value: Any) -> Raw | None:
     if isinstance(value, dict):
         return value
     if isinstance(value, list) and value and isinstance(value[0], dict):
-        return {label.strip("[]"): item for label, item in zip(item_labels(value), value, strict=True)}
+        return named_items(value)
     return None
 
 
