@@ -99,15 +99,11 @@ def explain(key: str) -> str:
         >>> explain("time.duration").splitlines()[2].split()
         ['unit', 's']
     """
-    parts = (
-        re.sub(r"\[(\d+)\]", r".\1", key.strip())
-        .replace("vehicle.data.", "vehicle.")
-        .replace("support.data.", "support.")
-    )
+    parts = re.sub(r"\[(\d+)\]", r".\1", key.strip())
+    parts = parts.replace("vehicle.data.", "vehicle.").replace("support.data.", "support.")
     found = [place for place in key_places() if place.key == parts]
     found = found or [place for place in key_places() if place.matches(parts.split("."))]
-    if not found:
-        found = [place for place in key_places() if place.key.endswith(f".{parts}")]
+    found = found or [place for place in key_places() if place.key.endswith(f".{parts}")]
     if not found:
         return _unknown(key)
     texts = _texts(found)
@@ -181,7 +177,6 @@ def _texts(places: list[KeyPlace]) -> list[str]:
 def _text(alike: list[KeyPlace]) -> str:
     place = alike[0]
     field = place.field
-    default = default_text(field)
     holder = place.key.rpartition(".")[0]
     tags = [f"'{tag}'" for one in alike if (tag := tag_of(one.table)) and not one.key.endswith(".kind")]
     kind = f" of kind {' or '.join(tags)}" if tags else ""
@@ -189,7 +184,7 @@ def _text(alike: list[KeyPlace]) -> str:
     rows = [
         ("meaning", field.description or ""),
         ("unit", unit_text(field) or "none"),
-        ("default", {"required": "none: it must be given", "": _absent(field)}.get(default, default).replace("`", "'")),
+        ("default", _default(field)),
         ("allowed", _allowed(place)),
         ("belongs to", f"[{holder}]{kind} of a {place.file}{summary}" if holder else f"a {place.file}"),
         ("used by", _users(place)),
@@ -198,19 +193,10 @@ def _text(alike: list[KeyPlace]) -> str:
     return "\n".join([place.key, *(f"  {what:10} {text}" for what, text in rows if text)])
 
 
-def _absent(field: FieldInfo) -> str:
-    kind = getattr(field.default, "kind", None)
-    if kind:
-        return f"'{kind}'"
-    if isinstance(field.default, BaseModel):
-        return "that of the keys in it"
-    return "none: absent" if field.default is None else "none: empty"
-
-
 def _allowed(place: KeyPlace) -> str:
     """A number with its unit, names of kinds, or the type; what is shorter than a table first."""
     quantity = _quantity_at(place.field)
-    words = type_text(place.field).replace("`", "")
+    words = _type_text(place.field)
     if quantity is None:
         tags = [tag for table in _below(place.field.annotation)[0] if (tag := tag_of(table))]
         words = f"a {words}" if words.startswith("table") and not words.startswith("tables") else words
@@ -307,13 +293,13 @@ def unit_text(field: FieldInfo) -> str:
     return quantity.unit if quantity and quantity.unit != "1" else ""
 
 
-def type_text(field: FieldInfo) -> str:
+def _type_text(field: FieldInfo) -> str:
     """What may stand at a field, in words."""
     names: list[str] = []
     for part in alternatives(field.annotation):
         origin, arguments = get_origin(part), get_args(part)
         if origin is Literal:
-            names.append(" or ".join(f'`"{choice}"`' for choice in arguments))
+            names.append(" or ".join(f'"{choice}"' for choice in arguments))
         elif isinstance(part, type) and issubclass(part, BaseModel):
             names.append("table")
         elif origin is tuple:
@@ -345,15 +331,17 @@ def _number(value: object) -> str:
     return f"{value:g}" if isinstance(value, float) else str(value)
 
 
-def default_text(field: FieldInfo) -> str:
-    """The default as a file would have it, "required", or "" where absence is the default."""
+def _default(field: FieldInfo) -> str:
+    """The default as a file would have it, or why there is none."""
     if isinstance(field.json_schema_extra, dict) and INSTEAD_OF in field.json_schema_extra:
-        return f"this or `{field.json_schema_extra[INSTEAD_OF]}`"
+        return f"this or '{field.json_schema_extra[INSTEAD_OF]}'"
     if field.is_required():
-        return "required"
+        return "none: it must be given"
     default = field.default
-    if default is None or default in ((), {}, "") or isinstance(default, BaseModel):
-        return ""
+    if isinstance(default, BaseModel):
+        return f"'{default.kind}'" if hasattr(default, "kind") else "that of the keys in it"
+    if default is None or default in ((), {}, ""):
+        return "none: absent" if default is None else "none: empty"
     if isinstance(default, bool):
         return "true" if default else "false"
     if isinstance(default, tuple):
