@@ -78,7 +78,16 @@ def read_document(kind: CatalogKind, name: str | Path, folder: Path | None = Non
         path, label = catalog_file(kind, text), f"{text} (catalogue)"
     else:
         path, label = (folder or Path()) / text, text
-    return Document(_read_toml(path, label, kind), label, path.parent)
+    try:
+        content = read_input(path, LARGEST_TEXT).decode("utf-8")
+    except (FileNotFoundError, NotADirectoryError):
+        raise ConfigError([_missing(path, label, kind)]) from None
+    except UnicodeDecodeError as error:
+        raise ConfigError.of(label, "", f"byte {error.start} is not UTF-8", "allowed: a text") from None
+    except OSError as error:
+        reason, allowed = error.strerror or str(error), "allowed: a TOML file that can be read"
+        raise ConfigError.of(label, "", reason, allowed) from None
+    return parse_document(content, label, path.parent)
 
 
 def parse_document(text: str, file: str, folder: Path | None = None) -> Document:
@@ -93,19 +102,6 @@ def parse_document(text: str, file: str, folder: Path | None = None) -> Document
         raise ConfigError.of(file, "", "not TOML", str(error)) from None
     except (ValueError, RecursionError) as error:  # an integer of thousands of digits; brackets nested beyond reason
         raise ConfigError.of(file, "", "not TOML that can be read", str(error)) from None
-
-
-def _read_toml(path: Path, label: str, kind: CatalogKind) -> dict[str, Any]:
-    try:
-        text = read_input(path, LARGEST_TEXT).decode("utf-8")
-    except (FileNotFoundError, NotADirectoryError):
-        raise ConfigError([_missing(path, label, kind)]) from None
-    except UnicodeDecodeError as error:
-        raise ConfigError.of(label, "", f"byte {error.start} is not UTF-8", "allowed: a text") from None
-    except OSError as error:
-        reason, allowed = error.strerror or str(error), "allowed: a TOML file that can be read"
-        raise ConfigError.of(label, "", reason, allowed) from None
-    return parse_document(text, label).raw
 
 
 def _missing(path: Path, label: str, kind: CatalogKind) -> ConfigProblem:
