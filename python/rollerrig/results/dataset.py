@@ -145,7 +145,7 @@ def body_variable(name: str) -> str:
 
 
 def run_dataset(model: AssembledModel, times: Array, rows: Array, outcome: Outcome) -> xr.Dataset:
-    """The Dataset of a run as `run_draft` has it: without the energy audit."""
+    """The Dataset of a run as `run_draft` has it."""
     return run_draft(model, times, rows, outcome).dataset()
 
 

@@ -348,11 +348,7 @@ def feedback_gains(model: AssembledModel) -> tuple[float, float]:
 
 
 def estimator_response(model: AssembledModel) -> dict[str, tuple[float, float]]:
-    """Measured bandwidth [Hz] and delay of slow changes [s] of the estimates 'force' and 'torque', with exact sensors.
-
-    Args:
-        model: of a case with [rig_control].
-    """
+    """Measured bandwidth [Hz] and delay of slow changes [s] of the estimates 'force' and 'torque', with exact sensors."""
     control = model.case.rig_control
     assert control is not None
     found = _core.estimator_response(estimator(control), assumed_parameters(model), control.sample_time)

@@ -193,13 +193,9 @@ def prepare(
     may_drift: bool = False,
     output_step: float | None = None,
 ) -> _core.Simulation:
-    """A simulation of a model with everything that acts on it, at its start.
+    """A simulation of a model with everything that acts on it, at its start; the user's controllers by table of the case.
 
-    Args:
-        model: assembled with its actuators.
-        users: the user's controllers, by table of the case.
-        may_drift: also where nothing holds the vehicle along the track on its rollers.
-        output_step: interval of what it records [s]; None: that of the case.
+    It records every `output_step` [s], None: that of the case; `may_drift`: also where nothing holds the vehicle.
 
     Raises:
         ConfigError: the fixed step is unstable, a disturbance moves what is locked, or nothing holds the vehicle on its rollers.
@@ -222,15 +218,9 @@ def begin(
     end_time: float | None = None,
     output_step: float | None = None,
 ) -> None:
-    """Prepare a simulation with the settings of the model's case.
+    """Prepare a simulation with the settings of its model's case, from a state at the start time [s].
 
-    Args:
-        simulation: the simulation.
-        model: its model.
-        state: state at the start.
-        start_time: time at the start [s].
-        end_time: which a step ends at exactly [s]; None: the duration of the case.
-        output_step: interval of what it records [s]; None: that of the case.
+    A step ends exactly at `end_time` [s], and it records every `output_step` [s]; None: as the case says.
 
     Raises:
         ConfigError: the fixed step is beyond the stability limit of the method at the start.

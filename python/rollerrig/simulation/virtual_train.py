@@ -24,10 +24,7 @@ _GRADIENT = 0.01
 
 
 def load_transfer(model: AssembledModel) -> list[float]:
-    """Change of each axle's load per acceleration of the train, forward [kg].
-
-    Args:
-        model: of a case with [rig_control], whose key `load_transfer` decides.
+    """Change of each axle's load per acceleration of the train, forward [kg], as the case's key `load_transfer` says.
 
     Raises:
         StartError: the vehicle has no equilibrium on track.

@@ -97,13 +97,7 @@ def seen_from_rail(
 ) -> Array:
     """Lateral and vertical displacement of a wheelset in the axes of a rail that rolls about its centre of mass (..., 2) [m].
 
-    Args:
-        model: of the run.
-        under: the rail; a roller does not roll, "": nothing moves.
-        wheelset: its name.
-        y: lateral displacement of the wheelset less that of the rail [m].
-        z: the same upwards.
-        roll: of the rail [rad].
+    y and z are those of the wheelset less those of the rail [m], roll that of the rail [rad]; under "" nothing moves.
     """
     if not under:
         return np.stack([y, z], axis=-1)
@@ -131,31 +125,12 @@ def static_contact(model: AssembledModel, wheelset: str) -> _core.StaticWheelset
     return _core.StaticWheelsetContact(model.core, of_side["left"], of_side["right"])
 
 
-PATCH = (
-    "x",
-    "y",
-    "z",
-    "peak_pressure",
-    "length",
-    "width",
-    "a",
-    "b",
-    "normal",
-    "contact_angle",
-    "creep_force_x",
-    "creep_force_y",
-    "sliding_x",
-    "sliding_y",
-)
+PATCH = (*PLACE, "a", "b", "normal", "contact_angle", "creep_force_x", "creep_force_y", "sliding_x", "sliding_y")
 _POSE = ("longitudinal", "lateral", "vertical", "yaw", "roll")
 
 
 class LiveContacts:
-    """The most loaded patch of every wheel.
-
-    Args:
-        model: of the run.
-    """
+    """The most loaded patch of every wheel."""
 
     def __init__(self, model: AssembledModel) -> None:
         self._wheels = [

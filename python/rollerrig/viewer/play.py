@@ -78,12 +78,7 @@ def play(
 
 
 class Theatre:
-    """A simulation on its clock, and those who look on.
-
-    Args:
-        case: what is run.
-        exhibition: whether it is in front of an audience.
-    """
+    """A simulation on its clock, and those who look on; `exhibition`: an audience."""
 
     def __init__(self, case: Case, exhibition: bool = False) -> None:
         self.run = LiveRun(case)

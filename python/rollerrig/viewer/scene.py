@@ -161,14 +161,9 @@ def head_of(
     way: tuple[float, float],
     acting: tuple[int, bool, bool],
 ) -> dict[str, Any]:
-    """What every scene says of its model.
+    """What every scene says of its model: texts (label, case, title, how it ended), elements as the page draws them.
 
-    Args:
-        model: what is shown.
-        texts: label, case, title, and how it ended.
-        elements: as the page draws them.
-        way: least and greatest distance of the line that is drawn [m].
-        acting: patches of a wheel, and whether there are brakes and motors.
+    The line between the least and greatest distance [m]; patches of a wheel, and whether there are brakes and motors.
     """
     return {
         **dict(zip(("label", "case", "title", "status"), texts, strict=True)),
