@@ -22,6 +22,7 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
+from rollerrig.common.arrays import Array
 from rollerrig.common.formatting import number
 from rollerrig.results.marks import PROGRAM
 
@@ -145,6 +146,12 @@ def panels(
         axes[min(len(given()) or len(axes), len(axes)) - 1].set_xlabel(xlabel)
         if legend:
             legend_above(figure, axes[0])
+
+
+def cell_edges(values: Array) -> Array:
+    """Edges of the cells around two or more values: half-way between them."""
+    middle = 0.5 * (values[1:] + values[:-1])
+    return np.concatenate([[2.0 * values[0] - middle[0]], middle, [2.0 * values[-1] - middle[-1]]])
 
 
 def colour(number: int) -> str:

@@ -34,16 +34,9 @@ class Callout:
 
 
 def callouts(axes: Axes, named: Sequence[Callout], *, wide: bool = False, above: float = 6.0) -> int:
-    """Write the names above the axes, in more rows where one is too short.
+    """Write the names above the axes, whose position and limits are settled; how many rows they need.
 
-    Args:
-        axes: whose position and limits are settled.
-        named: what is named.
-        wide: whether the row may go on to the right edge of the figure; else it ends with the axes.
-        above: room between the axes and the lowest row [points].
-
-    Returns:
-        Rows.
+    `wide`: a row may go on to the right edge of the figure; `above`: room between the axes and the lowest row [points].
     """
     figure = cast(Figure, axes.get_figure(root=True))
     points = 72.0 / figure.dpi

@@ -114,8 +114,8 @@ def serve_model(
         assembled: as `rollerrig.read_model` gives it.
         rate: of commands and sensors [Hz]; its period is a multiple of the model's sampling step.
         name: of its file, for messages.
-        outputs: names of what is sent, '*' stands for anything; empty: what the controllers outside measure.
-        safe: values of commands in the safe state, by name; 0 for the others, for the running speed that of the case.
+        outputs: as for `serve_case`.
+        safe: as there.
 
     Raises:
         ConfigError: the rate, a name or a value is not allowed.
