@@ -12,7 +12,7 @@ import io
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
-from typing import Any, Literal, Protocol, cast
+from typing import Any, Literal, cast
 
 import matplotlib as mpl
 import numpy as np
@@ -29,14 +29,7 @@ from rollerrig.results.marks import PROGRAM
 _GIVEN: ContextVar[tuple[Axes, ...]] = ContextVar("axes of the caller's own", default=())
 
 
-class Draw(Protocol):
-    """A function that draws results into a new figure, or into axes."""
-
-    def __call__(self, *results: Any, axes: Axes | Sequence[Axes] | None = None, **options: Any) -> Any:
-        """The new figure, or the axes."""
-
-
-def into_axes(draw: Callable[..., Figure]) -> Draw:
+def into_axes(draw: Callable[..., Figure]) -> Callable[..., Any]:
     """The function in the house style, with a last argument `axes`: what it is given is drawn into, and returned."""
     styled = house_style()(draw)
 
@@ -57,7 +50,7 @@ def into_axes(draw: Callable[..., Figure]) -> Draw:
         "axes", inspect.Parameter.KEYWORD_ONLY, default=None, annotation="Axes | Sequence[Axes] | None"
     )
     drawn.__signature__ = own.replace(parameters=[*own.parameters.values(), extra])  # type: ignore[attr-defined]
-    return cast(Draw, drawn)
+    return drawn
 
 
 def given() -> tuple[Axes, ...]:

@@ -193,8 +193,8 @@ def _blocks() -> list[tuple[tuple[str, ...], list[Field], dict[str, str]]]:
     return [
         (("body",), _core.body_fields, {f[0]: body_variable(f[0]) for f in _core.body_fields}),
         (("wheel",), _core.wheel_fields, {}),
-        (("wheel", "patch"), _core.patch_fields, _prefixed("patch_", _core.patch_fields)),
-        (("element",), _core.element_fields, _prefixed("element_", _core.element_fields)),
+        (("wheel", "patch"), _core.patch_fields, {f[0]: f"patch_{f[0]}" for f in _core.patch_fields}),
+        (("element",), _core.element_fields, {f[0]: f"element_{f[0]}" for f in _core.element_fields}),
         ((), _core.run_fields, _RUN_NAMES),
         (("axle",), _core.axle_fields, {}),
         ((), _core.train_fields, {}),
@@ -262,10 +262,6 @@ def _parts(
             {"long_name": "wheelset under test, or simulated axle of the train"},
         )
     return xr.Coordinates(coordinates)
-
-
-def _prefixed(prefix: str, fields: list[Field]) -> dict[str, str]:
-    return {name: prefix + name for name, _, _ in fields}
 
 
 def _attributes(model: AssembledModel, outcome: Outcome) -> dict[str, Any]:

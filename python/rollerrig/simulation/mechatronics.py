@@ -85,7 +85,7 @@ def _cell(case: Case) -> float:
     return case.adhesion.cell_length if case.adhesion else float(Adhesion.model_fields["cell_length"].default)
 
 
-def _memory(case: Case) -> dict[str, float]:
+def _memory(case: Case) -> dict[str, Any]:
     """Width over which a wheel's dissipated energy is spread, 0: of its patches, 1: energy per metre; its memory [m]."""
     per_length = case.adhesion is not None and case.adhesion.recovery_per == "length"
     return {"energy_width": float(per_length), "wheel_memory": case.adhesion.wheel_memory if case.adhesion else 0.0}
