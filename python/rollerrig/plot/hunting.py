@@ -164,18 +164,10 @@ def bifurcation_diagram(branch: xr.Dataset) -> Figure:
         speed = np.concatenate([[linear], branch["speed"].to_numpy()])
         amplitude = np.concatenate([[0.0], 1e3 * branch["amplitude"].to_numpy()])
         stable = branch["stable"].to_numpy() == 1
-        for holds, name, style in ((True, "stable", "-"), (False, "unstable", "--")):
+        for ink, holds, name, style in ((0, True, "stable", "-"), (1, False, "unstable", "--")):
             for number, part in enumerate(_stretches(stable == holds)):
                 one = slice(part.start, part.stop + 1)  # from the point before it
-                line(
-                    axes,
-                    speed[one],
-                    amplitude[one],
-                    0 if holds else 1,
-                    style,
-                    name if number == 0 else "",
-                    linewidth=1.6,
-                )
+                line(axes, speed[one], amplitude[one], ink, style, name if number == 0 else "", linewidth=1.6)
         for fold in json.loads(branch.attrs["folds"]):
             at = fold["speed_kmh"], fold["amplitude_mm"]
             axes.plot(*at, "o", color="black", markersize=4)

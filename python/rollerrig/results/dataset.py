@@ -245,23 +245,14 @@ def _parts(
     bodies: tuple[str, ...], wheels: tuple[str, ...], elements: tuple[str, ...], axles: tuple[str, ...]
 ) -> xr.Coordinates:
     """Coordinates of the dimensions that are no times; `axles` empty: there is no such dimension."""
-    coordinates: dict[str, Variable] = {
-        "body": ("body", list(bodies), {"long_name": "body"}),
-        "wheel": ("wheel", list(wheels), {"long_name": "wheel"}),
-        "patch": (
-            "patch",
-            np.arange(1, _core.patches_recorded + 1),
-            {"long_name": "patch of a wheel, from the flange outwards"},
-        ),
-        "element": ("element", np.array(elements, dtype=str), {"long_name": "force element"}),
+    coordinates = {
+        "body": (list(bodies), "body"),
+        "wheel": (list(wheels), "wheel"),
+        "patch": (np.arange(1, _core.patches_recorded + 1), "patch of a wheel, from the flange outwards"),
+        "element": (np.array(elements, dtype=str), "force element"),
+        **({"axle": (list(axles), "wheelset under test, or simulated axle of the train")} if axles else {}),
     }
-    if axles:
-        coordinates["axle"] = (
-            "axle",
-            list(axles),
-            {"long_name": "wheelset under test, or simulated axle of the train"},
-        )
-    return xr.Coordinates(coordinates)
+    return xr.Coordinates({name: (name, of, {"long_name": meaning}) for name, (of, meaning) in coordinates.items()})
 
 
 def _attributes(model: AssembledModel, outcome: Outcome) -> dict[str, Any]:

@@ -39,9 +39,8 @@ BRAKE_UNIT = "brake_unit"
 
 def roles_of(case: Case) -> list[str]:
     """Tables of the controllers that the case has; each brake has a unit, with a table or without."""
-    return [
-        role for role in COMMANDS if getattr(case, role) is not None or (role == BRAKE_UNIT and case.brake is not None)
-    ]
+    own_unit = {BRAKE_UNIT} if case.brake is not None else set()
+    return [role for role in COMMANDS if getattr(case, role) is not None or role in own_unit]
 
 
 def with_brake_unit(case: Case, roles: Collection[str]) -> Case:
@@ -118,11 +117,7 @@ def close_controllers(users: Mapping[str, UserController]) -> None:
 
 def provenance_of(users: Mapping[str, UserController]) -> dict[str, str]:
     """Attributes of results that say which FMUs took part, `slide_protection_fmu` and so on."""
-    return {
-        f"{role}_fmu": controller.provenance
-        for role, controller in users.items()
-        if isinstance(controller, FmuController)
-    }
+    return {f"{role}_fmu": user.provenance for role, user in users.items() if isinstance(user, FmuController)}
 
 
 def look_at_controller(code: Code, file: str) -> None:

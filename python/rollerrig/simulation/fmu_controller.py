@@ -129,11 +129,8 @@ class FmuController:
 
     def _get(self, link: Link) -> list[Any]:
         read = getattr(self._fmu, f"get{_kind(link)}")
-        values: list[Any] = (
-            read(list(link.references))
-            if link.width == len(link.references)
-            else read(list(link.references), nValues=link.width)
-        )
+        of_array = {} if link.width == len(link.references) else {"nValues": link.width}
+        values: list[Any] = read(list(link.references), **of_array)
         return values
 
     def _hear(self, *told: Any) -> None:

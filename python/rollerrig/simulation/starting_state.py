@@ -218,11 +218,8 @@ def degrees_of_freedom(model: AssembledModel) -> dict[str, list[str]]:
     simulation = _core.Simulation(model.core)
     free: dict[str, list[str]] = {}
     for body, coordinates, rates in zip(model.bodies, simulation.coordinate_index, simulation.rate_index, strict=True):
-        free[body] = [
-            direction if coordinate >= 0 else "spin"
-            for direction, coordinate, rate in zip(DIRECTIONS, coordinates, rates, strict=True)
-            if rate >= 0
-        ]
+        own = zip(DIRECTIONS, coordinates, rates, strict=True)
+        free[body] = [direction if coordinate >= 0 else "spin" for direction, coordinate, rate in own if rate >= 0]
     return free
 
 

@@ -146,11 +146,8 @@ class LiveContacts:
             z -= frame.get(f"w{number}.rail_vertical", 0.0)
             y, z = seen(y, z, moved[-1]).tolist()
             patches = contact.patches(x, y, z, yaw, roll, right) if math.isfinite(x + y + z + yaw + roll) else []
-            found += (
-                _columns(max(patches, key=lambda patch: patch.normal), frame, number)
-                if patches
-                else [math.nan] * len(PATCH)
-            )
+            loaded = max(patches, key=lambda patch: patch.normal, default=None)
+            found += [math.nan] * len(PATCH) if loaded is None else _columns(loaded, frame, number)
         return found
 
 
@@ -158,11 +155,5 @@ def _columns(patch: _core.StaticPatch, frame: Mapping[str, float], number: int) 
     inwards = -patch.direction[1] if not patch.right else patch.direction[1]
     shape = (patch.peak_pressure, patch.length, patch.width, patch.a, patch.b, patch.normal)
     slip = (frame.get(f"w{number}.{name}_sliding", math.nan) for name in ("longitudinal", "lateral"))
-    return [
-        *patch.point,
-        *shape,
-        math.atan2(inwards, patch.direction[2]),
-        frame.get(f"w{number}.creep", 0.0),
-        0.0,
-        *slip,
-    ]
+    angle, creep = math.atan2(inwards, patch.direction[2]), frame.get(f"w{number}.creep", 0.0)
+    return [*patch.point, *shape, angle, creep, 0.0, *slip]
