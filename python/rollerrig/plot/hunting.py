@@ -123,8 +123,7 @@ def limit_cycle_diagram(cycles: xr.Dataset, modes: xr.Dataset | None = None) -> 
         modes: Dataset of `stability`: its linear critical speed, and the frequency of hunting for comparison.
     """
     labels = ("lateral amplitude of wheelsets [mm]", "frequency [Hz]", "largest |Y| [kN]")
-    ratios = {"height_ratios": (2.2, 1, 1)}
-    with panels(labels, "speed [km/h]", 7.0, legend=False, gridspec_kw=ratios) as (figure, axes):
+    with panels(labels, "speed [km/h]", 7.0, legend=False, height_ratios=(2.2, 1, 1)) as (figure, axes):
         amplitude, frequency, force = axes
         for sweep, drawn in LOOKS.items():
             _sweep(axes, cycles.isel(cycle_point=cycles["cycle_sweep"].to_numpy() == sweep), sweep, drawn)

@@ -354,10 +354,8 @@ def _check_results(path: Path) -> None:
     import h5py
 
     with h5py.File(path, "r") as file:
-        found, writer = (
-            np.ravel(file.attrs.get("format", "none")),
-            file.attrs.get("rollerrig_version", "another program"),
-        )
+        found = np.ravel(file.attrs.get("format", "none"))
+        writer = file.attrs.get("rollerrig_version", "another program")
         if found.tolist() != [FORMAT]:
             raise ResultsError(
                 f"{path}: results of another version (rollerrig {writer}, format {found[0] if found.size else 'none'}); this "

@@ -33,15 +33,10 @@ Group = dict[str, Any]
 def plots(head: dict[str, Any]) -> list[Group]:
     """The groups that have at least one curve."""
     columns, bodies = head["columns"], head["bodies"]
-    moving = [
-        (number, body["name"].replace("_", " "))
-        for number, body in enumerate(bodies)
-        if body["kind"] not in ("roller", "rail")
-    ]
-    wheels = [
-        (number, wheel["name"].replace("wheelset_", "").replace("_", " "))
-        for number, wheel in enumerate(head["wheels"])
-    ]
+    named = [(number, body["name"].replace("_", " ")) for number, body in enumerate(bodies)]
+    moving = [one for one, body in zip(named, bodies, strict=True) if body["kind"] not in ("roller", "rail")]
+    short = [wheel["name"].replace("wheelset_", "") for wheel in head["wheels"]]
+    wheels = [(number, name.replace("_", " ")) for number, name in enumerate(short)]
     axles = [(number, name.replace("_", " ")) for number, name in enumerate(head["axles"])]
     radius, roller = head["shapes"]["wheel_radius"], head["shapes"]["roller_radius"]
 
