@@ -339,17 +339,10 @@ def march(
     users: Mapping[str, UserController] | None = None,
     report: Callable[[float, int], None] | None = None,
 ) -> tuple[int, int]:
-    """Advance a simulation that has begun, in slices that last about 0.2 s of the clock.
+    """Advance a simulation that stands at a time [s] until another [s], in slices that last about 0.2 s of the clock.
 
-    Args:
-        simulation: the simulation.
-        until: time of the end [s].
-        times: room for the output times, shape (time,).
-        rows: and for what is recorded, shape (time, width).
-        slice_length: of the first slice [s].
-        begin_at: time at which the simulation stands [s].
-        users: the user's controllers, asked at their instants.
-        report: called after each slice with the time [s] and the number of rows.
+    Output times and what is recorded go into `times` and `rows`, shapes (time,) and (time, width). The first slice has a length
+    [s]; `report` is called after each with the time [s] and the number of rows.
 
     Returns:
         Code of the first status that is not ok, or of ok; and the rows filled.

@@ -106,10 +106,7 @@ _PAUSE = 1.5
 
 
 class LiveRun:
-    """The simulation.
-
-    Args:
-        case: what is run, from its beginning.
+    """The simulation of a case, from its beginning.
 
     Raises:
         ConfigError: a controller of the case is written in Python, or nothing holds the vehicle on its rollers.

@@ -117,12 +117,7 @@ class Scene:
 
 
 def run_scene(run: xr.Dataset, *, label: str = "", most: int = MOST_FRAMES) -> Scene:
-    """The scene of a run.
-
-    Args:
-        run: results of `simulate`.
-        label: how it is called beside another one; by default its case.
-        most: frames.
+    """The scene of a run with at most so many frames, called by its label or its case.
 
     Raises:
         ResultsError: the results hold no motion, or their case cannot be read by this version.
