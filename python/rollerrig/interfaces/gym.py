@@ -104,12 +104,7 @@ class BenchEnv(gymnasium.Env[Array, Any]):
     # ------------------------------------------------------------------------------------------------- an episode
 
     def reset(self, *, seed: int | None = None, options: dict[str, Any] | None = None) -> tuple[Array, dict[str, Any]]:
-        """Begin the test anew.
-
-        Args:
-            seed: of the sensors' noise.
-            options: none are known, none are looked at.
-        """
+        """Begin the test anew; `seed` of the sensors' noise, no options are known."""
         super().reset(seed=seed, options=options)
         if self.case.sensors is not None:
             self.case = self.case.with_changes({"sensors.seed": int(self.np_random.integers(2**31))})
@@ -119,11 +114,7 @@ class BenchEnv(gymnasium.Env[Array, Any]):
         return self._observed(), self._info("ok")
 
     def step(self, action: Any) -> tuple[Array, float, bool, bool, dict[str, Any]]:
-        """Give the commands of one sample, and run to the next.
-
-        Args:
-            action: one per axle.
-        """
+        """Give the commands of one sample, one per axle, and run to the next."""
         given = np.asarray(action, dtype=float)
         if self.controller != "slide_protection":
             given = self._low + 0.5 * (np.clip(given, -1.0, 1.0) + 1.0) * (self._high - self._low)

@@ -5,70 +5,41 @@ With `axes=` they draw into axes of your own and return these: one, or several f
 Datasets of run and analysis -> [plot] -> Figure -> report, files
 """
 
-from rollerrig.plot.contact import (
-    comparison_figure,
-    contact_figure,
-    creep_comparison_figure,
-    creep_figure,
-    profile_figure,
-)
-from rollerrig.plot.hunting import (
-    amplitude_over_speed,
-    bifurcation_diagram,
-    hunting_over_time,
-    limit_cycle_diagram,
-    ramp_over_speed,
-    tornado_diagram,
-    traction_forces,
-    traction_sliding,
-)
-from rollerrig.plot.modes import (
-    damping_map,
-    damping_over_speed,
-    frequency_over_speed,
-    mode_shape,
-    mode_shapes,
-    root_locus,
-    shape_speed,
-)
-from rollerrig.plot.run import curving_over_radius, energy_over_time, motion_over_time, runs_together, sliding_over_time
-from rollerrig.plot.style import figure_bytes
-from rollerrig.plot.vehicle import vehicle
-from rollerrig.plot.wheel_rail_forces import accelerations_along, line_and_response, quotient, track_shifting, wear
-from rollerrig.plot.wheel_rail_forces import wheel_forces as wheel_forces_over_time
+from inspect import isfunction
 
-__all__ = [
-    "accelerations_along",
-    "amplitude_over_speed",
-    "bifurcation_diagram",
-    "comparison_figure",
-    "contact_figure",
-    "creep_comparison_figure",
-    "creep_figure",
-    "curving_over_radius",
-    "damping_map",
-    "damping_over_speed",
-    "energy_over_time",
-    "figure_bytes",
-    "frequency_over_speed",
-    "hunting_over_time",
-    "limit_cycle_diagram",
-    "line_and_response",
-    "mode_shape",
-    "mode_shapes",
-    "motion_over_time",
-    "profile_figure",
-    "quotient",
-    "ramp_over_speed",
-    "root_locus",
-    "runs_together",
-    "shape_speed",
-    "sliding_over_time",
-    "tornado_diagram",
-    "track_shifting",
-    "traction_forces",
-    "traction_sliding",
-    "vehicle",
-    "wear",
-    "wheel_forces_over_time",
-]
+from rollerrig.plot.contact import comparison_figure as comparison_figure
+from rollerrig.plot.contact import contact_figure as contact_figure
+from rollerrig.plot.contact import creep_comparison_figure as creep_comparison_figure
+from rollerrig.plot.contact import creep_figure as creep_figure
+from rollerrig.plot.contact import profile_figure as profile_figure
+from rollerrig.plot.hunting import amplitude_over_speed as amplitude_over_speed
+from rollerrig.plot.hunting import bifurcation_diagram as bifurcation_diagram
+from rollerrig.plot.hunting import hunting_over_time as hunting_over_time
+from rollerrig.plot.hunting import limit_cycle_diagram as limit_cycle_diagram
+from rollerrig.plot.hunting import ramp_over_speed as ramp_over_speed
+from rollerrig.plot.hunting import tornado_diagram as tornado_diagram
+from rollerrig.plot.hunting import traction_forces as traction_forces
+from rollerrig.plot.hunting import traction_sliding as traction_sliding
+from rollerrig.plot.modes import damping_map as damping_map
+from rollerrig.plot.modes import damping_over_speed as damping_over_speed
+from rollerrig.plot.modes import frequency_over_speed as frequency_over_speed
+from rollerrig.plot.modes import mode_shape as mode_shape
+from rollerrig.plot.modes import mode_shapes as mode_shapes
+from rollerrig.plot.modes import root_locus as root_locus
+from rollerrig.plot.modes import shape_speed as shape_speed
+from rollerrig.plot.run import curving_over_radius as curving_over_radius
+from rollerrig.plot.run import energy_over_time as energy_over_time
+from rollerrig.plot.run import motion_over_time as motion_over_time
+from rollerrig.plot.run import runs_together as runs_together
+from rollerrig.plot.run import sliding_over_time as sliding_over_time
+from rollerrig.plot.style import figure_bytes as figure_bytes
+from rollerrig.plot.vehicle import vehicle as vehicle
+from rollerrig.plot.wheel_rail_forces import accelerations_along as accelerations_along
+from rollerrig.plot.wheel_rail_forces import line_and_response as line_and_response
+from rollerrig.plot.wheel_rail_forces import quotient as quotient
+from rollerrig.plot.wheel_rail_forces import track_shifting as track_shifting
+from rollerrig.plot.wheel_rail_forces import wear as wear
+from rollerrig.plot.wheel_rail_forces import wheel_forces_over_time as wheel_forces_over_time
+
+__all__ = [name for name, value in dict(globals()).items() if isfunction(value) and name != "isfunction"]
+"""All of them."""

@@ -46,11 +46,9 @@ def telling_modes(modes: Mapping[str, xr.Dataset]) -> list[str]:
     ]
 
     def apart(name: str) -> float:
-        rates = [m["growth_rate"].sel(mode=name).to_numpy() for m in modes.values()]
-        waves = [m["angular_frequency"].sel(mode=name).to_numpy() for m in modes.values()]
-        return float(
-            max(np.abs(r - rates[0]).max() + np.abs(w - waves[0]).max() for r, w in zip(rates, waves, strict=True))
-        )
+        own, of = first.sel(mode=name), [m.sel(mode=name) for m in modes.values()]
+        keys = ("growth_rate", "angular_frequency")
+        return max(sum(float(np.abs(one[key].to_numpy() - own[key].to_numpy()).max()) for key in keys) for one in of)
 
     hunting = [name for name in names if name.startswith("hunting")]
     others = [name for name in names if name not in hunting and (len(modes) == 1 or apart(name) > LEAST_DIFFERENCE)]

@@ -221,12 +221,8 @@ def creep_figure(comparison: xr.Dataset) -> Figure:
         low, high = min(saturated.min(), -0.1), max(saturated.max(), 0.1)
         grid[0][column].set_ylim(low - 0.25 * (high - low), high + 0.25 * (high - low))
     legend_below(figure, grid[0][0])
-    attributes = comparison.attrs
-    headline(
-        figure,
-        f"Creep forces on an ellipse a/b = {attributes['a_over_b']:g}, ν = {attributes['poisson_ratio']:g}; "
-        "demand 1: the linear theory asks for about μN",
-    )
+    ellipse = f"a/b = {comparison.attrs['a_over_b']:g}, ν = {comparison.attrs['poisson_ratio']:g}"
+    headline(figure, f"Creep forces on an ellipse {ellipse}; demand 1: the linear theory asks for about μN")
     return figure
 
 
@@ -240,9 +236,7 @@ def profile_figure(curve: xr.Dataset) -> Figure:
     wheel = curve.attrs["kind"] == "wheel"
     sign = -1.0 if wheel else 1.0  # the radius of a wheel grows downward
     along = 1e3 * curve["abscissa"]
-    figure, (shape, slope, curvature) = new_figure(
-        3, height=6.6, sharex=True, gridspec_kw={"height_ratios": (2.2, 1, 1)}
-    )
+    figure, (shape, slope, curvature) = new_figure(3, height=6.6, sharex=True, height_ratios=(2.2, 1, 1))
     if curve.sizes["point"]:
         low, high = float(along.min()), float(along.max())
         near = curve.where((1e3 * curve["point_abscissa"] > low) & (1e3 * curve["point_abscissa"] < high), drop=True)

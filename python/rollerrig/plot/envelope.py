@@ -14,7 +14,7 @@ from matplotlib.tri import Triangulation
 from numpy.typing import NDArray
 
 from rollerrig.common.arrays import Array
-from rollerrig.plot.style import house_style, line, new_figure, new_grid
+from rollerrig.plot.style import cell_edges, house_style, line, new_figure, new_grid
 
 FILLS: Mapping[str, tuple[str, str]] = {
     "grip": ("#e3f1e3", ""),
@@ -86,12 +86,6 @@ def _map_unit(found: xr.Dataset) -> tuple[str, float]:
     return _unit(float(np.abs(found["torque"]).max()))
 
 
-def _cells(values: Array) -> Array:
-    """Edges of the cells around values: half-way between them."""
-    middle = 0.5 * (values[1:] + values[:-1])
-    return np.concatenate(([values[0] - (middle[0] - values[0])], middle, [values[-1] + (values[-1] - middle[-1])]))
-
-
 def _nearest(regions: NDArray[np.str_]) -> NDArray[np.str_]:
     """The region of the nearest run where refining saw no need for one."""
     from scipy.ndimage import distance_transform_edt
@@ -105,7 +99,7 @@ def _nearest(regions: NDArray[np.str_]) -> NDArray[np.str_]:
 
 def _regions(axes: Axes, here: xr.Dataset) -> set[str]:
     scale = _map_unit(here)[1]
-    x, y = scale * _cells(here["torque"].to_numpy()), _cells(here["adhesion"].to_numpy())
+    x, y = scale * cell_edges(here["torque"].to_numpy()), cell_edges(here["adhesion"].to_numpy())
     regions = _nearest(here["region"].to_numpy())
     for j, row in enumerate(regions):
         ends = [0, *(np.flatnonzero(row[1:] != row[:-1]) + 1), len(row)]

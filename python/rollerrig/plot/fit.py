@@ -17,15 +17,9 @@ EVEN = 1e-3
 
 @into_axes
 def comparison(x: Array, measured: Array, fitted: Array, used: Array, along: str, label: str) -> Figure:
-    """Measured values and those of the fitted case, and the difference; rows held back in grey.
+    """Measured values over an abscissa and those of the fitted case, and the difference; rows not used in grey.
 
-    Args:
-        x: abscissa, shape (row,).
-        measured: values, shape (row,).
-        fitted: those of the fitted case, shape (row,).
-        used: whether a row was fitted to.
-        along: name of the abscissa with its unit.
-        label: name of the values with their unit.
+    All of shape (row,); the names of abscissa and values have their units.
     """
     order, size = np.argsort(x), float(np.clip(60.0 / np.sqrt(len(x)), 1.0, 4.0))
     held_back = np.logical_not(used)
@@ -40,13 +34,7 @@ def comparison(x: Array, measured: Array, fitted: Array, used: Array, along: str
 
 
 def spectrum(time: Array, residual: Array, unit: str) -> Figure | None:
-    """Amplitude density of what is left over frequency; None where the rows are not evenly spaced.
-
-    Args:
-        time: times of the rows [s].
-        residual: fitted less measured values.
-        unit: unit of the residual.
-    """
+    """Amplitude density over frequency of what is left at the times [s] of the rows; None where these are uneven."""
     from scipy.signal import welch
 
     steps = np.diff(time)

@@ -123,8 +123,7 @@ def limit_cycle_diagram(cycles: xr.Dataset, modes: xr.Dataset | None = None) -> 
         modes: Dataset of `stability`: its linear critical speed, and the frequency of hunting for comparison.
     """
     labels = ("lateral amplitude of wheelsets [mm]", "frequency [Hz]", "largest |Y| [kN]")
-    ratios = {"height_ratios": (2.2, 1, 1)}
-    with panels(labels, "speed [km/h]", 7.0, legend=False, gridspec_kw=ratios) as (figure, axes):
+    with panels(labels, "speed [km/h]", 7.0, legend=False, height_ratios=(2.2, 1, 1)) as (figure, axes):
         amplitude, frequency, force = axes
         for sweep, drawn in LOOKS.items():
             _sweep(axes, cycles.isel(cycle_point=cycles["cycle_sweep"].to_numpy() == sweep), sweep, drawn)
@@ -164,18 +163,10 @@ def bifurcation_diagram(branch: xr.Dataset) -> Figure:
         speed = np.concatenate([[linear], branch["speed"].to_numpy()])
         amplitude = np.concatenate([[0.0], 1e3 * branch["amplitude"].to_numpy()])
         stable = branch["stable"].to_numpy() == 1
-        for holds, name, style in ((True, "stable", "-"), (False, "unstable", "--")):
+        for ink, holds, name, style in ((0, True, "stable", "-"), (1, False, "unstable", "--")):
             for number, part in enumerate(_stretches(stable == holds)):
                 one = slice(part.start, part.stop + 1)  # from the point before it
-                line(
-                    axes,
-                    speed[one],
-                    amplitude[one],
-                    0 if holds else 1,
-                    style,
-                    name if number == 0 else "",
-                    linewidth=1.6,
-                )
+                line(axes, speed[one], amplitude[one], ink, style, name if number == 0 else "", linewidth=1.6)
         for fold in json.loads(branch.attrs["folds"]):
             at = fold["speed_kmh"], fold["amplitude_mm"]
             axes.plot(*at, "o", color="black", markersize=4)

@@ -151,9 +151,8 @@ def _outline(role: str, place: Array, view: str, wheelsets: Array) -> Array:
         half = (float(np.abs(near).max()) if len(near) else 1.0) + 0.15
         return _box(view, half, 1.0, -0.1, 0.1)
     half = float(np.abs(wheelsets[:, 0] - place[0]).max()) + 1.5 if len(wheelsets) else 2.0
-    return (
-        _box(view, half, 1.4, 1.0 - place[2], 3.4 - place[2]) if role == "car body" else _box(view, 0.5, 0.5, -0.3, 0.3)
-    )
+    car = half, 1.4, 1.0 - place[2], 3.4 - place[2]
+    return _box(view, *(car if role == "car body" else (0.5, 0.5, -0.3, 0.3)))
 
 
 def _wheelset(view: str) -> Array:
@@ -281,11 +280,10 @@ def damping_map(modes: xr.Dataset) -> Figure:
     shown = np.clip(values, DAMPING_STEPS[0], DAMPING_STEPS[-1] - 1e-9)
     axes.set_facecolor("#e4e4e4")
     mesh = axes.pcolormesh(edges, np.arange(len(names) + 1), shown, cmap=shades, norm=steps, rasterized=False)
+    hatched: dict[str, Any] = {"fill": False, "hatch": "////", "edgecolor": "#333333", "linewidth": 0}
     for row, value in enumerate(values):
         for low, high in zip(edges[:-1][value < 0], edges[1:][value < 0], strict=True):
-            axes.add_patch(
-                Rectangle((low, row), high - low, 1, fill=False, hatch="////", edgecolor="#333333", linewidth=0)
-            )
+            axes.add_patch(Rectangle((low, row), high - low, 1, **hatched))
     typical = modes["frequency"].isel(speed=-1).to_numpy()
     axes.set_yticks(np.arange(len(names)) + 0.5)
     axes.set_yticklabels([f"{name}  ({f:.3g} Hz)" for name, f in zip(names, typical, strict=True)], fontsize=7.5)

@@ -15,11 +15,7 @@ if TYPE_CHECKING:
 
 
 def friction_over_distance(rail: xr.Dataset) -> Figure:
-    """Friction at no slip of the rail, of each axle alone, and adhesion used [-].
-
-    Args:
-        rail: of `rollerrig.analysis.adhesion_reconstruction.reconstruct`.
-    """
+    """Friction at no slip of a reconstructed rail, of each axle alone, and adhesion used [-]."""
     along = rail["distance"].to_numpy()
     with panels(("friction\nand adhesion [-]",), "distance [m]", 3.2) as (figure, (axes,)):
         for k, axle in enumerate(rail["axle"].to_numpy()):
@@ -32,13 +28,7 @@ def friction_over_distance(rail: xr.Dataset) -> Figure:
 
 
 def stop_over_time(log: StopLog, run: xr.Dataset, radius: float) -> Figure:
-    """Speeds of train and wheels and brake pressures, measured and computed.
-
-    Args:
-        log: of the stop.
-        run: of the case on the reconstructed rail.
-        radius: of the wheels [m].
-    """
+    """Speeds of train and wheels and brake pressures, measured and computed; radius of the wheels [m]."""
     labels = ["speed [km/h]", *(f"{axle.replace('_', ' ')}\n[km/h]" for axle in log.axles), "pressure [bar]"]
     time, clock = log.time - log.time[0], run["time"].to_numpy()
     with panels(labels, "time [s]", 1.0 + 1.3 * len(labels)) as (figure, axes):

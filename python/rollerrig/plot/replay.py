@@ -9,11 +9,7 @@ from rollerrig.plot.style import line, panels
 
 
 def forces_over_time(found: xr.Dataset) -> Figure:
-    """Contact force of each axle over its static load: as estimated at the instant, without the delay, with its band [-].
-
-    Args:
-        found: of `rollerrig.analysis.controller_replay.replay`.
-    """
+    """Contact force of each axle over its static load: as estimated at the instant, without the delay, with its band [-]."""
     axles, time = found["axle"].to_numpy(), found["time"]
     labels = [f"force over load\n{axle.replace('_', ' ')} [-]" for axle in axles]
     with panels(labels, "time [s]", 1.0 + 1.8 * len(labels)) as (figure, panel):
@@ -30,7 +26,7 @@ def forces_over_time(found: xr.Dataset) -> Figure:
 
 
 def torques_over_time(found: xr.Dataset) -> Figure:
-    """Torque of each axle as drive and speeds say, and as brake and motor say [kN m]; argument as `forces_over_time`."""
+    """Torque of each axle as drive and speeds say, and as brake and motor say [kN m]."""
     axles, time = found["axle"].to_numpy(), found["time"]
     labels = [f"torque\n{axle.replace('_', ' ')} [kN m]" for axle in axles]
     with panels(labels, "time [s]", 1.0 + 1.5 * len(labels)) as (figure, panel):
@@ -42,12 +38,7 @@ def torques_over_time(found: xr.Dataset) -> Figure:
 
 
 def speeds_over_time(found: xr.Dataset, radius: float) -> Figure:
-    """Circumference of measured and virtual wheels, and the virtual train [km/h].
-
-    Args:
-        found: see `forces_over_time`.
-        radius: of the wheels [m].
-    """
+    """Circumference of measured and virtual wheels, and the virtual train [km/h]; radius of the wheels [m]."""
     axles, time = found["axle"].to_numpy(), found["time"]
     labels = [f"speed\n{axle.replace('_', ' ')} [km/h]" for axle in axles]
     with panels(labels, "time [s]", 1.0 + 1.5 * len(labels)) as (figure, panel):

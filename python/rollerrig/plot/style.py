@@ -12,7 +12,7 @@ import io
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
-from typing import Any, Literal, Protocol, cast
+from typing import Any, Literal, cast
 
 import matplotlib as mpl
 import numpy as np
@@ -22,20 +22,14 @@ from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
+from rollerrig.common.arrays import Array
 from rollerrig.common.formatting import number
 from rollerrig.results.marks import PROGRAM
 
 _GIVEN: ContextVar[tuple[Axes, ...]] = ContextVar("axes of the caller's own", default=())
 
 
-class Draw(Protocol):
-    """A function that draws results into a new figure, or into axes."""
-
-    def __call__(self, *results: Any, axes: Axes | Sequence[Axes] | None = None, **options: Any) -> Any:
-        """The new figure, or the axes."""
-
-
-def into_axes(draw: Callable[..., Figure]) -> Draw:
+def into_axes(draw: Callable[..., Figure]) -> Callable[..., Any]:
     """The function in the house style, with a last argument `axes`: what it is given is drawn into, and returned."""
     styled = house_style()(draw)
 
@@ -56,7 +50,7 @@ def into_axes(draw: Callable[..., Figure]) -> Draw:
         "axes", inspect.Parameter.KEYWORD_ONLY, default=None, annotation="Axes | Sequence[Axes] | None"
     )
     drawn.__signature__ = own.replace(parameters=[*own.parameters.values(), extra])  # type: ignore[attr-defined]
-    return cast(Draw, drawn)
+    return drawn
 
 
 def given() -> tuple[Axes, ...]:
@@ -147,6 +141,12 @@ def panels(
             legend_above(figure, axes[0])
 
 
+def cell_edges(values: Array) -> Array:
+    """Edges of the cells around two or more values: half-way between them."""
+    middle = 0.5 * (values[1:] + values[:-1])
+    return np.concatenate([[2.0 * values[0] - middle[0]], middle, [2.0 * values[-1] - middle[-1]]])
+
+
 def colour(number: int) -> str:
     """The colour of the curve of a number."""
     return COLOURS[number % len(COLOURS)]
@@ -226,20 +226,17 @@ def critical_line(axes: Axes, speed_kmh: float | tuple[float, float], label: str
         speed_kmh = speed_kmh[1]
     else:
         axes.axvline(speed_kmh, **dashes)
-    axes.annotate(
-        label,
-        (speed_kmh, 1.0),
-        (-3, -4),
-        xycoords=("data", "axes fraction"),
-        textcoords="offset points",
-        rotation=90,
-        ha="right",
-        va="top",
-        fontsize=7.5,
-        color="#444444",
-        zorder=10,
-        bbox={"boxstyle": "square,pad=0.1", "facecolor": "white", "edgecolor": "none", "alpha": 0.85},
-    )
+    ground = {"boxstyle": "square,pad=0.1", "facecolor": "white", "edgecolor": "none", "alpha": 0.85}
+    text: dict[str, Any] = {
+        "rotation": 90,
+        "ha": "right",
+        "va": "top",
+        "fontsize": 7.5,
+        "color": "#444444",
+        "zorder": 10,
+    }
+    place: dict[str, Any] = {"xycoords": ("data", "axes fraction"), "textcoords": "offset points"}
+    axes.annotate(label, (speed_kmh, 1.0), (-3, -4), bbox=ground, **place, **text)
 
 
 def critical_lines(axes: Axes, speeds_kmh: Mapping[str, float | tuple[float, float]]) -> None:

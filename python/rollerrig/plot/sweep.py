@@ -9,7 +9,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rollerrig.plot.style import COLOURS, MARKERS, house_style, logarithmic, new_figure, new_grid
+from rollerrig.plot.style import COLOURS, MARKERS, cell_edges, house_style, logarithmic, new_figure, new_grid
 
 MOST_PANELS = 6
 """Panels of a map: values of the third thing that is varied."""
@@ -131,11 +131,7 @@ def _edges(places: Any) -> Any:
     """Borders of the cells around values, one more than them: in the middle, or that of the logarithms."""
     if len(places) == 1:
         return np.array([places[0] - 0.5, places[0] + 0.5])
-    turned = np.log(places) if _is_wide(places) else np.asarray(places, dtype=np.float64)
-    middles = 0.5 * (turned[:-1] + turned[1:])
-    ends = 2.0 * turned[0] - middles[0], 2.0 * turned[-1] - middles[-1]
-    edges = np.concatenate([[ends[0]], middles, [ends[1]]])
-    return np.exp(edges) if _is_wide(places) else edges
+    return np.exp(cell_edges(np.log(places))) if _is_wide(places) else cell_edges(np.asarray(places, dtype=np.float64))
 
 
 @house_style()

@@ -19,8 +19,8 @@ from rollerrig.config import Element, Rig
 from rollerrig.plot.style import colour
 from rollerrig.plot.vehicle_scene import BODY, HELD, INK, STEEL, WHEELSET, Scene, bodies, box
 
-_LINE, _GAP = 11.0, 5.0
-"""Height of a row, and least room between two names [points]."""
+_LINE, _GAP, _ABOVE = 11.0, 5.0, 6.0
+"""Height of a row, least room between two names, and between the view and the lowest row [points]."""
 _SIZE = 6.8
 
 
@@ -33,23 +33,16 @@ class Callout:
     colour: str = "#333333"
 
 
-def callouts(axes: Axes, named: Sequence[Callout], *, wide: bool = False, above: float = 6.0) -> int:
-    """Write the names above the axes, in more rows where one is too short.
+def callouts(axes: Axes, named: Sequence[Callout], *, wide: bool) -> int:
+    """Write the names above the axes, whose position and limits are settled; how many rows they need.
 
-    Args:
-        axes: whose position and limits are settled.
-        named: what is named.
-        wide: whether the row may go on to the right edge of the figure; else it ends with the axes.
-        above: room between the axes and the lowest row [points].
-
-    Returns:
-        Rows.
+    `wide`: a row may go on to the right edge of the figure.
     """
     figure = cast(Figure, axes.get_figure(root=True))
     points = 72.0 / figure.dpi
     box = axes.get_window_extent()
     right = figure.get_figwidth() * 72.0 - _GAP if wide else box.x1 * points
-    low, high, top = box.x0 * points, right, box.y1 * points + above
+    low, high, top = box.x0 * points, right, box.y1 * points + _ABOVE
     widths = _widths(figure, named)
     anchors = [tuple(axes.transData.transform(one.place) * points) for one in named]
     order = sorted(range(len(named)), key=lambda k: anchors[k])

@@ -22,7 +22,7 @@ LEAST_RANGE = {"force": 2.0, "quotient": 0.05, "wear": 1.0, "acceleration": 0.02
 
 
 @into_axes
-def wheel_forces(forces: xr.Dataset, along: xr.DataArray | None = None) -> Figure:
+def wheel_forces_over_time(forces: xr.Dataset, along: xr.DataArray | None = None) -> Figure:
     """Wheel load Q and guiding force Y of every wheel.
 
     Args:
@@ -43,7 +43,7 @@ def quotient(forces: xr.Dataset, along: xr.DataArray | None = None, limits: dict
     """Y/Q of every wheel against its limits.
 
     Args:
-        forces: as in `wheel_forces`.
+        forces: as in `wheel_forces_over_time`.
         along: as there.
         limits: what it is -> largest Y/Q [-]; NaN: there is none. None: Nadal's.
     """
@@ -58,7 +58,7 @@ def quotient(forces: xr.Dataset, along: xr.DataArray | None = None, limits: dict
 
 @into_axes
 def track_shifting(forces: xr.Dataset, along: xr.DataArray | None = None) -> Figure:
-    """Sum of guiding forces of every wheelset against Prud'homme's limit; arguments as in `wheel_forces`."""
+    """Sum of guiding forces of every wheelset against Prud'homme's limit; arguments as in `wheel_forces_over_time`."""
     with _along(["sum of guiding forces ΣY,\nto the left [kN]"], forces, along, 3.4) as (figure, (axes,), along):
         for number, wheelset in enumerate(_names(forces["wheelset"])):
             force = 1e-3 * forces["guiding_force_sum"].sel(wheelset=wheelset)
@@ -74,7 +74,7 @@ def track_shifting(forces: xr.Dataset, along: xr.DataArray | None = None) -> Fig
 
 @into_axes
 def wear(forces: xr.Dataset, along: xr.DataArray | None = None) -> Figure:
-    """Wear number of every wheel; arguments as in `wheel_forces`."""
+    """Wear number of every wheel; arguments as in `wheel_forces_over_time`."""
     with _along(["wear number Tγ [N]"], forces, along, 3.2) as (figure, (axes,), along):
         wheel_lines(axes, along, forces["wear_number"])
         axes.set_ylim(0.0, max(axes.get_ylim()[1], LEAST_RANGE["wear"]))
@@ -88,7 +88,7 @@ def accelerations_along(points: xr.Dataset, along: xr.DataArray | None = None) -
 
     Args:
         points: what `accelerations` or `ride` returns, cut down to the points of interest.
-        along: as in `wheel_forces`.
+        along: as in `wheel_forces_over_time`.
     """
     directions = ("lateral", "vertical")
     with _along([f"{direction} [m/s²]" for direction in directions], points, along, 4.8) as (figure, axes, along):
@@ -108,7 +108,7 @@ def line_and_response(run: xr.Dataset, along: xr.DataArray | None = None) -> Fig
 
     Args:
         run: results of `simulate`; what does not change along the run is left out.
-        along: as in `wheel_forces`.
+        along: as in `wheel_forces_over_time`.
     """
     drawn = [draw for draw, worth in ((_layout, curved(run)), (_irregularity, irregular(run))) if worth]
     labels = [*[""] * len(drawn), "wheelsets,\nto the left [mm]"]

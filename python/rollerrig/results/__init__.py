@@ -18,7 +18,6 @@ from rollerrig.results.files import output_folder as output_folder
 from rollerrig.results.files import save_run as save_run
 from rollerrig.results.files import write_bytes as write_bytes
 from rollerrig.results.files import write_text as write_text
-from rollerrig.results.folder import Manifest as Manifest
 from rollerrig.results.folder import ResultFolder as ResultFolder
 from rollerrig.results.folder import check_folder as check_folder
 from rollerrig.results.folder import locked as locked

@@ -145,7 +145,7 @@ def body_variable(name: str) -> str:
 
 
 def run_dataset(model: AssembledModel, times: Array, rows: Array, outcome: Outcome) -> xr.Dataset:
-    """The Dataset of a run as `run_draft` has it: without the energy audit."""
+    """The Dataset of a run as `run_draft` has it."""
     return run_draft(model, times, rows, outcome).dataset()
 
 
@@ -193,8 +193,8 @@ def _blocks() -> list[tuple[tuple[str, ...], list[Field], dict[str, str]]]:
     return [
         (("body",), _core.body_fields, {f[0]: body_variable(f[0]) for f in _core.body_fields}),
         (("wheel",), _core.wheel_fields, {}),
-        (("wheel", "patch"), _core.patch_fields, _prefixed("patch_", _core.patch_fields)),
-        (("element",), _core.element_fields, _prefixed("element_", _core.element_fields)),
+        (("wheel", "patch"), _core.patch_fields, {f[0]: f"patch_{f[0]}" for f in _core.patch_fields}),
+        (("element",), _core.element_fields, {f[0]: f"element_{f[0]}" for f in _core.element_fields}),
         ((), _core.run_fields, _RUN_NAMES),
         (("axle",), _core.axle_fields, {}),
         ((), _core.train_fields, {}),
@@ -245,27 +245,14 @@ def _parts(
     bodies: tuple[str, ...], wheels: tuple[str, ...], elements: tuple[str, ...], axles: tuple[str, ...]
 ) -> xr.Coordinates:
     """Coordinates of the dimensions that are no times; `axles` empty: there is no such dimension."""
-    coordinates: dict[str, Variable] = {
-        "body": ("body", list(bodies), {"long_name": "body"}),
-        "wheel": ("wheel", list(wheels), {"long_name": "wheel"}),
-        "patch": (
-            "patch",
-            np.arange(1, _core.patches_recorded + 1),
-            {"long_name": "patch of a wheel, from the flange outwards"},
-        ),
-        "element": ("element", np.array(elements, dtype=str), {"long_name": "force element"}),
+    coordinates = {
+        "body": (list(bodies), "body"),
+        "wheel": (list(wheels), "wheel"),
+        "patch": (np.arange(1, _core.patches_recorded + 1), "patch of a wheel, from the flange outwards"),
+        "element": (np.array(elements, dtype=str), "force element"),
+        **({"axle": (list(axles), "wheelset under test, or simulated axle of the train")} if axles else {}),
     }
-    if axles:
-        coordinates["axle"] = (
-            "axle",
-            list(axles),
-            {"long_name": "wheelset under test, or simulated axle of the train"},
-        )
-    return xr.Coordinates(coordinates)
-
-
-def _prefixed(prefix: str, fields: list[Field]) -> dict[str, str]:
-    return {name: prefix + name for name, _, _ in fields}
+    return xr.Coordinates({name: (name, of, {"long_name": meaning}) for name, (of, meaning) in coordinates.items()})
 
 
 def _attributes(model: AssembledModel, outcome: Outcome) -> dict[str, Any]:
@@ -409,13 +396,9 @@ DIMENSION = "reading_time"
 
 
 def add_readings(draft: Draft, model: AssembledModel, times: Array, values: Array) -> None:
-    """Add the readings of a run; nothing where there are none.
+    """Add the readings of a run at their times [s], shape (reading_time,), to a draft; nothing if there are none.
 
-    Args:
-        draft: what `run_draft` returns; it is changed.
-        model: the model that was run.
-        times: of the readings [s], shape (reading_time,).
-        values: `_core.reading_fields` of one wheel after the other, then the distance; shape (reading_time, columns).
+    Of shape (reading_time, columns): `_core.reading_fields` of one wheel after the other, then the distance.
     """
     if not len(times):
         return

@@ -136,11 +136,7 @@ def write_bytes(
 ) -> Path:
     """Write a file under a temporary name and rename it; an older file of that name stays until then.
 
-    Args:
-        path: the file; its folder exists.
-        content: all of it.
-        tables: first lines of the tables that may be replaced there.
-        force: whether a file of another program may be replaced.
+    Its folder exists; what may be replaced is said as to `output_file`.
 
     Raises:
         OutputError: it could not be written, or would have replaced a file that this program did not write.
@@ -358,10 +354,8 @@ def _check_results(path: Path) -> None:
     import h5py
 
     with h5py.File(path, "r") as file:
-        found, writer = (
-            np.ravel(file.attrs.get("format", "none")),
-            file.attrs.get("rollerrig_version", "another program"),
-        )
+        found = np.ravel(file.attrs.get("format", "none"))
+        writer = file.attrs.get("rollerrig_version", "another program")
         if found.tolist() != [FORMAT]:
             raise ResultsError(
                 f"{path}: results of another version (rollerrig {writer}, format {found[0] if found.size else 'none'}); this "

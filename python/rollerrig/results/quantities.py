@@ -98,13 +98,7 @@ def _in_a_key(unit: str) -> str:
 
 
 def registered(table: str, prefix: str = "", note: str = "") -> Iterator[Quantity]:
-    """The quantities of a command or a group, in the order of the file.
-
-    Args:
-        table: of quantities.toml.
-        prefix: before each key.
-        note: what stands for {note} in meanings.
-    """
+    """The quantities of a table of quantities.toml, in its order; `note` stands for {note} in meanings."""
     for key, entry in _registry()[table].items():
         fields = {} if isinstance(entry, str) else entry
         if "group" in fields:

@@ -8,7 +8,7 @@ into summary.json are registered in study/run.py.
 """
 
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -79,24 +79,14 @@ def contact_losses(run: xr.Dataset) -> list[ContactLoss]:
 
 
 def keeps_contact(longest: float, total: float, duration: float) -> bool:
-    """Whether a wheel was without contact for no longer than vibrations explain; not where a number is missing.
-
-    Args:
-        longest: time without contact [s].
-        total: sum of all such times [s].
-        duration: of the run [s].
-    """
+    """Whether a wheel was without contact for no longer than vibrations explain [s]; not where a number is missing."""
     return longest <= LONGEST_SPELL and total <= LARGEST_PART * duration
 
 
 def contact_loss_warning(losses: Sequence[ContactLoss], duration: float, *, on_rollers: bool, advice: str = "") -> str:
-    """One line that names the wheels whose contact was lost for longer than vibrations explain; empty if there are none.
+    """One line that names the wheels whose contact was lost for longer than vibrations explain in a run of a duration [s].
 
-    Args:
-        losses: of a run.
-        duration: of the run [s].
-        on_rollers: whether it was on a rig.
-        advice: what to try, a sentence.
+    Empty if there are none; `advice`: what to try, a sentence.
     """
     gross = [loss for loss in losses if not keeps_contact(loss.longest_s, loss.total_s, duration)]
     if not gross:
@@ -112,10 +102,10 @@ def summarise(run: xr.Dataset) -> dict[str, Any]:
     return {
         **{key: attributes[key] for key in ("case", "status", "status_message", "stopped_at_s", "stopped_wheel")},
         **{key: attributes[key] for key in ("stopped_at_m", "stopped_segment", "stopped_quotient_wheel")},
-        "stopped_quotient": _number(np.array([attributes["stopped_quotient"]])),
+        "stopped_quotient": _finite(np.array([attributes["stopped_quotient"]])),
         "samples": run.sizes["time"],
-        "speed_start_kmh": _number(speed[:1]),
-        "speed_end_kmh": _number(speed[-1:]),
+        "speed_start_kmh": _finite(speed[:1]),
+        "speed_end_kmh": _finite(speed[-1:]),
         "energy_turned_over_j": attributes["energy_turned_over_j"],
         "energy_relative_residual": attributes["energy_relative_residual"],
         "warnings": attributes["warnings"],
@@ -131,10 +121,10 @@ def _body(run: xr.Dataset) -> dict[str, float | None]:
     lateral = 1e3 * _resolved(run["lateral"])
     tail = lateral[-max(1, len(lateral) // 10) :]
     return {
-        "lateral_largest_mm": _largest(lateral),
-        "lateral_end_mm": _number(lateral[-1:]),
-        "lateral_last_tenth_mm": _largest(tail),
-        "yaw_largest_mrad": _largest(1e3 * _resolved(run["yaw"])),
+        "lateral_largest_mm": _finite(np.abs(lateral)),
+        "lateral_end_mm": _finite(lateral[-1:]),
+        "lateral_last_tenth_mm": _finite(np.abs(tail)),
+        "yaw_largest_mrad": _finite(np.abs(1e3 * _resolved(run["yaw"]))),
     }
 
 
@@ -154,13 +144,13 @@ def _wheel(run: xr.Dataset, dense: xr.Dataset, loss: ContactLoss | None) -> dict
     loaded = q > 0
     sliding = _resolved(run["longitudinal_sliding"])
     return {
-        "vertical_force_start_n": _number(q[:1]),
-        "vertical_force_end_n": _number(q[-1:]),
-        "vertical_force_least_raw_n": _least(q),
-        "lateral_force_largest_raw_n": _largest(y),
-        "derailment_quotient_largest_raw": _largest(y[loaded] / q[loaded]),
-        "longitudinal_sliding_largest_mps": _largest(sliding),
-        "longitudinal_sliding_end_mps": _number(sliding[-1:]),
+        "vertical_force_start_n": _finite(q[:1]),
+        "vertical_force_end_n": _finite(q[-1:]),
+        "vertical_force_least_raw_n": _finite(q, np.min),
+        "lateral_force_largest_raw_n": _finite(np.abs(y)),
+        "derailment_quotient_largest_raw": _finite(np.abs(y[loaded] / q[loaded])),
+        "longitudinal_sliding_largest_mps": _finite(np.abs(sliding)),
+        "longitudinal_sliding_end_mps": _finite(sliding[-1:]),
         "samples_with_several_patches": int(np.count_nonzero(run["patch_count"].to_numpy() > 1)),
         "without_contact_s": loss.total_s if loss else 0.0,
         "without_contact_longest_s": loss.longest_s if loss else 0.0,
@@ -171,19 +161,10 @@ def _resolved(signal: xr.DataArray) -> Array:
     return resolved(signal, str(signal.attrs["units"]))
 
 
-def _largest(values: Array) -> float | None:
-    finite = np.abs(values[np.isfinite(values)])
-    return float(finite.max()) if finite.size else None
-
-
-def _least(values: Array) -> float | None:
+def _finite(values: Array, of: Callable[[Array], Any] = np.max) -> float | None:
+    """The largest, or least; an interrupted run may have no values, an unloaded wheel has NaN."""
     finite = values[np.isfinite(values)]
-    return float(finite.min()) if finite.size else None
-
-
-def _number(value: Array) -> float | None:
-    """The only element; an interrupted run may have none, an unloaded wheel has NaN."""
-    return float(value[0]) if value.size and np.isfinite(value[0]) else None
+    return float(of(finite)) if finite.size else None
 
 
 MOTION = ("longitudinal", "lateral", "vertical", "roll", "pitch", "yaw")

@@ -39,9 +39,8 @@ BRAKE_UNIT = "brake_unit"
 
 def roles_of(case: Case) -> list[str]:
     """Tables of the controllers that the case has; each brake has a unit, with a table or without."""
-    return [
-        role for role in COMMANDS if getattr(case, role) is not None or (role == BRAKE_UNIT and case.brake is not None)
-    ]
+    own_unit = {BRAKE_UNIT} if case.brake is not None else set()
+    return [role for role in COMMANDS if getattr(case, role) is not None or role in own_unit]
 
 
 def with_brake_unit(case: Case, roles: Collection[str]) -> Case:
@@ -118,20 +117,13 @@ def close_controllers(users: Mapping[str, UserController]) -> None:
 
 def provenance_of(users: Mapping[str, UserController]) -> dict[str, str]:
     """Attributes of results that say which FMUs took part, `slide_protection_fmu` and so on."""
-    return {
-        f"{role}_fmu": controller.provenance
-        for role, controller in users.items()
-        if isinstance(controller, FmuController)
-    }
+    return {f"{role}_fmu": user.provenance for role, user in users.items() if isinstance(user, FmuController)}
 
 
 def look_at_controller(code: Code, file: str) -> None:
-    """See that a file of code is there, is Python and has the class, without running any of it.
+    """See that a file of code is there, is Python and has the class, without running any of it; of a module none can be seen.
 
-    Args:
-        code: what the case names; of a module nothing can be seen without running it. An FMU is looked at by
-            `fmu_controller`.
-        file: the case, for messages.
+    An FMU is looked at by `fmu_controller`.
 
     Raises:
         ConfigError: it cannot be used.

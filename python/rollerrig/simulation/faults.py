@@ -116,7 +116,7 @@ class FaultyController:
     def __init__(
         self, inner: UserController, role: str, faults: Sequence[tuple[int, AnyFault]], brake: Brake | None
     ) -> None:
-        """Take a controller of a table, and number of the axle and fault of each."""
+        """Take a controller of a table, and of each fault the number of its axle."""
         self.inner, self.sample_time = inner, inner.sample_time
         self._role, self._faults, self._brake = role, faults, brake
 

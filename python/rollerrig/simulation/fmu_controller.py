@@ -46,15 +46,7 @@ class FmuController:
     def __init__(
         self, table: ControllerFmu, key: str, case: str, axles: Sequence[str], command: str, sample_time: float
     ) -> None:
-        """Check that it fits; none of its code is run.
-
-        Args:
-            table: of the case.
-            key: of the table.
-            case: name, for messages.
-            axles: names of those that it controls.
-            command: quantity that it commands.
-            sample_time: [s].
+        """Check that it fits the axles that it controls and the quantity that it commands; none of its code is run.
 
         Raises:
             ConfigError: see `open_fmu`.
@@ -137,11 +129,8 @@ class FmuController:
 
     def _get(self, link: Link) -> list[Any]:
         read = getattr(self._fmu, f"get{_kind(link)}")
-        values: list[Any] = (
-            read(list(link.references))
-            if link.width == len(link.references)
-            else read(list(link.references), nValues=link.width)
-        )
+        of_array = {} if link.width == len(link.references) else {"nValues": link.width}
+        values: list[Any] = read(list(link.references), **of_array)
         return values
 
     def _hear(self, *told: Any) -> None:

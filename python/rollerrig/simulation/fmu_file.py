@@ -214,11 +214,8 @@ class _Matcher:
                 self._unknown("parameters", name, "parameter", settable)
                 continue
             if not _fits(v, value):
-                limits = "".join(
-                    f", {word} {limit}"
-                    for word, limit in (("at least", v.min), ("at most", v.max))
-                    if limit is not None
-                )
+                ends = ("at least", v.min), ("at most", v.max)
+                limits = "".join(f", {word} {limit}" for word, limit in ends if limit is not None)
                 self._refuse(f"parameters.{name}", repr(value), f"allowed: a value of type {v.type}{limits}")
                 continue
             found.append((Link(name, v.type, (v.valueReference,), 1), value))

@@ -52,7 +52,6 @@ def mechatronic_setup(
     if not case.sampled:
         return None
     control = case.rig_control or RigControl()
-    cell, energy_width, wheel_memory = _memory(case)
     return core_struct(
         _core.MechatronicSetup,
         step=case.time.sampling_step,
@@ -64,9 +63,8 @@ def mechatronic_setup(
         controllers=_controllers(model, controllers or {}),
         protection=core_struct(_core.RollerProtection, control.protection),
         frame=_frame(model),
-        rail_cell=cell,
-        energy_width=energy_width,
-        wheel_memory=wheel_memory,
+        rail_cell=_cell(case),
+        **_memory(case),
         sanding=_sanding(case),
         simulated=simulated_axles(model, wheelset_inertia(model)),
         rail=virtual_rail(model) if simulated_count(case) else None,
@@ -89,15 +87,15 @@ def _stop_speed(case: Case) -> float:
     return stop if case.brake is not None and case.motion.speed > stop else 0.0
 
 
-def _memory(case: Case) -> tuple[float, float, float]:
-    """Length of the rail's cells, width over which a wheel's dissipated energy is spread, and length of a wheel's memory [m].
+def _cell(case: Case) -> float:
+    """Length of the rail's cells [m]."""
+    return case.adhesion.cell_length if case.adhesion else float(Adhesion.model_fields["cell_length"].default)
 
-    The width: 0: that of its patches; 1 m: energy per metre run.
-    """
-    rail = case.adhesion
-    if rail is None:
-        return float(Adhesion.model_fields["cell_length"].default), 0.0, 0.0
-    return rail.cell_length, 1.0 if rail.recovery_per == "length" else 0.0, rail.wheel_memory
+
+def _memory(case: Case) -> dict[str, Any]:
+    """Width over which a wheel's dissipated energy is spread, 0: of its patches, 1: energy per metre; its memory [m]."""
+    per_length = case.adhesion is not None and case.adhesion.recovery_per == "length"
+    return {"energy_width": float(per_length), "wheel_memory": case.adhesion.wheel_memory if case.adhesion else 0.0}
 
 
 def _axles(model: AssembledModel) -> list[_core.AxleParts]:
@@ -249,15 +247,13 @@ def virtual_rail(model: AssembledModel) -> _core.VirtualRail:
     Raises:
         StartError: the vehicle has no equilibrium on track.
     """
-    cell, energy_width, wheel_memory = _memory(model.case)
     return _core.VirtualRail(
         model=model.core,
         contact=model.axles[0].contacts[0],
         adhesion=model.adhesion,
         patch=rail_patch(model),
-        cell=cell,
-        energy_width=energy_width,
-        wheel_memory=wheel_memory,
+        cell=_cell(model.case),
+        **_memory(model.case),
         sand_kept=model.case.sanding.kept if model.case.sanding else 1.0,
     )
 
@@ -354,11 +350,7 @@ def feedback_gains(model: AssembledModel) -> tuple[float, float]:
 
 
 def estimator_response(model: AssembledModel) -> dict[str, tuple[float, float]]:
-    """Measured bandwidth [Hz] and delay of slow changes [s] of the estimates 'force' and 'torque', with exact sensors.
-
-    Args:
-        model: of a case with [rig_control].
-    """
+    """Measured bandwidth [Hz] and delay of slow changes [s] of the estimates 'force' and 'torque', with exact sensors."""
     control = model.case.rig_control
     assert control is not None
     found = _core.estimator_response(estimator(control), assumed_parameters(model), control.sample_time)

@@ -48,13 +48,7 @@ class Drift:
 
 
 def drift(simulation: _core.Simulation, model: AssembledModel, state: Array) -> Drift | None:
-    """The motion with which a vehicle rolls off its rollers; None where it is held, and on track.
-
-    Args:
-        simulation: of the model.
-        model: the model.
-        state: its steady rolling.
-    """
+    """The motion with which a vehicle in steady rolling leaves its rollers; None where it is held, and on track."""
     if not isinstance(model.case.support.data, Rig):
         return None
     matrix = simulation.jacobian(0.0, state)[0]
@@ -86,12 +80,7 @@ def _along_track(simulation: _core.Simulation, model: AssembledModel, matrix: Ar
 
 
 def require_restraint(simulation: _core.Simulation, model: AssembledModel, state: Array) -> None:
-    """Refuse a vehicle on rollers that rolls off them by itself.
-
-    Args:
-        simulation: of the model.
-        model: the model.
-        state: its steady rolling.
+    """Refuse a vehicle on rollers that rolls off them by itself from a state of steady rolling.
 
     Raises:
         ConfigError: nothing holds the vehicle, or a body of it, along the track.
@@ -110,12 +99,7 @@ def require_restraint(simulation: _core.Simulation, model: AssembledModel, state
 
 
 def rolled_off(simulation: _core.Simulation, model: AssembledModel) -> str:
-    """What to say where a run has ended because a wheelset is no longer on top of its roller; '' where all are.
-
-    Args:
-        simulation: at the end of the run.
-        model: its model.
-    """
+    """What to say where a run has ended because a wheelset is no longer on top of its roller; '' where all are."""
     support = model.case.support.data
     if not isinstance(support, Rig):
         return ""
@@ -234,11 +218,8 @@ def degrees_of_freedom(model: AssembledModel) -> dict[str, list[str]]:
     simulation = _core.Simulation(model.core)
     free: dict[str, list[str]] = {}
     for body, coordinates, rates in zip(model.bodies, simulation.coordinate_index, simulation.rate_index, strict=True):
-        free[body] = [
-            direction if coordinate >= 0 else "spin"
-            for direction, coordinate, rate in zip(DIRECTIONS, coordinates, rates, strict=True)
-            if rate >= 0
-        ]
+        own = zip(DIRECTIONS, coordinates, rates, strict=True)
+        free[body] = [direction if coordinate >= 0 else "spin" for direction, coordinate, rate in own if rate >= 0]
     return free
 
 

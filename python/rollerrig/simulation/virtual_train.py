@@ -24,10 +24,7 @@ _GRADIENT = 0.01
 
 
 def load_transfer(model: AssembledModel) -> list[float]:
-    """Change of each axle's load per acceleration of the train, forward [kg].
-
-    Args:
-        model: of a case with [rig_control], whose key `load_transfer` decides.
+    """Change of each axle's load per acceleration of the train, forward [kg], as the case's key `load_transfer` says.
 
     Raises:
         StartError: the vehicle has no equilibrium on track.
@@ -69,11 +66,9 @@ def _axle_loads(case: Case, acceleration: float) -> Array:
         if frame != GROUND:
             spin = plain.inertias[name][1] * acceleration / radius
             assembly.builder.add_axle_torque(axle_torque(frame, GROUND, [(0.0, -spin)]))
-    assembly.builder.set_resistance(
-        _core.RunningResistance(
-            body=GROUND, constant=0.0, linear=0.0, quadratic=0.0, gradient=acceleration / case.gravity
-        )
-    )
+    slope = acceleration / case.gravity
+    resistance = _core.RunningResistance(body=GROUND, constant=0.0, linear=0.0, quadratic=0.0, gradient=slope)
+    assembly.builder.set_resistance(resistance)
     model = assembly.finish()
     forces = equilibrium_dataset(model)["vertical_force"].isel(time=0).to_numpy()
     return np.array([sum(forces[i] for i, w in enumerate(model.wheels) if w.wheelset == n) for n in model.wheelsets])

@@ -112,7 +112,7 @@ def safety_sections(assessment: Assessment, rows: Sequence[Row], along: xr.DataA
     drawings = [
         (
             "Wheel forces",
-            figures.wheel_forces(forces, along),
+            figures.wheel_forces_over_time(forces, along),
             "Wheel loads Q, and guiding forces Y on the rails or rollers.",
         ),
         ("Y/Q", figures.quotient(forces, along, limits), "Guiding force over wheel load, with its limits."),

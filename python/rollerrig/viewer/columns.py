@@ -1,6 +1,6 @@
 """Numbers on their way into a page: fewer frames, sixteen bits each, with the error that this costs.
 
-    samples over time -> [thinned] -> Frames -> [Columns] -> bytes, and the place of each column in them
+    samples over time -> [thinned] -> frames -> [Columns] -> bytes, and the place of each column in them
 
 The page draws a cubic through neighbouring frames (Catmull and Rom); `interpolated` is the same curve here, so that the error
 which the page states is measured on what the page draws.
@@ -27,16 +27,6 @@ WHOLE = 32766
 """Steps of a column that is stored in sixteen bits, either way; one more stands for what does not exist."""
 
 
-@dataclass(frozen=True)
-class Frames:
-    """Which samples a page has."""
-
-    index: NDArray[np.intp]  # of the samples, the last one too
-    times: Array  # of them [s]
-    # quantity -> largest difference between the curve that the page draws and the samples left out
-    errors: Mapping[str, float]
-
-
 def interpolated(times: Array, values: Array, at: Array) -> Array:
     """The page's curve through frames at rising times [s]: a cubic whose slope is that from the frame before to the one after.
 
@@ -53,7 +43,9 @@ def interpolated(times: Array, values: Array, at: Array) -> Array:
     )
 
 
-def thinned(times: Array, drawn: Mapping[str, Array], allowed: Mapping[str, float], most: int = MOST_FRAMES) -> Frames:
+def thinned(
+    times: Array, drawn: Mapping[str, Array], allowed: Mapping[str, float], most: int = MOST_FRAMES
+) -> tuple[NDArray[np.intp], dict[str, float]]:
     """The fewest evenly spaced samples whose curve stays within the allowed errors, at most `most`.
 
     Args:
@@ -61,6 +53,9 @@ def thinned(times: Array, drawn: Mapping[str, Array], allowed: Mapping[str, floa
         drawn: quantity -> its samples (n, columns); those that do not exist are left out of the errors.
         allowed: quantity -> largest error; a quantity without one is only measured.
         most: frames.
+
+    Returns:
+        Numbers of the samples, the last one too, and quantity -> largest error of the curve that the page draws.
     """
     count = len(times)
     least = max(1, -(-(count - 1) // max(1, most - 1)))
@@ -70,7 +65,7 @@ def thinned(times: Array, drawn: Mapping[str, Array], allowed: Mapping[str, floa
         errors = {name: _error(times, values, index) for name, values in drawn.items()}
         if step == steps[-1] or all(errors[name] <= limit for name, limit in allowed.items()):
             break
-    return Frames(index, times[index], errors)
+    return index, errors
 
 
 def _error(times: Array, values: Array, index: NDArray[np.intp]) -> float:

@@ -1,6 +1,6 @@
 """Contact patches of a run, and of a simulation that goes on: asked of the core's contact geometry, never computed here.
 
-    run, frames -> [contact_places] -> per wheel and patch: point on roller or rail, peak pressure, length, width
+    run at its frames -> [contact_places] -> per wheel and patch: point on roller or rail, peak pressure, length, width
     AssembledModel, values of a frame -> [LiveContacts] -> values of the columns of patches
 
 A run records abscissas, forces and axes of its patches. The point in space follows from the pose of the wheelset against its
@@ -13,7 +13,6 @@ from functools import partial
 
 import numpy as np
 import xarray as xr
-from numpy.typing import NDArray
 
 from rollerrig import _core
 from rollerrig.assembly.model import AssembledModel
@@ -28,21 +27,15 @@ _FARTHEST = 3e-3
 """Between the abscissas of a recorded patch and the one that the geometry finds: more is another patch [m]."""
 
 
-def contact_places(model: AssembledModel, run: xr.Dataset, index: NDArray[np.intp], patches: int) -> Array:
-    """Places of the recorded patches.
-
-    Args:
-        model: of the run.
-        run: its results.
-        index: of the samples.
-        patches: of each wheel that are looked at.
+def contact_places(model: AssembledModel, run: xr.Dataset, patches: int) -> Array:
+    """Places of so many of the recorded patches of each wheel.
 
     Returns:
         (frames, wheels, patches, len(PLACE)); NaN where there is no patch, or the geometry finds none there.
     """
-    found = np.full((len(index), len(model.wheels), patches, len(PLACE)), np.nan)
-    s = run["patch_wheel_abscissa"].to_numpy()[index]
-    poses = {name: relative_pose(model, run, name, index) for name in model.wheelsets}
+    found = np.full((run.sizes["time"], len(model.wheels), patches, len(PLACE)), np.nan)
+    s = run["patch_wheel_abscissa"].to_numpy()
+    poses = {name: relative_pose(model, run, name) for name in model.wheelsets}
     static = {name: static_contact(model, name) for name in model.wheelsets}
     for number, wheel in enumerate(model.wheels):
         contact, right = static[wheel.wheelset], wheel.side == "right"
@@ -58,18 +51,18 @@ def contact_places(model: AssembledModel, run: xr.Dataset, index: NDArray[np.int
     return found
 
 
-def relative_pose(model: AssembledModel, run: xr.Dataset, wheelset: str, index: NDArray[np.intp]) -> dict[bool, Array]:
+def relative_pose(model: AssembledModel, run: xr.Dataset, wheelset: str) -> dict[bool, Array]:
     """Pose of a wheelset against what it stands on, x, y, z, roll, yaw (frames, 5); True: on the right."""
-    own = _motion(run, wheelset, index)
+    own = _motion(run, wheelset)
     poses: dict[bool, Array] = {}
     support = model.case.support.data
     layout = rail_layout(support) if isinstance(support, Track) else None
     for right, side in ((False, "left"), (True, "right")):
         under = support_under(model, wheelset, side)
-        moved = _motion(run, under, index) if under else np.zeros_like(own)
+        moved = _motion(run, under) if under else np.zeros_like(own)
         wheel = run.sel(wheel=f"{wheelset}_{side}")
-        moved[:, 1] += wheel["rail_lateral"].to_numpy()[index]
-        moved[:, 2] += wheel["rail_vertical"].to_numpy()[index]
+        moved[:, 1] += wheel["rail_lateral"].to_numpy()
+        moved[:, 2] += wheel["rail_vertical"].to_numpy()
         poses[right] = own - moved
         poses[right][:, 1:3] = seen_from_rail(
             model, under, wheelset, poses[right][:, 1], poses[right][:, 2], moved[:, 3]
@@ -77,7 +70,7 @@ def relative_pose(model: AssembledModel, run: xr.Dataset, wheelset: str, index: 
         roll = layout[f"{side}_roll"] if layout else NOWHERE
         if len(roll.rows):
             x, _, height = model.positions[wheelset]
-            lean = roll.evaluate(run["distance"].to_numpy()[index] + x)
+            lean = roll.evaluate(run["distance"].to_numpy() + x)
             head = -model.right_rail_origin_y if right else model.rail_origin_y
             _, y, z, _, _ = poses[right].T
             poses[right][:, 1:3] = _in_turned_axes(y, z, lean, (head, -height))
@@ -97,13 +90,7 @@ def seen_from_rail(
 ) -> Array:
     """Lateral and vertical displacement of a wheelset in the axes of a rail that rolls about its centre of mass (..., 2) [m].
 
-    Args:
-        model: of the run.
-        under: the rail; a roller does not roll, "": nothing moves.
-        wheelset: its name.
-        y: lateral displacement of the wheelset less that of the rail [m].
-        z: the same upwards.
-        roll: of the rail [rad].
+    y and z are those of the wheelset less those of the rail [m], roll that of the rail [rad]; under "" nothing moves.
     """
     if not under:
         return np.stack([y, z], axis=-1)
@@ -118,11 +105,9 @@ def _in_turned_axes(y: Array | float, z: Array | float, roll: Array | float, mid
     return np.stack([cosine * y + sine * z + middle[0], cosine * z - sine * y + middle[1]], axis=-1)
 
 
-def _motion(run: xr.Dataset, body: str, index: NDArray[np.intp]) -> Array:
+def _motion(run: xr.Dataset, body: str) -> Array:
     one = run.sel(body=body)
-    return np.stack(
-        [one[name].to_numpy()[index] for name in ("longitudinal", "lateral", "vertical", "roll", "yaw")], axis=1
-    )
+    return np.stack([one[name].to_numpy() for name in ("longitudinal", "lateral", "vertical", "roll", "yaw")], axis=1)
 
 
 def static_contact(model: AssembledModel, wheelset: str) -> _core.StaticWheelsetContact:
@@ -131,31 +116,12 @@ def static_contact(model: AssembledModel, wheelset: str) -> _core.StaticWheelset
     return _core.StaticWheelsetContact(model.core, of_side["left"], of_side["right"])
 
 
-PATCH = (
-    "x",
-    "y",
-    "z",
-    "peak_pressure",
-    "length",
-    "width",
-    "a",
-    "b",
-    "normal",
-    "contact_angle",
-    "creep_force_x",
-    "creep_force_y",
-    "sliding_x",
-    "sliding_y",
-)
+PATCH = (*PLACE, "a", "b", "normal", "contact_angle", "creep_force_x", "creep_force_y", "sliding_x", "sliding_y")
 _POSE = ("longitudinal", "lateral", "vertical", "yaw", "roll")
 
 
 class LiveContacts:
-    """The most loaded patch of every wheel.
-
-    Args:
-        model: of the run.
-    """
+    """The most loaded patch of every wheel."""
 
     def __init__(self, model: AssembledModel) -> None:
         self._wheels = [
@@ -180,11 +146,8 @@ class LiveContacts:
             z -= frame.get(f"w{number}.rail_vertical", 0.0)
             y, z = seen(y, z, moved[-1]).tolist()
             patches = contact.patches(x, y, z, yaw, roll, right) if math.isfinite(x + y + z + yaw + roll) else []
-            found += (
-                _columns(max(patches, key=lambda patch: patch.normal), frame, number)
-                if patches
-                else [math.nan] * len(PATCH)
-            )
+            loaded = max(patches, key=lambda patch: patch.normal, default=None)
+            found += [math.nan] * len(PATCH) if loaded is None else _columns(loaded, frame, number)
         return found
 
 
@@ -192,11 +155,5 @@ def _columns(patch: _core.StaticPatch, frame: Mapping[str, float], number: int) 
     inwards = -patch.direction[1] if not patch.right else patch.direction[1]
     shape = (patch.peak_pressure, patch.length, patch.width, patch.a, patch.b, patch.normal)
     slip = (frame.get(f"w{number}.{name}_sliding", math.nan) for name in ("longitudinal", "lateral"))
-    return [
-        *patch.point,
-        *shape,
-        math.atan2(inwards, patch.direction[2]),
-        frame.get(f"w{number}.creep", 0.0),
-        0.0,
-        *slip,
-    ]
+    angle, creep = math.atan2(inwards, patch.direction[2]), frame.get(f"w{number}.creep", 0.0)
+    return [*patch.point, *shape, angle, creep, 0.0, *slip]

@@ -41,9 +41,6 @@ ENLARGED, VISIBLE = (1, 2, 5, 10, 20), 0.06
 class Exhibition:
     """What is said and done of a simulation in front of an audience.
 
-    Args:
-        run: the simulation.
-
     Attributes:
         caption: a sentence on what one sees.
         enlarged: factor of all displacements.

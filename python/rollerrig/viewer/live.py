@@ -25,7 +25,8 @@ from rollerrig.viewer.scene import head_of, plots
 _RANGE = (0.1, 4.0)
 """Range of a gain, over its own value."""
 
-_HERTZ = 2.0 * math.pi
+_SHOWN = {"rad/s": ("Hz", 2.0 * math.pi), "1": ("", 1.0), "N m": ("kN m", 1e3), "s": ("ms", 1e-3)}
+"""Unit of a parameter -> that of its slider, and what one of the latter is."""
 
 _FEEDBACK, _GAINS_GIVEN = "rig_control.feedback", ("proportional", "integral")
 GAINS = {
@@ -83,11 +84,9 @@ def gains(variables: Sequence[_core.Variable]) -> list[Slider]:
 
 
 def _slider(one: _core.Variable, label: str) -> Slider:
-    unit, factor = {"rad/s": ("Hz", _HERTZ), "1": ("", 1.0), "N m": ("kN m", 1e3), "s": ("ms", 1e-3)}.get(
-        one.unit, (one.unit, 1.0)
-    )
-    if one.name.endswith("boundary_layer"):
-        unit, factor = one.unit, 1.0  # a difference of speeds
+    unit, factor = one.unit, 1.0
+    if not one.name.endswith("boundary_layer"):  # a difference of speeds
+        unit, factor = _SHOWN.get(one.unit, (unit, factor))
     least, most = (max(one.least, min(one.most, part * one.start)) / factor for part in _RANGE)
     return Slider(one.name, label, unit, least, most, one.start / factor, factor)
 
@@ -107,10 +106,7 @@ _PAUSE = 1.5
 
 
 class LiveRun:
-    """The simulation.
-
-    Args:
-        case: what is run, from its beginning.
+    """The simulation of a case, from its beginning.
 
     Raises:
         ConfigError: a controller of the case is written in Python, or nothing holds the vehicle on its rollers.
@@ -212,9 +208,7 @@ class LiveRun:
         for one in gains(variables):
             self.sliders.setdefault(one.name, one)
             self.values.setdefault(one.name, one.value)
-        self._inputs = {
-            variable.name: index for index, variable in enumerate(variables) if variable.causality == "input"
-        }
+        self._inputs = {one.name: index for index, one in enumerate(variables) if one.causality == "input"}
         model = assemble(case)
         self._lay_out(model)
         self._apply()
@@ -222,10 +216,8 @@ class LiveRun:
     def _apply(self) -> None:
         """What acts on a run as it goes."""
         moved = {name: self.sliders[name].factor * value for name, value in self.values.items()}
-        given = {"friction_change": moved["friction"] - 1.0}
-        given |= {
-            key: moved[name] for name, key in (("brake", "brake_demand"), ("torque", "axle_torque")) if name in moved
-        }
+        inputs = (("brake", "brake_demand"), ("torque", "axle_torque"))
+        given = {"friction_change": moved["friction"] - 1.0} | {key: moved[k] for k, key in inputs if k in moved}
         for name, index in self._inputs.items():
             key = name.rpartition(".")[2]
             if key in given and not name.startswith("train."):

@@ -18,7 +18,6 @@ from rollerrig import __version__
 from rollerrig.common.formatting import number
 from rollerrig.results import ResultsError, RunInfo, load_run, output_file, write_text
 from rollerrig.results.run_info import ATTRIBUTE
-from rollerrig.viewer.columns import MOST_FRAMES
 from rollerrig.viewer.scene import Scene, holds_modes, mode_scene, model_of, run_scene
 
 MARK = '<!doctype html>\n<meta name="generator" content="rollerrig">'
@@ -96,13 +95,12 @@ def view(run: Run, other: Run | None = None, *, path: str | Path = "view.html", 
     return write_text(target, view_text(chosen), force=force)
 
 
-def view_text(runs: Sequence[xr.Dataset], labels: Sequence[str] = (), *, most: int = MOST_FRAMES) -> str:
+def view_text(runs: Sequence[xr.Dataset], labels: Sequence[str] = ()) -> str:
     """The page as text.
 
     Args:
         runs: one or two runs, or the modes of `stability`.
         labels: how they are called; by default their cases, of one case with their speeds at the start.
-        most: frames of each.
 
     Raises:
         ResultsError: a run holds no motion of bodies.
@@ -112,7 +110,7 @@ def view_text(runs: Sequence[xr.Dataset], labels: Sequence[str] = (), *, most: i
         if len(runs) > 1:
             raise ResultsError("modes have no time in common with another run; view takes them alone")
         return page(names[0], [mode_scene(runs[0], label=names[0])])
-    scenes = [run_scene(run, label=name, most=most) for run, name in zip(runs, names, strict=True)]
+    scenes = [run_scene(run, label=name) for run, name in zip(runs, names, strict=True)]
     return page(" | ".join(names), scenes)
 
 

@@ -19,6 +19,8 @@ from rollerrig.profiles import ProfileTable
 
 Table = dict[str, Any]
 
+SIDES = ("left", "right")
+
 _FLAT = 0.03e-3
 """A drawn profile leaves the true one by less than this [m]."""
 
@@ -39,9 +41,7 @@ def bodies(model: AssembledModel) -> list[Table]:
             "at": [round(value, 6) for value in model.positions[name]],
             "fixed": name in model.fixed,
             "ends": ends[name],
-            "sides": [
-                side for side in ("left", "right") if not name.endswith(("left", "right")) or name.endswith(side)
-            ],
+            "sides": [side for side in SIDES if not name.endswith(SIDES) or name.endswith(side)],
         }
         for name in model.bodies
     ]
@@ -95,10 +95,8 @@ def _element_kind(element: Element, linear: Sequence[str]) -> str:
 
 
 def _elements(model: AssembledModel) -> list[Element]:
-    known = set(model.elements)
-    return [
-        element for element in model.case.vehicle.data.elements_in(model.case.vehicle.part) if element.name in known
-    ]
+    vehicle, known = model.case.vehicle, set(model.elements)
+    return [element for element in vehicle.data.elements_in(vehicle.part) if element.name in known]
 
 
 def _relative(model: AssembledModel, body: str, point: tuple[float, float, float]) -> list[float]:
@@ -168,9 +166,5 @@ def track(model: AssembledModel, run_from: float, run_to: float) -> Table | None
     x, y = (np.concatenate([[0.0], np.cumsum(rate * _LINE_STEP)]) for rate in middles)
     at_start = np.interp(0.0, s, x), np.interp(0.0, s, y)
     columns = {"x": x - at_start[0], "y": y - at_start[1], "heading": heading, "cant": cant}
-    return {
-        "start": float(s[0]),
-        "step": _LINE_STEP,
-        "base": base,
-        **{k: np.round(v, 5).tolist() for k, v in columns.items()},
-    }
+    rounded = {name: np.round(values, 5).tolist() for name, values in columns.items()}
+    return {"start": float(s[0]), "step": _LINE_STEP, "base": base, **rounded}

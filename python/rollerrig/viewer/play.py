@@ -78,12 +78,7 @@ def play(
 
 
 class Theatre:
-    """A simulation on its clock, and those who look on.
-
-    Args:
-        case: what is run.
-        exhibition: whether it is in front of an audience.
-    """
+    """A simulation on its clock, and those who look on; `exhibition`: an audience."""
 
     def __init__(self, case: Case, exhibition: bool = False) -> None:
         self.run = LiveRun(case)
@@ -152,9 +147,8 @@ def server(theatre: Theatre, port: int = 0) -> ThreadingHTTPServer:
 
 def _handler(theatre: Theatre) -> type[BaseHTTPRequestHandler]:
     class Handler(BaseHTTPRequestHandler):
-        protocol_version = (
-            "HTTP/1.0"  # a request a connection: what is left of a refused one is never taken for the next
-        )
+        # a request a connection: what is left of a refused one is never taken for the next
+        protocol_version = "HTTP/1.0"
         timeout = _PATIENCE
 
         def do_GET(self) -> None:

@@ -24,7 +24,7 @@ from rollerrig.config import ConfigError, case_from_toml
 from rollerrig.results import ResultsError, RunInfo
 from rollerrig.results.dataset import recorded_names
 from rollerrig.viewer import parts
-from rollerrig.viewer.columns import MOST_FRAMES, Columns, Frames, extremes, thinned
+from rollerrig.viewer.columns import MOST_FRAMES, Columns, extremes, thinned
 from rollerrig.viewer.contacts import PLACE, contact_places
 
 Group = dict[str, Any]
@@ -33,15 +33,10 @@ Group = dict[str, Any]
 def plots(head: dict[str, Any]) -> list[Group]:
     """The groups that have at least one curve."""
     columns, bodies = head["columns"], head["bodies"]
-    moving = [
-        (number, body["name"].replace("_", " "))
-        for number, body in enumerate(bodies)
-        if body["kind"] not in ("roller", "rail")
-    ]
-    wheels = [
-        (number, wheel["name"].replace("wheelset_", "").replace("_", " "))
-        for number, wheel in enumerate(head["wheels"])
-    ]
+    named = [(number, body["name"].replace("_", " ")) for number, body in enumerate(bodies)]
+    moving = [one for one, body in zip(named, bodies, strict=True) if body["kind"] not in ("roller", "rail")]
+    short = [wheel["name"].replace("wheelset_", "") for wheel in head["wheels"]]
+    wheels = [(number, name.replace("_", " ")) for number, name in enumerate(short)]
     axles = [(number, name.replace("_", " ")) for number, name in enumerate(head["axles"])]
     radius, roller = head["shapes"]["wheel_radius"], head["shapes"]["roller_radius"]
 
@@ -122,33 +117,28 @@ class Scene:
 
 
 def run_scene(run: xr.Dataset, *, label: str = "", most: int = MOST_FRAMES) -> Scene:
-    """The scene of a run.
-
-    Args:
-        run: results of `simulate`.
-        label: how it is called beside another one; by default its case.
-        most: frames.
+    """The scene of a run with at most so many frames, called by its label or its case.
 
     Raises:
         ResultsError: the results hold no motion, or their case cannot be read by this version.
     """
     model = model_of(run)
-    frames = _frames(run, most)
-    columns = Columns()
-    columns.add("time", frames.times, exact=True)
-    _add_motion(columns, run, model, frames.index)
+    index, errors = _frames(run, most)
+    shown, columns = run.isel(time=index), Columns()
+    columns.add("time", shown["time"].to_numpy(), exact=True)
+    _add_motion(columns, shown, model)
     for number in range(run.sizes["wheel"]):
         for name in WHEEL:
-            columns.add(f"w{number}.{name}", run[name].to_numpy()[frames.index, number])
-    patches = _add_patches(columns, run, model, frames.index)
-    bars = _add_elements(columns, run, model, frames.index)
-    _add_named(columns, run, frames.index)
+            columns.add(f"w{number}.{name}", shown[name].to_numpy()[:, number])
+    patches = _add_patches(columns, shown, model)
+    bars = _add_elements(columns, run, model, index)
+    _add_named(columns, shown)
     done = _add_forces(columns, run, most)
     brake, distance = model.case.brake, run["distance"].to_numpy()
     motors = model.case.traction is not None or (brake is not None and brake.motors_stand_in)
     way, acting = (float(np.nanmin(distance)), float(np.nanmax(distance))), (patches, brake is not None, motors)
     head = head_of(model, _texts(run, label, str(run.attrs["status_message"])), bars, way, acting)
-    head |= {"frames": len(frames.times), "samples": int(run.sizes["time"]), "errors": dict(frames.errors)}
+    head |= {"frames": len(index), "samples": int(run.sizes["time"]), "errors": errors}
     head |= {"filter": done, "columns": columns.places}
     head["plots"] = plots(head)
     return Scene(head, columns)
@@ -161,14 +151,9 @@ def head_of(
     way: tuple[float, float],
     acting: tuple[int, bool, bool],
 ) -> dict[str, Any]:
-    """What every scene says of its model.
+    """What every scene says of its model: texts (label, case, title, how it ended), elements as the page draws them.
 
-    Args:
-        model: what is shown.
-        texts: label, case, title, and how it ended.
-        elements: as the page draws them.
-        way: least and greatest distance of the line that is drawn [m].
-        acting: patches of a wheel, and whether there are brakes and motors.
+    The line between the least and greatest distance [m]; patches of a wheel, and whether there are brakes and motors.
     """
     return {
         **dict(zip(("label", "case", "title", "status"), texts, strict=True)),
@@ -211,7 +196,7 @@ def _model_in(results: xr.Dataset, what: str) -> AssembledModel:
         raise ResultsError(f"the case of these {what} cannot be read: {str(error).splitlines()[0]}") from None
 
 
-def _frames(run: xr.Dataset, most: int) -> Frames:
+def _frames(run: xr.Dataset, most: int) -> tuple[NDArray[np.intp], dict[str, float]]:
     def columns(of: xr.Dataset) -> Array:
         return of.to_array().transpose("time", ...).to_numpy().reshape(run.sizes["time"], -1)
 
@@ -224,12 +209,12 @@ def _frames(run: xr.Dataset, most: int) -> Frames:
     return thinned(run["time"].to_numpy(), drawn, ALLOWED, most)
 
 
-def _add_motion(columns: Columns, run: xr.Dataset, model: AssembledModel, index: NDArray[np.intp]) -> None:
+def _add_motion(columns: Columns, shown: xr.Dataset, model: AssembledModel) -> None:
     """Coordinates that change, of each body by its number."""
     spinning = {*model.wheelsets, *model.rollers}
     for number, body in enumerate(model.bodies):
         for name in MOTION:
-            values = run[name].sel(body=body).to_numpy()[index]
+            values = shown[name].sel(body=body).to_numpy()
             if np.nanmax(np.abs(values), initial=0.0) > _MOVES:
                 columns.add(f"b{number}.{name}", values, exact=name == "pitch" and body in spinning)
 
@@ -251,17 +236,17 @@ def _add_forces(columns: Columns, run: xr.Dataset, most: int) -> str:
     return f"low pass {done}" if done else "unfiltered"
 
 
-def _add_patches(columns: Columns, run: xr.Dataset, model: AssembledModel, index: NDArray[np.intp]) -> int:
-    count = int(np.nanmax(run["patch_count"].to_numpy()[index], initial=0.0))
-    count = max(1, min(count, _MOST_PATCHES, run.sizes["patch"]))
+def _add_patches(columns: Columns, shown: xr.Dataset, model: AssembledModel) -> int:
+    count = int(np.nanmax(shown["patch_count"].to_numpy(), initial=0.0))
+    count = max(1, min(count, _MOST_PATCHES, shown.sizes["patch"]))
     try:
-        places = contact_places(model, run, index, count)
+        places = contact_places(model, shown, count)
     except ValueError as error:
         raise ResultsError(f"no wheel can stand where these results have one: {error}") from None
-    for number in range(run.sizes["wheel"]):
+    for number in range(shown.sizes["wheel"]):
         for patch in range(count):
             for name in PATCH:
-                columns.add(f"w{number}.p{patch}.{name}", run[f"patch_{name}"].to_numpy()[index, number, patch])
+                columns.add(f"w{number}.p{patch}.{name}", shown[f"patch_{name}"].to_numpy()[:, number, patch])
             for k, name in enumerate(PLACE):
                 columns.add(f"w{number}.p{patch}.{name}", places[:, number, patch, k])
     return count
@@ -283,15 +268,13 @@ def _add_elements(
     return table
 
 
-def _add_named(columns: Columns, run: xr.Dataset, index: NDArray[np.intp]) -> None:
+def _add_named(columns: Columns, shown: xr.Dataset) -> None:
     for name in TRAIN:
-        if name in run:
-            columns.add(name, run[name].to_numpy()[index], exact=name == "distance")
-    if "axle" not in run.sizes:
-        return
-    for name in AXLE:
-        for number in range(len(RunInfo.of(run).wheelsets)):
-            columns.add(f"a{number}.{name}", run[name].to_numpy()[index, number])
+        if name in shown:
+            columns.add(name, shown[name].to_numpy(), exact=name == "distance")
+    for name in AXLE if "axle" in shown.sizes else ():
+        for number in range(len(RunInfo.of(shown).wheelsets)):
+            columns.add(f"a{number}.{name}", shown[name].to_numpy()[:, number])
 
 
 _SMALL = 1e-4

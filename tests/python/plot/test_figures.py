@@ -150,7 +150,7 @@ def distance() -> xr.DataArray:
 
 
 FIGURES = {
-    "wheel_forces": lambda: wheel_rail_forces.wheel_forces(read_off(), distance()),
+    "wheel_forces": lambda: wheel_rail_forces.wheel_forces_over_time(read_off(), distance()),
     "quotient": lambda: wheel_rail_forces.quotient(read_off(), distance(), {"near": 45e3, "far": 1e9, "none": np.nan}),
     "track_shifting": lambda: wheel_rail_forces.track_shifting(read_off(), distance()),
     "wear": lambda: wheel_rail_forces.wear(read_off(), distance()),
@@ -200,7 +200,7 @@ def test_what_hardly_changes_is_not_drawn_as_if_it_did() -> None:
     still["nadal_limit"] = 1.3
     (axes,) = wheel_rail_forces.quotient(still, limits={"EN 14363": 0.8}).axes
     assert np.ptp(axes.get_ylim()) == pytest.approx(0.05)
-    for figure in (wheel_rail_forces.wheel_forces(still), wheel_rail_forces.track_shifting(still)):
+    for figure in (wheel_rail_forces.wheel_forces_over_time(still), wheel_rail_forces.track_shifting(still)):
         assert all(np.ptp(axes.get_ylim()) >= 2.0 for axes in figure.axes)  # [kN]
     (axes,) = wheel_rail_forces.wear(still).axes
     assert axes.get_ylim() == (0.0, 1.0)

@@ -31,20 +31,20 @@ def test_a_straight_line_is_drawn_exactly() -> None:
 def test_frames_keep_to_the_allowed_error_and_are_few() -> None:
     times = np.linspace(0.0, 10.0, 10001)
     swing = 5.0 * np.sin(2 * np.pi * 7.0 * times)[:, None]
-    frames = thinned(times, {"position_mm": swing}, {"position_mm": 0.05})
-    assert len(frames.index) < len(times) / 5
-    assert frames.errors["position_mm"] <= 0.05
-    drawn = interpolated(frames.times, swing[frames.index], times)
-    assert np.abs(drawn - swing).max() == pytest.approx(frames.errors["position_mm"])
-    assert frames.index[-1] == len(times) - 1
+    index, errors = thinned(times, {"position_mm": swing}, {"position_mm": 0.05})
+    assert len(index) < len(times) / 5
+    assert errors["position_mm"] <= 0.05
+    drawn = interpolated(times[index], swing[index], times)
+    assert np.abs(drawn - swing).max() == pytest.approx(errors["position_mm"])
+    assert index[-1] == len(times) - 1
 
 
 def test_no_more_frames_than_a_page_opens_quickly_with_and_their_error_is_said() -> None:
     times = np.linspace(0.0, 60.0, 60001)
     swing = np.sin(2 * np.pi * 200.0 * times)[:, None]
-    frames = thinned(times, {"position_mm": swing}, {"position_mm": 0.05})
-    assert len(frames.index) <= MOST_FRAMES + 1
-    assert frames.errors["position_mm"] > 0.5
+    index, errors = thinned(times, {"position_mm": swing}, {"position_mm": 0.05})
+    assert len(index) <= MOST_FRAMES + 1
+    assert errors["position_mm"] > 0.5
 
 
 def test_a_column_is_kept_to_half_a_step_and_gaps_stay_gaps() -> None:

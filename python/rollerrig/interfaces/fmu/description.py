@@ -98,8 +98,7 @@ def model_description_2(unit: Unit) -> bytes:
     variables = ET.SubElement(root, "ModelVariables")
     for reference, variable, state in unit.scalars:
         scalar = ET.SubElement(variables, "ScalarVariable", _heading(variable, reference))
-        derivative = {} if state is None else {"derivative": str(state)}
-        ET.SubElement(scalar, "Real", _value(variable, unit, reference) | derivative)
+        ET.SubElement(scalar, "Real", _value(variable, unit, reference, state))
     structure = ET.SubElement(root, "ModelStructure")
     for name, references in (
         ("Outputs", unit.outputs),
@@ -122,10 +121,7 @@ def model_description_3(unit: Unit) -> bytes:
     time = {"name": "time", "valueReference": "0", "description": "time", "causality": "independent"}
     ET.SubElement(variables, "Float64", time | {"variability": "continuous", "unit": "s"})
     for reference, variable, state in unit.scalars:
-        derivative = {} if state is None else {"derivative": str(state)}
-        ET.SubElement(
-            variables, "Float64", _heading(variable, reference) | _value(variable, unit, reference) | derivative
-        )
+        ET.SubElement(variables, "Float64", _heading(variable, reference) | _value(variable, unit, reference, state))
     structure = ET.SubElement(root, "ModelStructure")
     for name, references in (
         ("Output", unit.outputs),
@@ -176,9 +172,11 @@ def _heading(variable: _core.Variable, reference: int) -> dict[str, str]:
     return found | {"initial": "exact" if variable.causality == "parameter" else "calculated"}
 
 
-def _value(variable: _core.Variable, unit: Unit, reference: int) -> dict[str, str]:
-    """Unit, limits and start of a variable; of a state its nominal value."""
+def _value(variable: _core.Variable, unit: Unit, reference: int, state: int | None) -> dict[str, str]:
+    """Unit, limits and start of a variable; of a state its nominal value, of a rate the reference of its state."""
     found = {"unit": variable.unit}
+    if state is not None:
+        return found | {"derivative": str(state)}
     if variable.causality == "local":
         return found | ({"nominal": number(variable.most)} if reference in unit.behind("states") else {})
     found |= {key: number(limit) for key, limit in (("min", variable.least), ("max", variable.most))

@@ -114,8 +114,8 @@ def serve_model(
         assembled: as `rollerrig.read_model` gives it.
         rate: of commands and sensors [Hz]; its period is a multiple of the model's sampling step.
         name: of its file, for messages.
-        outputs: names of what is sent, '*' stands for anything; empty: what the controllers outside measure.
-        safe: values of commands in the safe state, by name; 0 for the others, for the running speed that of the case.
+        outputs: as for `serve_case`.
+        safe: as there.
 
     Raises:
         ConfigError: the rate, a name or a value is not allowed.
@@ -300,7 +300,7 @@ def check_system(served: Served) -> None:
         ) from None
 
 
-def check_rate(served: Served, periods: int = MEASURED_PERIODS) -> float:
+def check_rate(served: Served) -> float:
     """Run some periods as quickly as they go, and see whether the rate can be held.
 
     Returns:
@@ -311,7 +311,12 @@ def check_rate(served: Served, periods: int = MEASURED_PERIODS) -> float:
     """
     check_system(served)
     found = _core.measure_rig(
-        served.assembled, served.input_indices, served.output_indices, period=served.period, periods=periods, repeats=2
+        served.assembled,
+        served.input_indices,
+        served.output_indices,
+        period=served.period,
+        periods=MEASURED_PERIODS,
+        repeats=2,
     )
     longest = 1e-9 * found[2]
     rate = LOAD / longest if longest > 0 else float("inf")
