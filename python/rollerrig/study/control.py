@@ -269,10 +269,7 @@ class ControlStudy(Study[Found]):
 
     def rounds(self, done: Done) -> Iterator[Round]:
         jobs = {_name(key): job(run_variant, case, key[0] == "references") for key, case in self.variants.items()}
-        yield {
-            **jobs,
-            **(runs.loop_jobs(self.case) if self.loop else {}),
-        }
+        yield {**jobs, **(runs.loop_jobs(self.case) if self.loop else {})}
         yield {f"course of {_name(key)}": job(run_variant, self.variants[key], True) for key in self._worst(done)}
 
     def _worst(self, done: Done) -> list[tuple[str, str, float]]:
@@ -300,12 +297,8 @@ class ControlStudy(Study[Found]):
             if f"course of {_name(key)}" in done:
                 label = f"{family.name.replace('_', ' ')},\n{key[1]}: {family.text(key[2])}"
                 courses[label] = done[f"course of {_name(key)}"]["course"]
-        return Found(
-            references,
-            results,
-            courses,
-            sorted((done[n] for n in done if n.startswith("gains times ")), key=lambda point: point["factor"]),
-        )
+        loop = (point for name, point in done.items() if name.startswith("gains times "))
+        return Found(references, results, courses, sorted(loop, key=lambda point: point["factor"]))
 
     def numbers(self, results: Found) -> dict[str, Any]:
         return {
