@@ -16,9 +16,7 @@
 
 #include "arguments.hpp"
 #include "integrator_options.hpp"
-#include "rollerrig/contact/adhesion/recovered_rail.hpp"
 #include "rollerrig/simulate/driver.hpp"
-#include "rollerrig/simulate/held_speed.hpp"
 #include "rollerrig/simulate/linear_model.hpp"
 #include "rollerrig/simulate/recorder.hpp"
 #include "rollerrig/simulate/run_table.hpp"
@@ -452,7 +450,6 @@ void bind_simulation(nb::module_& m) {
   for (auto const name : Recorder::reading_fields()) readings.append(std::string(name));
   m.attr("reading_fields") = readings;
   m.attr("patches_recorded") = Recorder::patches;
-  m.attr("rail_cells") = RecoveredRail::cells;
   m.attr("body_fields") = field_list(Recorder::body_fields());
   m.attr("wheel_fields") = field_list(Recorder::wheel_fields());
   m.attr("patch_fields") = field_list(Recorder::patch_fields());

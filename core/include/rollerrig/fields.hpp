@@ -11,6 +11,7 @@
 //     };
 #pragma once
 #include <concepts>
+#include <utility>
 #include <variant>
 
 #include "rollerrig/range.hpp"
@@ -83,5 +84,30 @@ concept NamedLaw = Described<L> && requires {
 /// Registry of laws: a closed set, chosen from at run time by a switch, not by virtual calls.
 template <NamedLaw... Laws>
 using OneOf = std::variant<Laws...>;
+
+// What changes in a run of whichever law a registry holds.
+//
+// A sampled law is a constant struct with its parameters and a nested struct State; fields.hpp says how its name and its
+// parameters are known to configuration and bindings.
+
+namespace registry {
+template <class Registry>
+struct States;
+template <class... Laws>
+struct States<std::variant<Laws...>> {
+  using Type = std::variant<typename Laws::State...>;
+};
+}  // namespace registry
+
+/// The state of whichever law a registry holds.
+template <class Registry>
+using StateOf = typename registry::States<Registry>::Type;
+
+/// f(law, its state): the state must have been made by that law.
+template <class Function, class Registry>
+decltype(auto) visit_with_state(Function&& f, Registry const& law, StateOf<Registry>& state) {
+  return std::visit(
+      [&]<class Law>(Law const& one) -> decltype(auto) { return f(one, std::get<typename Law::State>(state)); }, law);
+}
 
 }  // namespace rollerrig

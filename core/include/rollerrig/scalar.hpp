@@ -8,6 +8,7 @@
 #pragma once
 #include <cmath>
 #include <concepts>
+#include <cstddef>
 
 namespace rollerrig {
 
@@ -28,6 +29,12 @@ concept Scalar = requires(T a, T b) {
 
 /// The plain number inside a scalar, for searches and decisions.
 constexpr double value_of(double x) { return x; }
+
+/// A number of a list, or an enumerator, as what [] takes.
+template <class I>
+constexpr std::size_t at(I i) {
+  return static_cast<std::size_t>(i);
+}
 
 constexpr double pi = 3.14159265358979323846;
 

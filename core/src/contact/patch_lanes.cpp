@@ -1,4 +1,4 @@
-#include "rollerrig/contact/patch_lanes.hpp"
+#include "rollerrig/contact/patch.hpp"
 
 #include <algorithm>
 
@@ -12,7 +12,7 @@ namespace {
 /// Numbers of W patches side by side: what `get` finds in each of them.
 template <int W>
 struct Beside {
-  std::array<MovingPatch<double> const*, static_cast<std::size_t>(W)> of;
+  std::array<MovingPatch<double> const*, at(W)> of;
 
   template <class Get>
   Lanes<W> number(Get const& get) const {
@@ -57,7 +57,7 @@ void add_creep_forces_in_lanes(ContactLaws const& laws, double time, std::span<M
   Beside<W> beside;
   for (std::size_t k = 0; k < beside.of.size(); ++k) beside.of[k] = &patches[std::min(k, patches.size() - 1)];
   auto const friction = [&](Lanes<W> const& slip) {
-    std::array<RailSurface<double>, static_cast<std::size_t>(W)> surface;
+    std::array<RailSurface<double>, at(W)> surface;
     for (std::size_t k = 0; k < surface.size(); ++k)
       surface[k] = beside.of[k]->surface(time, slip[static_cast<int>(k)]);
     return side_by_side(surface);

@@ -2,7 +2,6 @@
 #include <cmath>
 
 #include "rollerrig/contact/creep/kalker.hpp"
-#include "rollerrig/contact/creep/kalker_data.hpp"
 #include "rollerrig/contact/normal/hertz.hpp"
 
 namespace rollerrig {
@@ -68,16 +67,16 @@ HertzFunctions hertz_functions(double x) {
 template <class F>
 UniformSpline tabulate(F const& f, double start, double step, int pieces) {
   UniformSpline table{start, step, {}};
-  std::vector<double> v(static_cast<std::size_t>(pieces) + 9);
-  for (int i = -4; i <= pieces + 4; ++i) v[static_cast<std::size_t>(i + 4)] = f(start + step * i);
+  std::vector<double> v(at(pieces) + 9);
+  for (int i = -4; i <= pieces + 4; ++i) v[at(i + 4)] = f(start + step * i);
   auto const slope = [&](int i) {
-    double const* p = &v[static_cast<std::size_t>(i + 4)];
+    double const* p = &v[at(i + 4)];
     return (4.0 / 5.0 * (p[1] - p[-1]) - 1.0 / 5.0 * (p[2] - p[-2]) + 4.0 / 105.0 * (p[3] - p[-3]) -
             1.0 / 280.0 * (p[4] - p[-4]));
   };
   for (int i = 0; i < pieces; ++i) {
-    double const f0 = v[static_cast<std::size_t>(i + 4)];
-    double const f1 = v[static_cast<std::size_t>(i + 5)];
+    double const f0 = v[at(i + 4)];
+    double const f1 = v[at(i + 5)];
     double const m0 = slope(i);
     double const m1 = slope(i + 1);
     double const jump = f1 - f0;

@@ -22,7 +22,7 @@ ArcLength::ArcLength(UniformSpline const& profile) {
     return std::sqrt(1.0 + slope * slope);
   };
   double const step = 0.1e-3;
-  auto const n = static_cast<std::size_t>(std::ceil((profile.end() - profile.start) / step - 1e-9));
+  auto const n = at(std::ceil((profile.end() - profile.start) / step - 1e-9));
   std::vector<double> length{0.0}, slope{rate(profile.start)};
   for (std::size_t i = 0; i < n; ++i) {
     double const s = profile.start + step * static_cast<double>(i);
@@ -31,7 +31,7 @@ ArcLength::ArcLength(UniformSpline const& profile) {
   }
   length_ = hermite_spline(profile.start, step, length, slope);
 
-  auto const m = static_cast<std::size_t>(length.back() / step) + 1;
+  auto const m = at(length.back() / step) + 1;
   std::vector<double> abscissa, inverse;
   double s = profile.start;
   for (std::size_t i = 0; i <= m; ++i) {

@@ -13,8 +13,6 @@ using V = Lanes<native_lanes>;
 constexpr double no_gap = 1.0;  // where there is no generatrix under the wheel [m]
 using Row = std::array<double, GapNodes::capacity + native_lanes>;
 
-constexpr std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
 /// A pose that stays while something else moves.
 template <class T>
 RelativePose<T> lifted(RelativePose<double> const& pose) {
@@ -90,11 +88,7 @@ class Scan {
   /// Gap and slope at every node: exact where they may be near contact.
   void look() {
     for (int k = 0; k < count_; k += native_lanes) {
-      auto const load = [&](std::vector<double> const& row) {
-        V out;
-        load_lanes(&row[at(first_ + k)], out);
-        return out;
-      };
+      auto const load = [&](std::vector<double> const& row) { return loaded<V>(&row[at(first_ + k)]); };
       V const s = load(nodes_.abscissa);
       WheelCircle<V> const circle{pair_.wheel_radius + load(nodes_.height), load(nodes_.slope), load(nodes_.cosine),
                                   lane_pose_.o + V(pair_.tape_circle_y + s) * lane_pose_.R.ey};
@@ -108,8 +102,8 @@ class Scan {
           here = circle_point(lane_pair_, lane_pose_, circle, sine, cosine);
         }
       }
-      store_lanes(select(here.found, here.gap - reach_, V(no_gap)), &gap_[at(k)]);
-      store_lanes(here.slope, &slope_[at(k)]);
+      store(select(here.found, here.gap - reach_, V(no_gap)), &gap_[at(k)]);
+      store(here.slope, &slope_[at(k)]);
     }
   }
 
@@ -294,7 +288,7 @@ GapNodes::GapNodes(UniformSpline const& wheel, double size) : arc_(wheel), step_
 }
 
 int GapNodes::first_from(double s) const {
-  double const length = arc_.length(std::clamp(s, abscissa.front(), abscissa[static_cast<std::size_t>(count_ - 1)]));
+  double const length = arc_.length(std::clamp(s, abscissa.front(), abscissa[at(count_ - 1)]));
   return std::clamp(static_cast<int>(length / step_), 0, count_ - 1);
 }
 

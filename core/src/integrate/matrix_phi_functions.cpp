@@ -21,7 +21,7 @@ void MatrixPhiFunctions::compute(JacobianData const& j, double h, std::vector<St
   scaled_ *= std::exp2(-halvings);
   series();
   for (int k = halvings; k >= 0; --k) {
-    if (k < static_cast<int>(weights.size())) store(weights[static_cast<std::size_t>(k)]);
+    if (k < static_cast<int>(weights.size())) store(weights[at(k)]);
     if (k > 0) double_step();
   }
 }

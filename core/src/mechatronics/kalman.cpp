@@ -1,5 +1,5 @@
 // The stationary gain of the Kalman filter: docs/theory/rig_control.md, (D10)-(D12).
-#include "rollerrig/mechatronics/estimator/kalman.hpp"
+#include "rollerrig/mechatronics/estimators.hpp"
 
 #include <Eigen/Dense>
 #include <cmath>

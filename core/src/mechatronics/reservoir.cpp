@@ -1,4 +1,4 @@
-#include "rollerrig/mechatronics/air/reservoir.hpp"
+#include "rollerrig/mechatronics/pneumatics.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -8,8 +8,6 @@ namespace {
 
 constexpr double least_speed = 0.1;  ///< below it the dissipated energy is counted as at it [m/s]
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
 AxleSample sample_of(Measurements const& now, std::size_t k) {
   return {now.roller_speed[k], now.axle_speed[k], now.roller_torque[k], now.true_force[k], now.true_torque[k]};
 }
@@ -111,7 +109,7 @@ void RigController::recover(State& s, Measurements const& now, int i, double fro
   double const own = std::fabs(s.train.force(i) * slip) / (2.0 * std::max(s.train.speed(), least_speed) * rail.width);
   // Half of its own is dissipated behind the patch's middle.
   axle.energy = s.rail.before(begin) + axle.wheel.energy() + 0.5 * own;
-  s.rail.dissipate(begin, end, own);
+  s.rail.add(begin, end, own);
   s.sand.run(begin, end, now.sand_flow[at(i)] * period, rail.sand_kept);
   axle.sand = s.sand.at(end);
   axle.wheel.run(own, end - begin, period * std::fabs(speed), 2.0 * pi * train.wheel_radius, rail.wheel_memory);

@@ -53,7 +53,7 @@ struct Walk {
   static void choose(Type const& type, void* value, std::string const& name) {
     auto const found = std::ranges::find(type.parts, std::string_view(name), &Part::name);
     if (found == type.parts.end()) throw FormatError("it names the law " + name.substr(0, 40));
-    type.resize(value, static_cast<std::size_t>(found - type.parts.begin()));
+    type.resize(value, at(found - type.parts.begin()));
   }
   /// What is read against its range; no table may be missing.
   void fields(Type const& type, void* value) {
@@ -84,7 +84,7 @@ struct Walk {
       read.emplace_back(&type.element(), made);
       (*this)(type.element(), made.get());
     }
-    auto const& [kind, table] = read[static_cast<std::size_t>(number) - 1];
+    auto const& [kind, table] = read[at(number) - 1];
     if (kind != &type.element()) throw FormatError("a shared table is one of another kind");
     type.share(value, table);
   }

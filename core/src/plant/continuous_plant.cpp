@@ -18,8 +18,6 @@ constexpr double torque_nominal = 1000.0;  ///< [N m]
 // Changes that count: millimetres and milliradians, ten times as much in a second, a radian turned, a kilojoule.
 constexpr double nominal_displacement = 1e-3, nominal_rate = 1e-2, nominal_angle = 1.0, nominal_work = 1e3;
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
 Variable local(std::string name, std::string unit, std::string what, double nominal) {
   return {std::move(name), std::move(unit), std::move(what), Causality::local, Variability::continuous, 0.0,
           -endless,        nominal};
@@ -119,7 +117,7 @@ Status ContinuousPlant::pass_event() {
 }
 
 Status ContinuousPlant::rates(double* out) {
-  auto const states = static_cast<std::size_t>(dynamics().sizes().states);
+  auto const states = at(dynamics().sizes().states);
   Status const status =
       dynamics().derivative(evaluated_time(), state_.data(), out, out + states, plant_.driver().inputs());
   if (status != Status::ok) return status;
@@ -175,7 +173,7 @@ bool ContinuousPlant::exact(Unknown const& unknown, std::size_t& row, bool& outp
   if (!output || plant_.place(unknown.index).kind != Place::recorded) return false;
   row = plant_.place(unknown.index).index;
   std::size_t const body = row / Recorder::body_fields().size();
-  if (row >= static_cast<std::size_t>(linear_.c.rows())) return false;
+  if (row >= at(linear_.c.rows())) return false;
   // The angle that a body has turned is a state of its own.
   bool const turned = body < model().bodies.size() && row % Recorder::body_fields().size() == coord_pitch &&
                       model().map.angle[body] >= 0;

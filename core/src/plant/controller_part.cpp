@@ -6,7 +6,7 @@
 #include <string_view>
 
 #include "rollerrig/plant/archive.hpp"
-#include "rollerrig/simulate/check_controller.hpp"
+#include "rollerrig/simulate/setup.hpp"
 
 namespace rollerrig {
 namespace {
@@ -31,8 +31,7 @@ std::uint64_t number_at(std::span<std::byte const> bytes, std::size_t place) {
 
 void check_part(ControllerPart const& part) {
   std::size_t const axles = part.axles.size();
-  if (axles < 1 || axles > static_cast<std::size_t>(most_axles))
-    refuse("axles: from 1 to " + std::to_string(most_axles) + " have names");
+  if (axles < 1 || axles > at(most_axles)) refuse("axles: from 1 to " + std::to_string(most_axles) + " have names");
   if (part.axle_speed.size() != axles || part.roller_speed.size() != axles)
     refuse("axle_speed and roller_speed need one number per axle");
   check_fields(part, "ControllerPart");

@@ -62,8 +62,6 @@ constexpr TrainInput of_train[] = {
      1.0, -1.0, largest_change},
 };
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
 }  // namespace
 
 ControllerPlant::ControllerPlant(ControllerPart part) : part_{std::move(part)} {

@@ -1,8 +1,10 @@
 #include "rollerrig/plant/model_file.hpp"
 
+#include <stdexcept>
 #include <string_view>
 
 #include "rollerrig/plant/archive.hpp"
+#include "rollerrig/simulate/driver.hpp"
 
 template rollerrig::archive::Type const& rollerrig::archive::type_of<rollerrig::SampledController>();
 
@@ -11,6 +13,7 @@ namespace {
 
 constexpr std::string_view mark = "rollerrig model\n";
 constexpr std::size_t checksum_at = 40, header_size = 48;
+constexpr Range within_reach{0.0, 1e5, "within 1e5 m, rad, m/s, rad/s", false, false, true};
 
 /// What is written: an AssembledModel with its model in parts.
 struct Content {
@@ -57,11 +60,11 @@ std::span<std::byte const> checked(std::span<std::byte const> bytes) {
     refuse("cut, or changed: it has " + std::to_string(bytes.size()) + " bytes and should have more");
   if (layout + model < left) refuse("changed: there are " + std::to_string(left - layout - model) + " bytes too many");
   if (checksum(bytes) != expected) refuse("changed: its checksum is not that of its bytes");
-  auto const text = bytes.subspan(header_size, static_cast<std::size_t>(layout));
+  auto const text = bytes.subspan(header_size, at(layout));
   if (!std::equal(text.begin(), text.end(), model_layout().begin(), model_layout().end(),
                   [](std::byte byte, char c) { return byte == static_cast<std::byte>(c); }))
     refuse("of another version: its layout is not that of this rollerrig; assemble the case again");
-  return bytes.subspan(header_size + static_cast<std::size_t>(layout));
+  return bytes.subspan(header_size + at(layout));
 }
 
 }  // namespace
@@ -108,6 +111,25 @@ AssembledModel read_model(std::span<std::byte const> bytes) {
 std::string model_token(std::span<std::byte const> bytes) {
   if (bytes.size() < header_size) refuse("cut: it ends after " + std::to_string(bytes.size()) + " bytes");
   return hexadecimal(bytes.subspan(checksum_at, sizeof(std::uint64_t)));
+}
+
+void check_assembled(AssembledModel const& assembled) {
+  auto const need = [](bool condition, char const* message) {
+    if (!condition) throw std::invalid_argument(message);
+  };
+  PartNames const& names = assembled.names;
+  need(assembled.model != nullptr, "assembled model: there is no model");
+  Model const& model = *assembled.model;
+  need(names.bodies.size() == model.bodies.size(), "assembled model: names: needed is one per body");
+  need(names.elements.size() == model.elements.size(), "assembled model: names: needed is one per element");
+  need(names.axles.size() == (assembled.setup ? assembled.setup->axles.size() : 0),
+       "assembled model: names: needed is one per axle");
+  if (assembled.setup) check_setup(*assembled.setup, model);
+  check_value(assembled.start, within_reach, "assembled model", "x0");
+  need(static_cast<int>(assembled.start.size()) == model.map.states(), "assembled model: x0: needed is one per state");
+  check_disturbances(assembled.disturbances, model);
+  integrate::check_options(assembled.options, model.map.states(), true);
+  check_settings(assembled.options, assembled.start_time, assembled.setup ? assembled.setup->step : 0.0);
 }
 
 }  // namespace rollerrig

@@ -21,8 +21,6 @@ std::string words(std::string text) {
   return text;
 }
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
 template <class V>
 struct IsVariant : std::false_type {};
 template <class... Laws>

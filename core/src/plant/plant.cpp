@@ -22,7 +22,7 @@ Plant::Plant(AssembledModel assembled)
       parameters_{assembled_},
       list_{list_variables(assembled_)},
       driver_{std::make_unique<Driver>(assembled_.model, assembled_.setup)},
-      row_(static_cast<std::size_t>(driver_->width()), nan),
+      row_(at(driver_->width()), nan),
       measured_(list_.measured, nan) {
   driver_->answer_for_controllers();
   for (std::size_t i = 0; i < parameters_.variables().size(); ++i)
@@ -54,7 +54,7 @@ void Plant::renew() {
 
 bool Plant::set_parameter(int index, double value) {
   if (index < 0 || index >= static_cast<int>(list_.variables.size())) return false;
-  auto const i = static_cast<std::size_t>(index);
+  auto const i = at(index);
   Variable const& variable = list_.variables[i];
   bool const fixed = variable.variability == Variability::fixed;
   if (variable.causality != Causality::parameter || !variable.allows(value) || (fixed && started())) return false;
@@ -100,7 +100,7 @@ Status Plant::advance(double t) {
 
 bool Plant::set_input(int index, double value) {
   if (index < 0 || index >= static_cast<int>(list_.variables.size()) || !started()) return false;
-  auto const i = static_cast<std::size_t>(index);
+  auto const i = at(index);
   if (list_.variables[i].causality != Causality::input || !list_.variables[i].allows(value)) return false;
   if (value_[i] == value) return true;
   value_[i] = value;
@@ -148,7 +148,7 @@ void Plant::end_ramp() { driver_->ramp_speed(value_[at_speed_], 0.0, std::exchan
 
 double Plant::get(int index) {
   if (index < 0 || index >= static_cast<int>(list_.variables.size())) return nan;
-  auto const i = static_cast<std::size_t>(index);
+  auto const i = at(index);
   if (list_.variables[i].causality != Causality::output) return value_[i];
   if (!started()) return nan;
   Place const& place = list_.places[i];
@@ -241,7 +241,7 @@ void Plant::take_parameters() {
 }
 
 std::string_view Plant::wheel_of(int contact) const {
-  return contact < 0 ? std::string_view{} : std::string_view{wheels_[static_cast<std::size_t>(contact)]};
+  return contact < 0 ? std::string_view{} : std::string_view{wheels_[at(contact)]};
 }
 
 }  // namespace rollerrig

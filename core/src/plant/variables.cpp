@@ -16,8 +16,6 @@ constexpr double any = std::numeric_limits<double>::infinity();
 constexpr double largest_change = 9.0;   ///< of friction
 constexpr double highest_speed = 200.0;  ///< [m/s]
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
 bool has_command(MechatronicSetup const& setup, std::size_t axle, Command command) {
   AxleParts const& parts = setup.axles[axle];
   if (command == Command::dump_valve || command == Command::cylinder_pressure)
@@ -29,7 +27,7 @@ bool has_command(MechatronicSetup const& setup, std::size_t axle, Command comman
 std::array<bool, command_count> open_commands(MechatronicSetup const& setup) {
   std::array<bool, command_count> open{};
   open.fill(true);
-  open[at(static_cast<int>(Command::cylinder_pressure))] = false;  // without a controller the plant's own brake unit
+  open[at(Command::cylinder_pressure)] = false;  // without a controller the plant's own brake unit
   for (auto const& [sampling, any_law] : setup.controllers)
     open[at(static_cast<int>(std::visit([](auto const& law) { return law.command; }, any_law)))] = sampling.external;
   return open;

@@ -8,8 +8,6 @@ namespace {
 
 constexpr double largest_motor_part = 0.2;  ///< of a second-order torque loop, over its time constant
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
 DumpValve valve_of(double command) { return static_cast<DumpValve>(static_cast<int>(command)); }
 
 /// Steps of the blending's delay.
@@ -47,8 +45,7 @@ ActuatorStates::ActuatorStates(MechatronicSetup const& setup)
 void ActuatorStates::step_electrodynamic(MechatronicSetup const& setup, std::int64_t step, ActingCommands const& acting,
                                          PerAxle<double> const& demand, PerAxle<double> const& axle_speed) {
   Actuators const& actuators = setup.actuators;
-  PerAxle<double> const &valve = acting[at(static_cast<int>(Command::dump_valve))],
-                        &admitted = acting[at(static_cast<int>(Command::torque_factor))];
+  PerAxle<double> const &valve = acting[at(Command::dump_valve)], &admitted = acting[at(Command::torque_factor)];
   PerAxle<double> counted{};
   for (std::size_t i = 0; i < axle_.size(); ++i) {
     Axle& axle = axle_[i];

@@ -81,7 +81,7 @@ Status Driver::start(integrate::Options options, double t0, double const* x0) {
   std::vector<double> x(x0, x0 + plant_.sizes().states);
   start_without_slip(x.data());
   x_.resize(x.size());
-  z_.resize(static_cast<std::size_t>(plant_.sizes().quadratures));
+  z_.resize(at(plant_.sizes().quadratures));
   integrator_.reset();
   integrator_ = std::make_unique<integrate::Integrator<DrivenDynamics>>(driven_, std::move(options));
   status_ = integrator_->start(t0, x.data());
@@ -96,7 +96,7 @@ void Driver::start_without_slip(double* x) {
   plant_.evaluate(0.0, x, inputs_);
   for (std::size_t i = 0; i < model.rolling_constraints.size(); ++i) {
     RollingConstraint const& constraint = model.rolling_constraints[i];
-    x[plant_.map().rate[static_cast<std::size_t>(constraint.wheelset)][coord_pitch]] +=
+    x[plant_.map().rate[at(constraint.wheelset)][coord_pitch]] +=
         rolling_slip(plant_, static_cast<int>(i)) / constraint.wheel_radius;
   }
 }

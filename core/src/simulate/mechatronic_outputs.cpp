@@ -9,8 +9,6 @@
 namespace rollerrig {
 namespace {
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
 constexpr Field axle_table[] = {
     {"axle_speed", "rad/s", "true speed of the axle, positive forward"},
     {"measured_axle_speed", "rad/s", "reading of the rig's speed sensor at the last sample"},
@@ -132,19 +130,19 @@ int MechatronicSystem::width() const {
 std::vector<double> MechatronicSystem::measurement(std::string_view controller) const {
   auto const asked = std::ranges::find(controllers_, controller, &Controller::name);
   if (asked == controllers_.end()) throw std::invalid_argument("no controller " + std::string(controller));
-  auto const index = static_cast<std::size_t>(asked - controllers_.begin());
+  auto const index = at(asked - controllers_.begin());
   std::vector<double> out(at(measurement_width(index)));
   measure(index, out.data());
   return out;
 }
 
 int MechatronicSystem::measurement_width(std::size_t controller) const {
-  bool const of_rollers = controllers_[controller].command == at(static_cast<int>(Command::roller_torque));
+  bool const of_rollers = controllers_[controller].command == at(Command::roller_torque);
   return static_cast<int>((of_rollers ? under_test() : axles()) * std::size(measurement_table));
 }
 
 void MechatronicSystem::measure(std::size_t controller, double* row) const {
-  bool const of_rollers = controllers_[controller].command == at(static_cast<int>(Command::roller_torque));
+  bool const of_rollers = controllers_[controller].command == at(Command::roller_torque);
   auto const* control = rig_state();
   auto const& m = measured_;
   for (std::size_t i = 0; i < (of_rollers ? under_test() : axles()); ++i, row += std::size(measurement_table)) {
@@ -282,8 +280,8 @@ void MechatronicSystem::record_simulated(std::size_t i, double* out) const {
   set("dissipated_energy_density", own.energy);
   set("sand", own.sand);
   set("cylinder_pressure", cylinder.pressure);
-  set("valve", acting_[at(static_cast<int>(Command::dump_valve))][i]);
-  set("torque_factor", acting_[at(static_cast<int>(Command::torque_factor))][i]);
+  set("valve", acting_[at(Command::dump_valve)][i]);
+  set("torque_factor", acting_[at(Command::torque_factor)][i]);
   set("brake_torque", setup_.actuators.motors_stand_in ? actuators.stand_in : own.wheels.brake_torque());
   set("traction_torque", actuators.motor[0]);
   set("electrodynamic_torque", actuators.electrodynamic.torque);

@@ -17,8 +17,6 @@ constexpr double least_speed = 0.1;        ///< below it the dissipated energy i
 constexpr double energy_relaxation = 0.2;  ///< per step: friction and dissipated energy act on each other
 constexpr double settling_time = 1.0;      ///< no run ends at standstill before [s]
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
 }  // namespace
 
 MechatronicSystem::MechatronicSystem(MechatronicSetup setup)
@@ -92,7 +90,7 @@ bool MechatronicSystem::sample(Dynamics const& plant, std::int64_t step, double 
 
 /// What the brakes are asked for from this instant on, by all that has been commanded up to now.
 void MechatronicSystem::see_brakes(std::int64_t step) {
-  constexpr auto valve = static_cast<std::size_t>(Command::dump_valve);
+  constexpr auto valve = at(Command::dump_valve);
   measured_.time = time(step);
   measured_.dump_valve = caller_.commands[valve];
   for (Controller& own : controllers_)
@@ -221,9 +219,8 @@ void MechatronicSystem::step_simulated(std::int64_t step) {
 
 /// What slide protection or wheel-slip control has just asked of an axle.
 bool MechatronicSystem::slides(std::size_t axle) const {
-  double const valve = acting_[at(static_cast<int>(Command::dump_valve))][axle];
-  return valve == static_cast<double>(DumpValve::vent) ||
-         acting_[at(static_cast<int>(Command::torque_factor))][axle] < 1.0;
+  double const valve = acting_[at(Command::dump_valve)][axle];
+  return valve == static_cast<double>(DumpValve::vent) || acting_[at(Command::torque_factor)][axle] < 1.0;
 }
 
 void MechatronicSystem::switch_sand(Dynamics const& plant, std::int64_t step) {
@@ -280,7 +277,7 @@ void MechatronicSystem::dissipate(Dynamics const& plant, Inputs& inputs) {
       double const wanted = rail_[side].before(arc_length) + wheel.energy() +
                             0.5 * own;  // half of it is dissipated behind the patch's middle
       inputs.dissipated_energy[at(c)] += energy_relaxation * (wanted - inputs.dissipated_energy[at(c)]);
-      rail_[side].dissipate(arc_length, arc_length + step_length, own);
+      rail_[side].add(arc_length, arc_length + step_length, own);
       double const radius = model.contacts[at(c)].pair.wheel_radius;
       double const rolled = setup_.step * std::fabs(radius * plant.work().motion[at(parts.wheelset)].rate[coord_pitch]);
       wheel.run(own, step_length, rolled, 2.0 * pi * radius, setup_.wheel_memory);
@@ -400,7 +397,7 @@ PerAxle<double> MechatronicSystem::answer_of(std::size_t index) {
 void MechatronicSystem::set_command(std::string_view controller, std::span<double const> command, std::int64_t step) {
   for (Controller& own : controllers_) {
     if (own.name != controller || !own.waits) continue;
-    bool const of_rollers = own.command == at(static_cast<int>(Command::roller_torque));
+    bool const of_rollers = own.command == at(Command::roller_torque);
     if (command.size() != (of_rollers ? under_test() : axles()))
       throw std::invalid_argument("a command has one number per axle");
     CommandField const& field = command_fields[own.command];

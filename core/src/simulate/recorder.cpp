@@ -154,7 +154,7 @@ void record_patch(Patch<double> const& p, double side, double* out) {
 
 void record_wheel(Dynamics const& d, int wheel, double* out) {
   static_assert(wheel_columns == std::size(wheel_table));
-  wheel_row(d.model(), d.work(), static_cast<std::size_t>(wheel), out);
+  wheel_row(d.model(), d.work(), at(wheel), out);
 }
 
 }  // namespace
@@ -177,17 +177,17 @@ Recorder::Recorder(Model const& model)
 void Recorder::record(Dynamics& d, double t, double const* x, double const* z, double* row,
                       Inputs const& inputs) const {
   d.evaluate(t, x, inputs);
-  for (int b = 0; b < bodies_; ++b, row += std::size(body_table)) record_body(d, static_cast<std::size_t>(b), z, row);
+  for (int b = 0; b < bodies_; ++b, row += std::size(body_table)) record_body(d, at(b), z, row);
   for (int w = 0; w < wheels_; ++w, row += std::size(wheel_table)) record_wheel(d, w, row);
   for (int w = 0; w < wheels_; ++w) {
-    double const side = d.model().contacts[static_cast<std::size_t>(w)].right ? -1.0 : 1.0;
+    double const side = d.model().contacts[at(w)].right ? -1.0 : 1.0;
     for (int k = 0; k < patches; ++k, row += std::size(patch_table)) {
       std::fill_n(row, std::size(patch_table), nan);
       if (k < d.patch_count(w)) record_patch(d.patch(w, k), side, row);
     }
   }
   for (int e = 0; e < elements_; ++e, row += std::size(element_table))
-    std::ranges::copy(d.evaluation().element_force[static_cast<std::size_t>(e)], row);
+    std::ranges::copy(d.evaluation().element_force[at(e)], row);
   row[0] = kinetic_energy(d);
   row[1] = gravity_energy(d);
   row[2] = element_energy(d);
@@ -204,10 +204,10 @@ void Recorder::record_reading(Dynamics& d, double t, double const* x, double con
                               Inputs const& inputs) const {
   d.evaluate(t, x, inputs);
   for (int w = 0; w < wheels_; ++w, row += std::size(reading_table)) {
-    Vec3<double> const force = track_force(d.model(), d.work(), static_cast<std::size_t>(w));
+    Vec3<double> const force = track_force(d.model(), d.work(), at(w));
     double wear = 0.0;
     for (int k = 0; k < d.patch_count(w); ++k) wear += d.patch(w, k).wear_number();
-    double const side = d.model().contacts[static_cast<std::size_t>(w)].right ? -1.0 : 1.0;
+    double const side = d.model().contacts[at(w)].right ? -1.0 : 1.0;
     double const values[] = {side * force.y, force.z, wear};
     static_assert(std::size(values) == std::size(reading_table));
     std::ranges::copy(values, row);

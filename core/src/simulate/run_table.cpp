@@ -27,11 +27,11 @@ void Readings::read_ahead(Driver& driver) {
   double const rest = (driver.time() - last_) / interval_ * (1.0 + 1e-12);
   if (!alone_ || driver.system() != nullptr || follows_place || !(rest >= fewest)) return;
   std::size_t const room = table_.room - table_.filled;
-  std::size_t const count = std::min({static_cast<std::size_t>(std::min(rest, 1e6)), most, room});
+  std::size_t const count = std::min({at(std::min(rest, 1e6)), most, room});
   if (count < fewest) return;
   first_ = table_.filled - 1;
-  x_.resize(static_cast<std::size_t>(driver.plant().sizes().states));
-  z_.resize(static_cast<std::size_t>(driver.plant().sizes().quadratures));
+  x_.resize(at(driver.plant().sizes().states));
+  z_.resize(at(driver.plant().sizes().quadratures));
   known_.fill(false);
   known_[0] = true;
   evaluate(driver, count);

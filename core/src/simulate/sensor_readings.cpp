@@ -3,8 +3,6 @@
 namespace rollerrig {
 namespace {
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
 /// Streams of noise of one axle.
 enum Noise : std::uint64_t { of_axle = 0, of_roller = 1, of_load = 16, of_torque = 17, of_vehicle = 32 };
 

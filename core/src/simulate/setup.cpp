@@ -4,16 +4,13 @@
 #include <stdexcept>
 #include <string>
 
-#include "rollerrig/mechatronics/axles.hpp"
-#include "rollerrig/simulate/check_controller.hpp"
+#include "rollerrig/mechatronics/measurements.hpp"
 #include "rollerrig/system/model.hpp"
 
 namespace rollerrig {
 namespace {
 
 constexpr double motor_resolution = 1000.0;  ///< of a second-order torque loop: bandwidth times step; it is cut finer
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
 
 void need(bool condition, std::string const& message) {
   if (!condition) throw std::invalid_argument(message);

@@ -27,8 +27,6 @@ constexpr Place many = 12;         ///< columns; J costs as much as 16 evaluatio
 constexpr double left_out = 1e-4;  ///< of a tangent: a correction that is smaller is not made
 constexpr int looked_at_every = 20;  ///< steps
 
-std::size_t at(Place i) { return static_cast<std::size_t>(i); }
-
 void need_alike(Driver const& run, Driver const& changed) {
   auto const of = [](Driver const& d) {
     return std::tuple{d.plant().sizes().states, d.plant().sizes().quadratures, d.width()};
@@ -336,7 +334,7 @@ MatrixXd TangentRun::tangents_at(double t) const {
 void TangentRun::keep(double t, double const* x, double const* z) {
   if (kept_.empty()) return;
   reach_samples(x_, z_);
-  std::vector<double> row(static_cast<std::size_t>(run_.width()));
+  std::vector<double> row(at(run_.width()));
   run_.record(t, x, z, row.data());
   Output& output = outputs_.emplace_back();
   output.t = t;

@@ -35,7 +35,7 @@ template <Scalar T>
 T loaded_abscissa(WheelPatches<T> const& patches, int count) {
   T load(1e-9), moment(0.0);
   for (int k = 0; k < count; ++k) {
-    auto const& patch = patches[static_cast<std::size_t>(k)];
+    auto const& patch = patches[at(k)];
     load += patch.weight * patch.elastic;
     moment += patch.weight * patch.elastic * patch.point.rail_y;
   }

@@ -65,7 +65,7 @@ Status ContactMonitor::check(Model const& model, Evaluation const& evaluation, d
 }
 
 Status ContactMonitor::check_patch(Model const& model, Evaluation const& evaluation, int index, int k) {
-  WheelContact const& contact = model.contacts[static_cast<std::size_t>(index)];
+  WheelContact const& contact = model.contacts[at(index)];
   Patch<double> const& p = evaluation.patch(index, k);
   counters_.limited_curvature += p.limited;
   counters_.faded += p.weight < 1.0;

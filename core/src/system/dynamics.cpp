@@ -3,12 +3,6 @@
 #include <algorithm>
 
 namespace rollerrig {
-namespace {
-
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
-}  // namespace
-
 static_assert(HasJacobian<Dynamics> && HasAccept<Dynamics> && HasKinematicStates<Dynamics> && HasStiffModes<Dynamics>);
 static_assert(HasJacobian<DrivenDynamics> && HasAccept<DrivenDynamics> && HasKinematicStates<DrivenDynamics> &&
               HasStiffModes<DrivenDynamics>);
@@ -21,7 +15,7 @@ Evaluation::Evaluation(Model const& model)
       rolling_force(model.rolling_constraints.size(), 0.0) {
   for (auto const& c : model.contacts) {
     RailHeads const& heads = c.right ? model.right_heads : model.left_heads;
-    head.emplace_back(heads.empty() ? 0 : model.profiles[static_cast<std::size_t>(heads.profiles[0])]->pieces.size());
+    head.emplace_back(heads.empty() ? 0 : model.profiles[at(heads.profiles[0])]->pieces.size());
   }
 }
 

@@ -9,8 +9,6 @@
 namespace rollerrig {
 namespace {
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
 bool is_roller(Model const& model, int body) {
   return std::ranges::any_of(model.contacts, [body](auto const& c) { return c.roller == body; });
 }
@@ -193,8 +191,7 @@ class LinearEquations {
     Eigen::MatrixXd matrix(n, n);
     for (Eigen::Index r = 0; r < n; ++r)
       for (Eigen::Index c = 0; c < n; ++c)
-        matrix(r, c) = problem.weight[static_cast<std::size_t>(r)] *
-                       j.a(problem.rows[static_cast<std::size_t>(r)], problem.columns[static_cast<std::size_t>(c)]);
+        matrix(r, c) = problem.weight[at(r)] * j.a(problem.rows[at(r)], problem.columns[at(c)]);
     return matrix;
   }
 
@@ -297,21 +294,19 @@ std::vector<double> relaxed(Dynamics& dynamics, double t, std::vector<FixedCoord
     dynamics.derivative(t, x.data(), x_dot.data(), nullptr);
     dynamics.jacobian(t, x.data(), j);
     for (Eigen::Index r = 0; r < n; ++r) {
-      rates[r] = x_dot[at(free[static_cast<std::size_t>(r)])];
-      for (Eigen::Index c = 0; c < n; ++c)
-        matrix(r, c) = -j.a(free[static_cast<std::size_t>(r)], free[static_cast<std::size_t>(c)]);
+      rates[r] = x_dot[at(free[at(r)])];
+      for (Eigen::Index c = 0; c < n; ++c) matrix(r, c) = -j.a(free[at(r)], free[at(c)]);
       matrix(r, r) += 1.0 / h;
     }
     Eigen::VectorXd const step = matrix.partialPivLu().solve(rates);
     double move = 0.0;
     for (Eigen::Index i = 0; i < n; ++i)
-      if (int const index = free[static_cast<std::size_t>(i)]; index < map.coordinates)
-        move = std::max(move, std::abs(step[i]));
+      if (int const index = free[at(i)]; index < map.coordinates) move = std::max(move, std::abs(step[i]));
     if (!step.allFinite() || move > largest_move) {
       h *= 0.3;
       continue;
     }
-    for (Eigen::Index i = 0; i < n; ++i) x[at(free[static_cast<std::size_t>(i)])] += step[i];
+    for (Eigen::Index i = 0; i < n; ++i) x[at(free[at(i)])] += step[i];
     h *= move < 0.1 * largest_move ? 2.0 : 1.2;
   }
   for (std::size_t b = 0; b < map.rate.size(); ++b)

@@ -7,8 +7,6 @@ namespace {
 
 constexpr int seeds = 16;  // of JacobianDual
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
 BodyMotion<JacobianDual> constant(BodyMotion<double> const& m) {
   BodyMotion<JacobianDual> out;
   for (std::size_t c = 0; c < 6; ++c) {

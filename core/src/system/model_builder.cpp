@@ -8,8 +8,6 @@
 namespace rollerrig {
 namespace {
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
 void need(bool condition, std::string const& message) {
   if (!condition) throw std::invalid_argument(message);
 }

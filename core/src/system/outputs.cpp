@@ -51,8 +51,7 @@ namespace {
 template <class Pitch>
 double mean_over_rollers(Model const& model, Pitch pitch) {
   double sum = 0.0;
-  for (auto const& contact : model.contacts)
-    sum -= contact.roller_radius() * pitch(static_cast<std::size_t>(contact.roller));
+  for (auto const& contact : model.contacts) sum -= contact.roller_radius() * pitch(at(contact.roller));
   return sum / static_cast<double>(model.contacts.size());
 }
 
@@ -72,7 +71,7 @@ Travel<double> running_motion(Dynamics const& dynamics, double t, double const* 
 
 double rolling_slip(Dynamics const& dynamics, int constraint) {
   Model const& model = dynamics.model();
-  return coupling_speed(model.couplings[model.rotors + static_cast<std::size_t>(constraint)], dynamics.work().motion);
+  return coupling_speed(model.couplings[model.rotors + at(constraint)], dynamics.work().motion);
 }
 
 }  // namespace rollerrig

@@ -13,8 +13,6 @@ namespace {
 constexpr double set_down_reach = 0.03;        ///< [m]
 constexpr double set_down_resolution = 1e-12;  ///< [m]
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
 }  // namespace
 
 std::shared_ptr<Model const> coasting_model(std::shared_ptr<Model const> const& model) {

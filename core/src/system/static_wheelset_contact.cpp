@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "rollerrig/contact/patch_lanes.hpp"
+#include "rollerrig/contact/patch.hpp"
 
 namespace rollerrig {
 namespace {

@@ -6,8 +6,6 @@
 namespace rollerrig {
 namespace {
 
-std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
 constexpr double viscosity_change = 0.05;     // of a viscosity, which asks for new modes [-]
 constexpr double least_rate = 20.0;           // no explicit method here is limited in its step by a slower decay [1/s]
 constexpr double acceleration_change = 0.02;  // of V', which asks for new modes [m/s^2],

@@ -2,7 +2,6 @@
 
 #include "explicit_real.hpp"
 #include "rollerrig/contact/creep/kalker.hpp"
-#include "rollerrig/contact/creep/kalker_data.hpp"
 #include "rollerrig/math/dual.hpp"
 
 using namespace rollerrig;

@@ -3,7 +3,7 @@
 
 #include <random>
 
-#include "rollerrig/contact/patch_lanes.hpp"
+#include "rollerrig/contact/patch.hpp"
 
 using namespace rollerrig;
 

@@ -7,7 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "rollerrig/integrate/rodas4_tableau.hpp"
+#include "rollerrig/integrate/rodas4.hpp"
 
 namespace tableau = rollerrig::integrate::rodas4_tableau;
 using Matrix6 = Eigen::Matrix<double, 6, 6>;

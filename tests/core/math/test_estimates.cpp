@@ -1,5 +1,5 @@
 // Reciprocals and inverse roots from the processor's estimates.
-#include "rollerrig/math/estimates.hpp"
+#include "rollerrig/math/lane.hpp"
 
 #include <doctest/doctest.h>
 

@@ -83,13 +83,12 @@ TEST_CASE_TEMPLATE("tables are read lane by lane", L, Lanes<2>, Lanes<4>, Lanes<
   L const place = ramp<W>(1.9, 1.7);
   auto const i = truncated(place);
   L const read = gather(table.data(), i);
-  L const cell = number_of<L>(i);
   for (int k = 0; k < W; ++k) {
-    CHECK(cell[k] == std::floor(place[k]));
+    CHECK(index_in(i, static_cast<std::size_t>(k)) == static_cast<int>(std::floor(place[k])));
     CHECK(read[k] == table[static_cast<std::size_t>(place[k])]);
   }
   CHECK(gather(table.data(), truncated(3.9)) == table[3]);
-  CHECK(number_of<double>(truncated(3.9)) == 3.0);
+  CHECK(truncated(3.9) == 3);
 }
 
 TEST_CASE_TEMPLATE("a formula of the contact runs in lanes as it stands", L, Lanes<2>, Lanes<4>, Lanes<8>) {

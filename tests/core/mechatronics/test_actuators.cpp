@@ -6,9 +6,8 @@
 #include <numeric>
 #include <vector>
 
-#include "rollerrig/contact/adhesion/adhesion_map.hpp"
-#include "rollerrig/contact/adhesion/cleaned_wheel.hpp"
-#include "rollerrig/contact/adhesion/recovered_rail.hpp"
+#include "rollerrig/contact/adhesion/friction.hpp"
+#include "rollerrig/contact/adhesion/rail_memory.hpp"
 #include "rollerrig/math/dual.hpp"
 #include "rollerrig/mechatronics/delayed_commands.hpp"
 #include "rollerrig/mechatronics/motor.hpp"
@@ -166,7 +165,7 @@ TEST_CASE("adhesion changes from piece to piece, smoothly where asked") {
 
 TEST_CASE("a wheel finds what the wheels ahead have dissipated, and nothing of its own") {
   for (double step : {0.031, 0.004}) {
-    RecoveredRail rail;
+    RailCells rail;
     rail.reset();
     double const behind = 2.56;  // the next axle
     for (int k = 0; k * step < 20.0; ++k) {
@@ -174,27 +173,27 @@ TEST_CASE("a wheel finds what the wheels ahead have dissipated, and nothing of i
       CHECK(rail.before(x) == 0.0);
       CHECK(rail.before(x - behind) ==
             doctest::Approx(x < behind + 0.05 ? rail.before(x - behind) : 7.0).epsilon(1e-9));
-      rail.dissipate(x, x + step, 7.0);
-      rail.dissipate(x - behind, x - behind + step, 3.0);
+      rail.add(x, x + step, 7.0);
+      rail.add(x - behind, x - behind + step, 3.0);
     }
   }
 }
 
 TEST_CASE("a cleaned rail remembers each wheel's energy once, however small the steps") {
   auto const pass = [](double step) {
-    RecoveredRail rail;
+    RailCells rail;
     rail.reset();
-    for (int k = 0; k * step < 20.0 - 1e-9; ++k) rail.dissipate(k * step, (k + 1) * step, 7.0);
+    for (int k = 0; k * step < 20.0 - 1e-9; ++k) rail.add(k * step, (k + 1) * step, 7.0);
     return rail;
   };
   for (double step : {0.5, 0.013}) {
     auto rail = pass(step);
     for (double s : {1.0, 7.3, 19.0}) CHECK(rail.at(s) == doctest::Approx(7.0).epsilon(1e-9));
     CHECK(rail.at(25.0) == 0.0);
-    rail.dissipate(3.0, 9.0, 2.0);  // a following wheel
+    rail.add(3.0, 9.0, 2.0);  // a following wheel
     CHECK(rail.at(5.0) == doctest::Approx(9.0).epsilon(1e-9));
     CHECK(rail.at(12.0) == doctest::Approx(7.0).epsilon(1e-9));
-    rail.dissipate(20.0, 200.0, 1.0);  // far ahead: what is forgotten reads as untouched
+    rail.add(20.0, 200.0, 1.0);  // far ahead: what is forgotten reads as untouched
     CHECK(rail.at(5.0) == 0.0);
   }
 }

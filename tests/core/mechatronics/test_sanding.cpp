@@ -3,8 +3,8 @@
 
 #include <cmath>
 
-#include "rollerrig/contact/adhesion/adhesion_map.hpp"
-#include "rollerrig/contact/adhesion/sanded_rail.hpp"
+#include "rollerrig/contact/adhesion/friction.hpp"
+#include "rollerrig/contact/adhesion/rail_memory.hpp"
 #include "rollerrig/math/dual.hpp"
 #include "rollerrig/mechatronics/sanding.hpp"
 

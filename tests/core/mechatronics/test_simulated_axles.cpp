@@ -35,7 +35,7 @@ struct Train {
   SimulatedAxles axles;
   SimulatedAxleStates states;
   VirtualRail rail = falling_rail(6e-3);
-  RecoveredRail energy{};
+  RailCells energy{};
   double mass, speed = 20.0, distance = 0.0, brake = 0.0;
 
   explicit Train(std::size_t count)
@@ -76,7 +76,7 @@ TEST_CASE("an axle of the virtual train and a simulated one are the same under t
   SimulatedAxles const axles = axles_of(1);
   SimulatedAxleStates simulated(axles, 20.0);
   VirtualRail const rail = falling_rail(6e-3);
-  RecoveredRail energy;
+  RailCells energy;
   energy.reset(0.05);
   double const h = 1e-3;
   for (int k = 0; k < 1000; ++k) {

@@ -1,6 +1,6 @@
 // Small assembled models for the tests of plant and model file: a wheelset on driven or free rollers, alone or with machines.
 #pragma once
-#include "rollerrig/plant/assembled_model.hpp"
+#include "rollerrig/plant/model_file.hpp"
 #include "rollerrig/simulate/driver.hpp"
 #include "system/models.hpp"
 

@@ -6,6 +6,7 @@
 // the roller. Forces act on the wheel at the contact point on the roller; the roller takes the opposite.
 #pragma once
 #include <memory>
+#include <span>
 
 #include "rollerrig/contact/adhesion/friction.hpp"
 #include "rollerrig/contact/creep/creep_law.hpp"
@@ -227,5 +228,17 @@ void add_creep_force(ContactLaws const& laws, T const& time, MovingPatch<T> cons
 
 template <Scalar T>
 using WheelPatches = PatchList<Patch<T>>;
+
+/// Creep forces of the patches of several wheels at once, side by side in lanes.
+///
+///   patches of all wheels under load -> [lanes of patches] -> contact/patch.hpp, once for as many patches as there are lanes
+/// At most W patches, W not below 2. Lanes behind the last one repeat it.
+template <int W>
+void add_creep_forces_in_lanes(ContactLaws const& laws, double time, std::span<MovingPatch<double> const> patches);
+
+/// Creepages and forces of patches of one set of laws, friction aside: by plain numbers or dual ones one after the other, in
+/// lanes as many at once as a register holds.
+template <Scalar T>
+void add_creep_forces(ContactLaws const& laws, T const& time, std::span<MovingPatch<T> const> patches);
 
 }  // namespace rollerrig

@@ -25,7 +25,7 @@ struct PatchStrips {
 template <Scalar From, Scalar To, class F>
 void convert(PatchStrips<From> const& from, PatchStrips<To>& to, F const& f) {
   to.count = from.count;
-  auto const n = static_cast<std::size_t>(from.count);
+  auto const n = at(from.count);
   auto const row = [&](auto const& numbers, auto& into) {
     for (std::size_t i = 0; i < n; ++i) into[i] = f(numbers[i]);
   };

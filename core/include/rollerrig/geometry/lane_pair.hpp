@@ -3,7 +3,7 @@
 //   pairs and poses, one per lane -> [LanePair] -> geometry/wheel_circle.hpp
 #pragma once
 #include "rollerrig/geometry/pair.hpp"
-#include "rollerrig/math/estimates.hpp"
+#include "rollerrig/math/lane.hpp"
 #include "rollerrig/math/lane_spline.hpp"
 
 namespace rollerrig {

@@ -82,7 +82,7 @@ class ExponentialAdams {
   /// For others that take the same steps: L, of all but the kinematic states, by the states; weights of a step of h [s].
   Eigen::MatrixXd const& linear() const { return linear_; }
   StepWeights const& weights(double h) const {
-    return weights_[static_cast<std::size_t>(std::clamp<long>(std::lround(std::log2(h_ / h)), 0, halvings))];
+    return weights_[at(std::clamp<long>(std::lround(std::log2(h_ / h)), 0, halvings))];
   }
 
   /// Whether plan() holds: the steps stand on a grid of their own.
@@ -201,7 +201,7 @@ class ExponentialAdams {
     double const first = sum_.head(n_).norm();
     d1_ = (f_end_ - slope_).tail(d1_.size());
     d1_.noalias() -= linear_ * (std::ldexp(h_, -level_) * sum_.head(n_));
-    error_.noalias() = weights_[static_cast<std::size_t>(level_)].difference[2].topRows(n_) * d1_;
+    error_.noalias() = weights_[at(level_)].difference[2].topRows(n_) * d1_;
     return error_.norm() / first;
   }
 
@@ -219,7 +219,7 @@ class ExponentialAdams {
 
   template <class System>
   Status multistep(Evaluator<System>& f, Step const& s, Vector const& y, Vector& y_new) {
-    StepWeights const& w = weights_[static_cast<std::size_t>(level_)];
+    StepWeights const& w = weights_[at(level_)];
     Vector const &n0 = past_[0].nonlinear, &n1 = past_[1].nonlinear, &n2 = past_[2].nonlinear, &n3 = past_[3].nonlinear;
     d1_ = n0 - n1;
     d2_ = n0 - 2 * n1 + n2;
@@ -244,8 +244,8 @@ class ExponentialAdams {
   template <class System>
   Status single_step(Evaluator<System>& f, Step const& s, Vector const& y, Vector& y_new) {
     double const h = s.h, middle = s.t + 0.5 * s.h;
-    StepWeights const& w = weights_[static_cast<std::size_t>(level_)];
-    StepWeights const& half = weights_[static_cast<std::size_t>(level_) + 1];
+    StepWeights const& w = weights_[at(level_)];
+    StepWeights const& half = weights_[at(level_) + 1];
     Vector const& n0 = past_[0].nonlinear;
     sum_.noalias() = half.slope * f_start_;
     stage_ = y + (0.5 * h) * sum_;

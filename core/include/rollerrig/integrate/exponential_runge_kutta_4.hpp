@@ -1,4 +1,5 @@
-// integrate/exponential_runge_kutta_4.hpp - the exponential Runge-Kutta method of Krogstad, order 4, for fixed steps.
+// integrate/exponential_runge_kutta_4.hpp - the exponential Runge-Kutta method of Krogstad, order 4, for fixed steps; without
+// stiff modes the classical one.
 //
 //     x' = f(t, x);   along the stiff modes   s_i = d_i . x,   s_i' = N_i(t, x) - lambda_i s_i
 //
@@ -16,11 +17,13 @@
 //     c = e^z     s + h [(phi_1 - 2 phi_2) N(x) + 2 phi_2 N(b)]
 //     s_new = e^z s + h [(phi_1 - 3 phi_2 + 4 phi_3) N(x) + (2 phi_2 - 4 phi_3)(N(a) + N(b)) + (4 phi_3 - phi_2) N(c)]
 //
-// Dense output: the cubic Hermite polynomial of order 3 as in the classical method; along the stiff modes the same
-// formula as for s_new with theta h in place of h, so that no decay is ever faster than what is shown.
-// Source  Krogstad, Generalized integrating factor methods for stiff PDEs, J. Comput. Phys. 203 (2005); Cox, Matthews,
-//         Exponential time differencing for stiff systems, J. Comput. Phys. 176 (2002); Hochbruck, Ostermann,
-//         Exponential integrators, Acta Numerica 19 (2010).
+// Dense output: the cubic Hermite polynomial through both ends and their slopes, order 3 (local error h^4); the slope at the
+// end is the next step's first stage, so it costs nothing. Along the stiff modes it is the same formula as for s_new with
+// theta h in place of h, so that no decay is ever faster than what is shown.
+// Source  Kutta (1901); Hairer, Norsett, Wanner, Solving ODEs I (1993), II.1 table 1.2 and II.6 (6.7); Krogstad,
+//         Generalized integrating factor methods for stiff PDEs, J. Comput. Phys. 203 (2005); Cox, Matthews, Exponential time
+//         differencing for stiff systems, J. Comput. Phys. 176 (2002); Hochbruck, Ostermann, Exponential integrators,
+//         Acta Numerica 19 (2010).
 #pragma once
 #include <cmath>
 #include <utility>
@@ -60,7 +63,7 @@ class ExponentialRungeKutta4 {
   static constexpr bool implicit = false;
 
   template <class System>
-  explicit ExponentialRungeKutta4(Evaluator<System> const& f) {
+  ExponentialRungeKutta4(Evaluator<System> const& f, bool with_stiff_modes) : with_stiff_modes_{with_stiff_modes} {
     if constexpr (HasStiffModes<System>) {
       now_ = f.system().stiff_modes();
       next_ = f.system().stiff_modes();
@@ -179,10 +182,8 @@ class ExponentialRungeKutta4 {
 
   template <class System>
   bool renew(Evaluator<System> const& f) {
-    if constexpr (HasStiffModes<System>)
-      return f.system().renew_stiff_modes(now_, next_);
-    else
-      return false;
+    if constexpr (HasStiffModes<System>) return with_stiff_modes_ && f.system().renew_stiff_modes(now_, next_);
+    return false;
   }
 
   void begin(double h, Vector const& y) {
@@ -207,6 +208,7 @@ class ExponentialRungeKutta4 {
     }
   }
 
+  bool with_stiff_modes_;
   StiffModes now_, next_;
   bool renewed_ = false;  // next_ is for the next step
   std::vector<ModeState> modes_;

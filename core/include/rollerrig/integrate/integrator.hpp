@@ -20,7 +20,6 @@
 #include "rollerrig/integrate/exponential_adams.hpp"
 #include "rollerrig/integrate/exponential_runge_kutta_4.hpp"
 #include "rollerrig/integrate/rodas4.hpp"
-#include "rollerrig/integrate/runge_kutta_4.hpp"
 #include "rollerrig/integrate/step_control.hpp"
 
 namespace rollerrig::integrate {
@@ -165,14 +164,14 @@ class Integrator {
     return t0_ <= t_old_ && t_old_ <= t_ && t_ < options_.final_time + minimum_step() && hold_ >= t_ && h_ >= 0 &&
            on_grid && (!has_breakpoint() || options_.breakpoints[next_breakpoint_] > t_);
   }
-  using AnyMethod = std::variant<RungeKutta4, ExponentialRungeKutta4, ExponentialAdams, DormandPrince, Rodas4>;
+  using AnyMethod = std::variant<ExponentialRungeKutta4, ExponentialAdams, DormandPrince, Rodas4>;
   static constexpr double crawling_step = 1e-9;  ///< [s] thousands of times below any step that a vehicle asks for ...
   static constexpr int longest_crawl = 1'000;    ///< ... so many of them in a row: the run will not end
   static constexpr double epsilon = std::numeric_limits<double>::epsilon();
 
   static AnyMethod make_method(Method method, Evaluator<System> const& f) {
-    if (method == Method::rk4) return RungeKutta4(f);
-    if (method == Method::exponential_rk4) return ExponentialRungeKutta4(f);
+    if (method == Method::rk4 || method == Method::exponential_rk4)
+      return ExponentialRungeKutta4(f, method == Method::exponential_rk4);
     if (method == Method::exponential_adams) return ExponentialAdams(f);
     if (method == Method::dormand_prince) return DormandPrince(f);
     return Rodas4(f);

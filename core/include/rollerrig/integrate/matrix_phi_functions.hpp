@@ -52,8 +52,6 @@ class MatrixPhiFunctions {
 
   void store(StepWeights& w);
 
-  static std::size_t at(int k) { return static_cast<std::size_t>(k); }
-
   Eigen::Index states_, kinematic_;
   Eigen::VectorXd units_;
   Eigen::MatrixXd scaled_, sum_, product_;

@@ -73,7 +73,6 @@ class PastPoints {
   }
 
  private:
-  static std::size_t at(int k) { return static_cast<std::size_t>(k); }
   static void swap(Point& a, Point& b) {
     a.x.swap(b.x);
     a.nonlinear.swap(b.nonlinear);

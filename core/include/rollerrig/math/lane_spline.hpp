@@ -16,8 +16,6 @@ using NumberOf = std::remove_cvref_t<decltype(value_of(std::declval<T const&>())
 
 inline double lane(double x, int) { return x; }
 inline void set_lane(double& x, int, double value) { x = value; }
-inline void load_lanes(double const* from, double& x) { x = *from; }
-inline void store_lanes(double x, double* to) { *to = x; }
 /// Within the limits; the lower one if it is not a number.
 inline double clamped(double x, double low, double high) { return x > low ? std::min(x, high) : low; }
 inline bool lane(bool x, int) { return x; }
@@ -31,14 +29,6 @@ double lane(Lane<double, W> const& x, int i) {
 template <int W>
 void set_lane(Lane<double, W>& x, int i, double value) {
   x.set(i, value);
-}
-template <int W>
-void load_lanes(double const* from, Lane<double, W>& x) {
-  x = Lane<double, W>::load(from);
-}
-template <int W>
-void store_lanes(Lane<double, W> const& x, double* to) {
-  x.store(to);
 }
 template <int W>
 [[gnu::always_inline]] inline Lane<double, W> whole(Lane<double, W> const& x) {

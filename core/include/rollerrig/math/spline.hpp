@@ -2,6 +2,7 @@
 #pragma once
 #include <algorithm>
 #include <array>
+#include <limits>
 #include <vector>
 
 #include "rollerrig/scalar.hpp"
@@ -47,5 +48,64 @@ struct UniformSpline {
             6.0 * c[3] * t + 2.0 * c[2]};
   }
 };
+
+/// Cubics between breaks at any distance, constant beyond both ends.
+/// f(s) = c0 + c1 u + c2 u^2 + c3 u^3, u = s - start[i], from start[i] to start[i + 1]. Before the first break f keeps its
+/// value there; from the last break on it is the last row's c0.
+struct PiecewiseCubic {
+  std::vector<double> start;  ///< strictly increasing
+  std::vector<std::array<double, 4>> coefficient;
+
+  bool empty() const { return start.empty(); }
+
+  /// Index of the piece that holds at s, -1 before the first; at a break the piece that follows: there the vehicle goes.
+  int piece_of(double s) const {
+    return static_cast<int>(std::upper_bound(start.begin(), start.end(), s) - start.begin()) - 1;
+  }
+  bool is_last(int piece) const { return piece + 1 == static_cast<int>(start.size()); }
+
+  template <Scalar T>
+  CurvePoint<T> at(T const& s) const {
+    if (empty()) return {T(0.0), T(0.0), T(0.0)};
+    int const i = piece_of(value_of(s));
+    if (i < 0) return {T(coefficient.front()[0]), T(0.0), T(0.0)};
+    auto const& c = coefficient[static_cast<std::size_t>(i)];
+    if (is_last(i)) return {T(c[0]), T(0.0), T(0.0)};
+    T const u = s - start[static_cast<std::size_t>(i)];
+    return {((c[3] * u + c[2]) * u + c[1]) * u + c[0], (3.0 * c[3] * u + 2.0 * c[2]) * u + c[1],
+            6.0 * c[3] * u + 2.0 * c[2]};
+  }
+
+  /// The primitive of one piece from its start to s, for s within the piece.
+  double primitive(int piece, double s) const {
+    if (empty()) return 0.0;
+    auto const i = static_cast<std::size_t>(std::max(piece, 0));
+    double const u = s - start[i];
+    auto const& c = coefficient[i];
+    if (piece < 0 || is_last(piece)) return c[0] * u;
+    return (((0.25 * c[3] * u + c[2] / 3.0) * u + 0.5 * c[1]) * u + c[0]) * u;
+  }
+
+  /// Where the piece ends; infinite for the last.
+  double end_of(int piece) const;
+
+  /// Whether f vanishes everywhere from `low` to `high`.
+  bool vanishes(double low, double high) const;
+};
+
+inline double PiecewiseCubic::end_of(int piece) const {
+  auto const next = static_cast<std::size_t>(piece + 1);
+  return next < start.size() ? start[next] : std::numeric_limits<double>::infinity();
+}
+
+inline bool PiecewiseCubic::vanishes(double low, double high) const {
+  if (empty()) return true;
+  for (int i = piece_of(low); i <= piece_of(high); ++i) {
+    auto const& c = coefficient[static_cast<std::size_t>(std::max(i, 0))];
+    if (c[0] != 0.0) return false;
+    if (i >= 0 && !is_last(i) && (c[1] != 0.0 || c[2] != 0.0 || c[3] != 0.0)) return false;
+  }
+  return true;
+}
 
 }  // namespace rollerrig

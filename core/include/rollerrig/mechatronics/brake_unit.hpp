@@ -27,9 +27,7 @@ class BrakeCylinders {
   BrakeCylinders(Pneumatics const& pneumatics, std::span<int const> reservoir, std::span<int const> relay_valve,
                  std::size_t axles)
       : axles_{axles} {
-    auto const number = [](std::span<int const> of, std::size_t axle) {
-      return of.empty() ? 0 : static_cast<std::size_t>(of[axle]);
-    };
+    auto const number = [](std::span<int const> of, std::size_t axle) { return of.empty() ? 0 : at(of[axle]); };
     for (std::size_t i = 0; i < axles_; ++i) {
       fed_by_[i] = number(reservoir, i);
       supplies_ = std::max(supplies_, fed_by_[i] + 1);
@@ -38,7 +36,7 @@ class BrakeCylinders {
     std::size_t next = 0, relays = 0;
     for (std::size_t k = 0; k < supplies_; ++k) {
       first_[k] = next, first_relay_[k] = relays;
-      for (std::size_t r = 0; r < static_cast<std::size_t>(most_axles); ++r) {
+      for (std::size_t r = 0; r < at(most_axles); ++r) {
         std::size_t const before = next;
         for (std::size_t i = 0; i < axles_; ++i)
           if (fed_by_[i] == k && number(relay_valve, i) == r) place_[i] = next++, relay_of_[i] = relays;
@@ -124,13 +122,13 @@ struct BrakeUnit {
   using State = BrakeCylinders;
 
   State start(Measurements const& now, double /*train_speed*/, double /*period*/) const {
-    return {pneumatics, reservoir, relay_valve, static_cast<std::size_t>(now.axles)};
+    return {pneumatics, reservoir, relay_valve, at(now.axles)};
   }
 
   /// One sample: cylinder pressures at the end of the period that begins.
   void step(State& s, Measurements const& now, double period, PerAxle<double>& pressure) const {
     s.step(pneumatics, now.dump_valve, now.brake_demand, period);
-    for (std::size_t i = 0; i < static_cast<std::size_t>(now.axles); ++i) pressure[i] = s.cylinder(i).pressure;
+    for (std::size_t i = 0; i < at(now.axles); ++i) pressure[i] = s.cylinder(i).pressure;
   }
 };
 

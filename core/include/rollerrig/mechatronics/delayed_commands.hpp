@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "rollerrig/mechatronics/axles.hpp"
+#include "rollerrig/mechatronics/measurements.hpp"
 
 namespace rollerrig {
 
@@ -11,9 +11,7 @@ class DelayedCommands {
  public:
   /// @param initial  acts before the first command
   /// @param delay    steps from a sample to the command's acting
-  DelayedCommands(double initial, int delay) : delay_{delay}, sent_(static_cast<std::size_t>(delay) + 2) {
-    acting_.fill(initial);
-  }
+  DelayedCommands(double initial, int delay) : delay_{delay}, sent_(at(delay) + 2) { acting_.fill(initial); }
 
   void send(PerAxle<double> const& value, std::int64_t step) {
     sent_[(first_ + count_++) % sent_.size()] = {value, step + delay_};

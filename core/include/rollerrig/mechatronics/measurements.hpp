@@ -3,13 +3,20 @@
 //   plant -> sensors -> [measurements] -> controllers -> [commands], after their delay -> actuators
 #pragma once
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <iterator>
 #include <string_view>
 
-#include "rollerrig/mechatronics/axles.hpp"
-
 namespace rollerrig {
+
+/// How many axles sensors, controllers and actuators have room for.
+/// Of the vehicle under test; a model with more of them is refused.
+constexpr int most_axles = 32;
+
+template <class V>
+using PerAxle = std::array<V, at(most_axles)>;
 
 /// Per axle; only the first `axles` entries count.
 struct Measurements {

@@ -7,21 +7,18 @@
 //
 // C comes from the laws of axle_torques.hpp, and the drives are asked for U by one of drive_commands.hpp.
 //
-// Signs   U positive drives the wheel forward, see estimator/axle_sample.hpp.
+// Signs   U positive drives the wheel forward, see estimators.hpp.
 // Source  Malvezzi, Pugi et al.: the law of the rig under the pure-rolling assumption; docs/theory/rig_control.md.
 #pragma once
 #include <string_view>
 #include <tuple>
 
-#include "rollerrig/contact/adhesion/cleaned_wheel.hpp"
-#include "rollerrig/contact/adhesion/recovered_rail.hpp"
-#include "rollerrig/contact/adhesion/sanded_rail.hpp"
+#include "rollerrig/contact/adhesion/rail_memory.hpp"
 #include "rollerrig/fields.hpp"
 #include "rollerrig/mechatronics/axle_torques.hpp"
 #include "rollerrig/mechatronics/drive_commands.hpp"
 #include "rollerrig/mechatronics/estimators.hpp"
 #include "rollerrig/mechatronics/feedbacks.hpp"
-#include "rollerrig/mechatronics/law_state.hpp"
 #include "rollerrig/mechatronics/measurements.hpp"
 #include "rollerrig/mechatronics/virtual_rail.hpp"
 #include "rollerrig/mechatronics/virtual_train.hpp"
@@ -73,7 +70,7 @@ struct RigController {
   struct State {
     PerAxle<AxleState> axle{};
     VirtualTrainState train{};
-    RecoveredRail rail{};
+    RailCells rail{};
     SandedRail sand{};
     void state(auto& archive) { archive(axle, train, rail, sand); }
   };

@@ -1,19 +1,55 @@
 // mechatronics/sanding.hpp - when sand flows in front of which wheels, and how much.
 //
-//   time, distance, sliding axles -> [start, run-on, delay] -> flow in front of each sanding axle -> sanded_rail.hpp
+//   time, distance, sliding axles -> [start, run-on, delay] -> flow in front of each sanding axle -> rail_memory.hpp
 //
-// To add a start: a header in sanding_start/, its line in AnySandingStart, its table in python/rollerrig/config/schema/brakes.py.
+// To add a start: a struct here, its line in AnySandingStart, its table in python/rollerrig/config/schema/brakes.py.
 #pragma once
 #include <cmath>
-#include <tuple>
 #include <variant>
 
 #include "rollerrig/fields.hpp"
-#include "rollerrig/mechatronics/sanding_start/from_distance.hpp"
-#include "rollerrig/mechatronics/sanding_start/from_time.hpp"
-#include "rollerrig/mechatronics/sanding_start/on_slide.hpp"
 
 namespace rollerrig {
+
+/// What decides whether sand is wanted.
+struct SandingMoment {
+  double time{};      ///< [s]
+  double distance{};  ///< of the train since the start [m]
+  bool slides{};      ///< slide protection vents some axle's cylinder, or wheel-slip control takes torque off one
+};
+
+/// Sand while an axle slides, as slide protection or wheel-slip control sees it.
+struct SandOnSlide {
+  static constexpr char const* name = "on_slide";
+  static constexpr auto fields() { return members(); }
+
+  bool wanted(SandingMoment const& now) const { return now.slides; }
+};
+
+/// Sand from a place on.
+struct SandFromDistance {
+  static constexpr char const* name = "from_distance";
+  double begin{}, end{};
+
+  static constexpr auto fields() {
+    return members(
+        Member{"begin", &SandFromDistance::begin, "m", "begin of sanding, distance of the train since the start"},
+        Member{"end", &SandFromDistance::end, "m", "end of sanding"});
+  }
+  bool wanted(SandingMoment const& now) const { return now.distance >= begin && now.distance < end; }
+};
+
+/// Sand from a time on, as a driver switches it.
+struct SandFromTime {
+  static constexpr char const* name = "from_time";
+  double begin{}, end{};
+
+  static constexpr auto fields() {
+    return members(Member{"begin", &SandFromTime::begin, "s", "begin of sanding"},
+                   Member{"end", &SandFromTime::end, "s", "end of sanding"});
+  }
+  bool wanted(SandingMoment const& now) const { return now.time >= begin && now.time < end; }
+};
 
 using AnySandingStart = OneOf<SandOnSlide, SandFromDistance, SandFromTime>;
 

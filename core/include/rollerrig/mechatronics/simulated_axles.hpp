@@ -15,9 +15,7 @@
 #include <tuple>
 #include <vector>
 
-#include "rollerrig/contact/adhesion/cleaned_wheel.hpp"
-#include "rollerrig/contact/adhesion/recovered_rail.hpp"
-#include "rollerrig/contact/adhesion/sanded_rail.hpp"
+#include "rollerrig/contact/adhesion/rail_memory.hpp"
 #include "rollerrig/fields.hpp"
 #include "rollerrig/mechatronics/virtual_axle.hpp"
 #include "rollerrig/mechatronics/virtual_rail.hpp"
@@ -54,10 +52,10 @@ struct TrainStep {
 
 /// What lies on the rails, left there by the axles ahead.
 struct FoundRail {
-  std::span<RecoveredRail> energy{};  ///< of one rail or two; an axle finds their mean and cleans all of them
-  SandedRail* sand{};                 ///< null: none
-  double const* sand_flow{};          ///< in front of each axle [kg/s]
-  double friction{1.0};               ///< over what its law says
+  std::span<RailCells> energy{};  ///< of one rail or two; an axle finds their mean and cleans all of them
+  SandedRail* sand{};             ///< null: none
+  double const* sand_flow{};      ///< in front of each axle [kg/s]
+  double friction{1.0};           ///< over what its law says
 };
 
 class SimulatedAxleStates {
@@ -128,12 +126,12 @@ class SimulatedAxleStates {
   static constexpr double least_speed = 0.1;  ///< below it the dissipated energy is counted as at it [m/s]
 
   static void clean(SimulatedAxles const& axles, VirtualRail const& rail, Axle& own, double place, double ahead,
-                    double h, double speed, std::span<RecoveredRail> rails) {
+                    double h, double speed, std::span<RailCells> rails) {
     double const spent = std::fabs(own.wheels.force() * own.slip) / (2.0 * std::max(speed, least_speed) * rail.width);
     double found = 0.0;
-    for (RecoveredRail& of : rails) {
+    for (RailCells& of : rails) {
       found += of.before(place) / static_cast<double>(rails.size());
-      of.dissipate(place, place + ahead, spent);
+      of.add(place, place + ahead, spent);
     }
     own.energy = found + own.cleaned.energy() + 0.5 * spent;  // half of its own is dissipated behind the patch's middle
     double const rolled = h * std::fabs(axles.wheel_radius * own.wheels.middle_speed());

@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "rollerrig/fields.hpp"
-#include "rollerrig/mechatronics/axles.hpp"
+#include "rollerrig/mechatronics/measurements.hpp"
 #include "rollerrig/mechatronics/virtual_axle.hpp"
 
 namespace rollerrig {
@@ -95,7 +95,7 @@ class VirtualTrainState {
   void state(auto& archive) { archive(speed_, distance_, acceleration_, axle_); }
 
  private:
-  static std::size_t index(int i) { return static_cast<std::size_t>(i); }
+  static std::size_t index(int i) { return at(i); }
 
   double speed_{0.0}, distance_{0.0}, acceleration_{0.0};
   PerAxle<VirtualAxle> axle_{};

@@ -78,7 +78,7 @@ struct WheelSlipControl {
     double const sign = follow(s, now, period);  // 1 in traction, -1 in braking
     double const reference = s.reference.value();
     for (int i = 0; i < now.axles; ++i) {
-      auto const k = static_cast<std::size_t>(i);
+      auto const k = at(i);
       AxleState& axle = s.axle[k];
       double const speed = wheel_radius * now.vehicle_axle_speed[k];
       axle.acceleration += period / (filter_time + period) * ((speed - axle.speed) / period - axle.acceleration);
@@ -100,12 +100,11 @@ struct WheelSlipControl {
   /// @return  1 of motors that pull, -1 of those that brake; of motors without torque what they did last
   double follow(State& s, Measurements const& now, double period) const {
     double torque = 0.0;
-    for (int i = 0; i < now.axles; ++i) torque += now.motor_torque[static_cast<std::size_t>(i)];
+    for (int i = 0; i < now.axles; ++i) torque += now.motor_torque[at(i)];
     double const sign = torque > 0.0 ? 1.0 : torque < 0.0 ? -1.0 : s.reference.sign();
     double nearest = wheel_radius * now.vehicle_axle_speed[0];
     for (int i = 1; i < now.axles; ++i)
-      nearest =
-          sign * std::fmin(sign * nearest, sign * wheel_radius * now.vehicle_axle_speed[static_cast<std::size_t>(i)]);
+      nearest = sign * std::fmin(sign * nearest, sign * wheel_radius * now.vehicle_axle_speed[at(i)]);
     if (sign != s.reference.sign()) s.reference = {sign < 0.0, nearest};
     ReferenceSpeedRules const rules{reference_acceleration, least_acceleration, release_interval, shortest_release,
                                     longest_release};
@@ -114,9 +113,8 @@ struct WheelSlipControl {
     if (s.no_slip_for > regained_after)
       s.reference.is_known(rules);
     else
-      s.reference.search(rules, nearest, now.axles, period, [&](int axle) {
-        return sign * s.axle[static_cast<std::size_t>(axle)].acceleration < -release_deceleration;
-      });
+      s.reference.search(rules, nearest, now.axles, period,
+                         [&](int axle) { return sign * s.axle[at(axle)].acceleration < -release_deceleration; });
     return sign;
   }
 };

@@ -11,7 +11,7 @@
 #include <array>
 
 #include "rollerrig/multibody/body.hpp"
-#include "rollerrig/multibody/force_laws/direction_law.hpp"
+#include "rollerrig/multibody/force_laws.hpp"
 
 namespace rollerrig {
 

@@ -33,7 +33,7 @@ class ControllerPlant {
   /// False: refused, nothing changed.
   bool set_input(int index, double value) { return set(index, value, Causality::input); }
   bool set_parameter(int index, double value) { return set(index, value, Causality::parameter); }
-  double get(int index) const { return value_[static_cast<std::size_t>(index)]; }
+  double get(int index) const { return value_[at(index)]; }
 
   double time() const { return time_; }
   double period() const { return part_.step * part_.controller.sampling.every; }  ///< of its samples [s]

@@ -60,8 +60,8 @@ class StateArchive {
     else if constexpr (std::is_arithmetic_v<V>)
       self().numbers(&value, 1);
     else if constexpr (requires { value.rows(), value.cols(), value.resize(0, 0); }) {
-      need(self().size(static_cast<std::size_t>(value.size())) == static_cast<std::size_t>(value.size()));
-      self().numbers(value.data(), static_cast<std::size_t>(value.size()));
+      need(self().size(at(value.size())) == at(value.size()));
+      self().numbers(value.data(), at(value.size()));
     } else if constexpr (!std::is_empty_v<V>)
       parts(value);
   }
@@ -120,7 +120,7 @@ class StateReader : public StateArchive<StateReader> {
 
   explicit StateReader(std::span<std::byte const> bytes) : in{bytes} {}
 
-  std::size_t size(std::size_t /*value*/) { return static_cast<std::size_t>(in.number<std::uint64_t>()); }
+  std::size_t size(std::size_t /*value*/) { return at(in.number<std::uint64_t>()); }
   bool flag(bool /*value*/) { return in.flag(); }
   template <class V>
   void numbers(V* values, std::size_t count) {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "rollerrig/plant/assembled_model.hpp"
+#include "rollerrig/plant/model_file.hpp"
 
 namespace rollerrig {
 

@@ -5,6 +5,7 @@
 // An input enters the dynamics as a straight line over time: its column is what a slope of 1 adds to the derivative by time.
 #pragma once
 #include <span>
+#include <vector>
 
 #include "rollerrig/integrate/options.hpp"
 #include "rollerrig/system/dynamics.hpp"
@@ -31,5 +32,20 @@ LinearModel linear_model(Driver& driver, double t, double const* x, std::span<do
 /// What one step [s] of a fixed-step method does to a small deviation from x: integrate/amplification.hpp.
 Eigen::MatrixXd step_amplification(Dynamics& dynamics, integrate::Method method, double step, double t,
                                    double const* x);
+
+/// Steady rolling of a braked vehicle: its state, and the torques that hold the rollers at their speed.
+///
+///   steady rolling without brakes, cylinder pressures -> [Newton's method on the exact linearisation] -> state, roller torques
+struct HeldSpeed {
+  std::vector<double> x;
+  std::vector<double> roller_torque;  ///< of each of the model, beside its table [N m]
+  bool found{false};                  ///< else the wheels slide, or nothing holds the vehicle along the track
+};
+
+/// Rollers with a torque of their own keep the speed that they have in x; on track the frame has it.
+///
+/// @param x         near the state, for one steady rolling without brakes
+/// @param pressure  of each brake of the model [Pa]
+HeldSpeed hold_speed(Dynamics& dynamics, double t, double const* x, std::span<double const> pressure);
 
 }  // namespace rollerrig

@@ -12,9 +12,7 @@
 #include <string_view>
 #include <vector>
 
-#include "rollerrig/contact/adhesion/cleaned_wheel.hpp"
-#include "rollerrig/contact/adhesion/recovered_rail.hpp"
-#include "rollerrig/contact/adhesion/sanded_rail.hpp"
+#include "rollerrig/contact/adhesion/rail_memory.hpp"
 #include "rollerrig/mechatronics/delayed_commands.hpp"
 #include "rollerrig/simulate/actuator_states.hpp"
 #include "rollerrig/simulate/recorder.hpp"
@@ -135,7 +133,7 @@ class MechatronicSystem {
   PerAxle<StateOf<AnyFeedback>> speed_control_{};  ///< of the drives that the caller asks for a speed
   ActingCommands acting_{};
   std::array<bool, command_count> controlled_{};  ///< by a controller of the setup
-  std::array<RecoveredRail, 2> rail_;             ///< left, right
+  std::array<RailCells, 2> rail_;                 ///< left, right
   std::array<PerAxle<CleanedWheel>, 2> wheel_{};  ///< left, right
   PerAxle<double> slides_for_{};                  ///< wheel on roller, beyond the protection's limit [s]
   SandingSwitch sanding_;

@@ -37,12 +37,12 @@ template <Scalar T>
 Vec3<T> track_force(Model const& model, Workspace<T> const& work, std::size_t wheel) {
   WheelContact const& contact = model.contacts[wheel];
   Vec3<T> force{};
-  for (int k = 0; k < work.patch_count[wheel]; ++k) force += work.patches[wheel][static_cast<std::size_t>(k)].force;
+  for (int k = 0; k < work.patch_count[wheel]; ++k) force += work.patches[wheel][at(k)].force;
   bool const moves = contact.rail && contact.roller != ground, leans = work.offset[wheel].rolled;
   if (!moves && !leans) return force;
   if (contact.right) force = mirrored(force);
   if (leans) force = work.offset[wheel].lean() * force;
-  if (moves) force = work.motion[static_cast<std::size_t>(contact.roller)].R * force;
+  if (moves) force = work.motion[at(contact.roller)].R * force;
   return contact.right ? mirrored(force) : force;
 }
 
@@ -57,7 +57,7 @@ void wheel_row(Model const& model, Workspace<T> const& work, std::size_t wheel, 
   std::array<T, 7> mean;
   mean.fill(T(0.0));
   for (int k = 0; k < n; ++k) {
-    Patch<T> const& p = work.patches[wheel][static_cast<std::size_t>(k)];
+    Patch<T> const& p = work.patches[wheel][at(k)];
     T const w = p.normal.total();
     load += w;
     creep += p.creep.longitudinal;

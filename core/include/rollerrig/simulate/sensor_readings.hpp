@@ -4,7 +4,7 @@
 #pragma once
 #include <vector>
 
-#include "rollerrig/mechatronics/law_state.hpp"
+#include "rollerrig/fields.hpp"
 #include "rollerrig/simulate/actuator_states.hpp"
 #include "rollerrig/simulate/setup.hpp"
 #include "rollerrig/system/dynamics.hpp"

@@ -4,8 +4,8 @@
 #pragma once
 #include <algorithm>
 #include <array>
+#include <cstddef>
 #include <optional>
-#include <tuple>
 #include <vector>
 
 #include "rollerrig/fields.hpp"
@@ -162,5 +162,8 @@ struct Model;
 
 /// Throws std::invalid_argument where a setup names what the model does not have, or has not what a controller needs.
 void check_setup(MechatronicSetup const& setup, Model const& model);
+
+/// Throws std::invalid_argument: lists of the wrong length for so many axles under test, a sample time or delay out of its range.
+void check_controller(SampledController const& sampled, std::size_t axles);
 
 }  // namespace rollerrig

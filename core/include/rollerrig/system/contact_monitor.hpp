@@ -14,7 +14,7 @@ struct ContactCounters {
   std::int64_t overlapping{0};           ///< pairs of patches of one wheel whose ellipses overlap
   std::int64_t several_patches{0};       ///< wheels with more than one patch
   std::int64_t refined{0};               ///< wheels whose strips had not settled and were solved again, more of them
-  std::int64_t faded{0};                 ///< patches that counted in part, contact/normal/blending_weight.hpp
+  std::int64_t faded{0};                 ///< patches that counted in part, contact/normal/hertz_ellipses.hpp
   std::int64_t lost{0};                  ///< wheels without contact
   std::int64_t negative_dissipation{0};  ///< patches whose creep law fed energy in
   std::int64_t checked{0};               ///< wheels looked at

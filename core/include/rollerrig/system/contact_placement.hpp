@@ -12,7 +12,7 @@
 #include "rollerrig/contact/patch.hpp"
 #include "rollerrig/multibody/moving_frame.hpp"
 #include "rollerrig/system/model.hpp"
-#include "rollerrig/track/irregularity.hpp"
+#include "rollerrig/track/rail_offset.hpp"
 
 namespace rollerrig {
 

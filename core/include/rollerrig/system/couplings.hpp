@@ -38,7 +38,7 @@ T coupling_speed(Coupling const& coupling, std::vector<BodyMotion<T>> const& mot
   T u(0.0);
   for (CouplingTerm const& c : coupling.term) {
     if (c.body < 0) continue;
-    auto const& m = motion[static_cast<std::size_t>(c.body)];
+    auto const& m = motion[at(c.body)];
     u = u + c.x * m.v.x + c.z * m.v.z + c.pitch * dot(m.R.ey, m.omega);
   }
   return u;

@@ -25,7 +25,7 @@ class Dynamics {
   // What an integrator asks for. Without inputs nothing acts but the tables of the model.
   Sizes sizes() const { return {map().states(), map().angles + account_count}; }
   int kinematic_states() const { return map().coordinates; }
-  int velocity_column(int i) const { return map().velocity_column[static_cast<std::size_t>(i)]; }
+  int velocity_column(int i) const { return map().velocity_column[at(i)]; }
   Status derivative(double t, double const* x, double* x_dot, double* z_dot, Inputs const& inputs = {});
   /// @param reader  shown what else depends on the states, after each sweep
   Status jacobian(double t, double const* x, JacobianData& j, Inputs const& inputs = {},

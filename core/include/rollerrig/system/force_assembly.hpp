@@ -45,7 +45,6 @@ class ForceAssembly {
   void accelerate(T const& t, Selection const* selection = nullptr) const;
 
  private:
-  static std::size_t at(int i) { return static_cast<std::size_t>(i); }
   /// Two bodies of the vehicle; a rail and its sleeper lie in one frame.
   bool curved_motion(int a, int b) const {
     return w_.curved && a >= 0 && b >= 0 && model_.bodies[at(b)].in_moving_frame;

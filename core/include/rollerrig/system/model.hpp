@@ -17,8 +17,8 @@
 #include "rollerrig/multibody/force_element.hpp"
 #include "rollerrig/system/couplings.hpp"
 #include "rollerrig/system/rail_heads.hpp"
-#include "rollerrig/track/irregularity.hpp"
 #include "rollerrig/track/line.hpp"
+#include "rollerrig/track/rail_offset.hpp"
 
 namespace rollerrig {
 
@@ -187,7 +187,7 @@ struct Model {
   WheelContact const& contact(int index, char const* argument) const {
     if (index < 0 || index >= static_cast<int>(contacts.size()))
       throw std::invalid_argument(std::string(argument) + ": there is no contact " + std::to_string(index));
-    return contacts[static_cast<std::size_t>(index)];
+    return contacts[at(index)];
   }
 };
 

@@ -13,7 +13,7 @@ double element_energy(Dynamics const& dynamics);  ///< elastic, preload included
 /// Specific force at a body's centre of mass, along its own axes: what an accelerometer there measures, 1 g at rest [m/s^2].
 template <Scalar T>
 Vec3<T> specific_force(Model const& model, Workspace<T> const& work, int body) {
-  auto const b = static_cast<std::size_t>(body);
+  auto const b = at(body);
   auto const& a = work.acceleration[b];
   bool const moving = model.bodies[b].in_moving_frame && model.on_rails;
   Vec3<T> f{a[coord_x], a[coord_y], a[coord_z]};
@@ -36,7 +36,7 @@ struct InertialTurning {
 
 template <Scalar T>
 InertialTurning<T> inertial_turning(Model const& model, Workspace<T> const& work, int body) {
-  auto const b = static_cast<std::size_t>(body);
+  auto const b = at(body);
   Body const& data = model.bodies[b];
   auto const& m = work.motion[b];
   InertialTurning<T> turning{m.frame_body, frame_angular_acceleration(data, m, work.acceleration[b])};

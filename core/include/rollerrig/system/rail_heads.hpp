@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "rollerrig/geometry/pair.hpp"
-#include "rollerrig/math/piecewise_cubic.hpp"
+#include "rollerrig/math/spline.hpp"
 
 namespace rollerrig {
 

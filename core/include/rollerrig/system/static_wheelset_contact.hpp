@@ -26,7 +26,7 @@ struct StaticPatch {
   double angle{0.0};                     ///< contact angle: slope of the wheel profile as an angle, EN sense [rad]
   double a{0.0}, b{0.0}, approach{0.0};  ///< [m]
   double normal{0.0};                    ///< [N]
-  double weight{1.0};         ///< blending weight: contact/normal/blending_weight.hpp, contact/normal/strip_contact.hpp
+  double weight{1.0};         ///< blending weight: contact/normal/hertz_ellipses.hpp, contact/normal/strip_contact.hpp
   double peak_pressure{0.0};  ///< [Pa]
   double length{0.0};         ///< along the rolling direction [m]
   double width{0.0};          ///< across it [m]

@@ -8,7 +8,7 @@
 #pragma once
 #include <array>
 
-#include "rollerrig/integrate/stiff_modes.hpp"
+#include "rollerrig/integrate/differential_equation.hpp"
 #include "rollerrig/system/force_assembly.hpp"
 
 namespace rollerrig {

@@ -4,7 +4,7 @@
 #pragma once
 #include <vector>
 
-#include "rollerrig/contact/patch_lanes.hpp"
+#include "rollerrig/contact/patch.hpp"
 #include "rollerrig/multibody/moving_frame.hpp"
 #include "rollerrig/system/contact_placement.hpp"
 #include "rollerrig/system/model.hpp"
@@ -46,8 +46,8 @@ struct Workspace {
         wrench(model.bodies.size()),
         acceleration(model.bodies.size()),
         constraint_moment(model.bodies.size(), T(0.0)),
-        node(static_cast<std::size_t>(model.map.nodes), T(0.0)),
-        node_rate(static_cast<std::size_t>(model.map.nodes), T(0.0)),
+        node(at(model.map.nodes), T(0.0)),
+        node_rate(at(model.map.nodes), T(0.0)),
         axle_creep(model.rolling_constraints.size()),
         gyroscopic(model.bodies.size()),
         coupling_load(model.couplings.size()),
@@ -78,10 +78,8 @@ struct Evaluation {
 
   explicit Evaluation(Model const& model);
 
-  int patch_count(int contact) const { return work.patch_count[static_cast<std::size_t>(contact)]; }
-  Patch<double> const& patch(int contact, int k) const {
-    return work.patches[static_cast<std::size_t>(contact)][static_cast<std::size_t>(k)];
-  }
+  int patch_count(int contact) const { return work.patch_count[at(contact)]; }
+  Patch<double> const& patch(int contact, int k) const { return work.patches[at(contact)][at(k)]; }
 };
 
 }  // namespace rollerrig

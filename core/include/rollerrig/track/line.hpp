@@ -12,12 +12,32 @@
 //          at its height, so the centre line rises by |h|/2.
 // Source   docs/theory/track.md, (W1)-(W6).
 #pragma once
-#include "rollerrig/math/piecewise_cubic.hpp"
+
+#include "rollerrig/math/piecewise_linear.hpp"
+#include "rollerrig/math/spline.hpp"
 #include "rollerrig/math/vector.hpp"
-#include "rollerrig/track/distance.hpp"
 #include "rollerrig/track/rail_offset.hpp"
 
 namespace rollerrig {
+
+/// How far along the line the vehicle's reference point is, and how fast.
+/// Position and motion of the vehicle's reference point along the line.
+template <Scalar T>
+struct Travel {
+  T s;             ///< arc length [m]
+  T speed;         ///< V [m/s]
+  T acceleration;  ///< dV/dt [m/s^2]
+};
+
+/// Travel with a speed given over time: s = start + integral of V from time 0 on, in closed form. (W1)
+template <Scalar T>
+Travel<T> travel_at(TimeTable const& speed, double start, T const& t) {
+  double const now = value_of(t);
+  double const acceleration = speed.rate(now);
+  T const v = speed.at(t);
+  T const since = t - now;  // zero, but for its derivative
+  return {start + speed.integral(now) + value_of(v) * since, v, T(acceleration)};
+}
 
 struct Line {
   PiecewiseCubic curvature{};  ///< kappa(s) of the plan [1/m]

@@ -79,7 +79,7 @@ struct Stencil {
         weight{steps(table, place), ends(table)} {
     auto const n = table.shape();
     stride = {components * n[3] * n[2] * n[1], components * n[3] * n[2], components * n[3]};
-    auto const cell = [&](std::size_t k) { return static_cast<std::size_t>(weight.cell[k]); };
+    auto const cell = [&](std::size_t k) { return at(weight.cell[k]); };
     first = table.coefficients.data() + cell(0) * stride[0] + cell(1) * stride[1] + cell(2) * stride[2] +
             cell(3) * components;
   }

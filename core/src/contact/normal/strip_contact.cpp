@@ -19,8 +19,6 @@ constexpr int refined_passes = 10;
 // Change of the force in the last pass from which on these count, and beyond which they alone do [-].
 constexpr double unsettled = 0.01, not_settled = 0.02;
 
-using strip_detail::at;
-
 /// A region, or a piece of one, to be solved, and what came out. Some are solved as one and as several pieces, with weights.
 template <Scalar T>
 struct Region {

@@ -7,7 +7,7 @@
 // wheels are asked in lanes: by one call of a law that takes no decision on a T and says so with `static constexpr bool
 // in_lanes = true`, patch by patch of any other.
 #pragma once
-#include "rollerrig/contact/adhesion/adhesion_map.hpp"
+#include "rollerrig/contact/adhesion/friction.hpp"
 #include "rollerrig/contact/creep/creep_table.hpp"
 #include "rollerrig/contact/creep/fastsim.hpp"
 #include "rollerrig/contact/creep/kalker_laws.hpp"

@@ -33,7 +33,7 @@ struct CreepTable {
 
   double per_aspect() const { return 0.5 * aspects / log_aspect_end; }  ///< intervals per unit of ln(a/b)
   std::array<std::size_t, 4> shape() const {
-    auto const n = [](int i) { return static_cast<std::size_t>(i); };
+    auto const n = [](int i) { return at(i); };
     return {n(aspects + 3), n(cells[0] + 3), n(2 * cells[1] + 3), n(cells[2] + 3)};
   }
   std::size_t size() const {

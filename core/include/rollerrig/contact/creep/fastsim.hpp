@@ -101,13 +101,12 @@ FastsimSums<T> fastsim_sums_of(FastsimDemand<T> const& d) {
     using D = Dual<5>;
     std::array<T const*, 5> const in{&d.along, &d.across, &d.spin_along, &d.spin_across, &d.anisotropy};
     std::array<D, 5> v;
-    for (int i = 0; i < 5; ++i)
-      v[static_cast<std::size_t>(i)] = D::variable(value_of(*in[static_cast<std::size_t>(i)]), i);
+    for (int i = 0; i < 5; ++i) v[at(i)] = D::variable(value_of(*in[at(i)]), i);
     auto const s = fastsim_sums(FastsimDemand<D>{v[0], v[1], v[2], v[3], v[4]});
     auto const chain = [&](D const& r) {
       T out(r.value);
       for (int i = 0; i < 5; ++i) {
-        T const& x = *in[static_cast<std::size_t>(i)];
+        T const& x = *in[at(i)];
         out += r.d[i] * (x - value_of(x));
       }
       return out;

@@ -3,7 +3,7 @@
 // Source  Malvezzi, Meli, Pugi (2010), eqs (20)-(24); Kalker (1967); Vermeulen and Johnson (1964) for (23); Cooperrider (1972)
 //         for coefficients as given.
 #pragma once
-#include "rollerrig/contact/adhesion/rail_surface.hpp"
+#include "rollerrig/contact/adhesion/friction.hpp"
 #include "rollerrig/contact/creep/creep_query.hpp"
 #include "rollerrig/fields.hpp"
 

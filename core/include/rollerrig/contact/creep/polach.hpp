@@ -6,7 +6,7 @@
 // Source  Polach, A fast wheel-rail forces calculation computer code, Vehicle System Dynamics Supplement 33 (1999);
 //         Polach, Creep forces in simulations of traction vehicles running on adhesion limit, Wear 258 (2005).
 #pragma once
-#include "rollerrig/contact/adhesion/rail_surface.hpp"
+#include "rollerrig/contact/adhesion/friction.hpp"
 #include "rollerrig/contact/creep/creep_query.hpp"
 #include "rollerrig/fields.hpp"
 

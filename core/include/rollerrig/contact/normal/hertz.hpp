@@ -6,11 +6,24 @@
 // in the step loop smooth functions of one variable, x = ln(D1/D2), read from a fine cubic table (relative error < 1e-9).
 // Source: Malvezzi, Meli, Pugi (2010), eqs (13)-(19); Johnson, Contact Mechanics (1985), ch. 4.
 #pragma once
-#include "rollerrig/contact/material.hpp"
-#include "rollerrig/geometry/combined_curvature.hpp"
+
+#include "rollerrig/fields.hpp"
+#include "rollerrig/geometry/contact_point.hpp"
 #include "rollerrig/math/spline.hpp"
 
 namespace rollerrig {
+
+/// Elastic constants shared by wheel and roller.
+struct Material {
+  double shear_modulus{82.03125e9}, poisson_ratio{0.28};
+  static constexpr auto fields() {
+    return members(Member{"shear_modulus", &Material::shear_modulus, "Pa", "shear modulus, G", positive},
+                   Member{"poisson_ratio", &Material::poisson_ratio, "1", "Poisson's ratio, nu", poissons_ratio});
+  }
+
+  /// Q = (1 - nu)/G [1/Pa], eq. (13): twice the plane-strain compliance (1 - nu^2)/E of one body.
+  double compliance() const { return (1.0 - poisson_ratio) / shear_modulus; }
+};
 
 /// E(g) and K(g) of (19), complete integrals with complementary modulus g in (0, 1].
 struct EllipticIntegrals {

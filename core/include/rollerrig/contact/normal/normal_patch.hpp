@@ -3,7 +3,7 @@
 #include <array>
 #include <concepts>
 
-#include "rollerrig/contact/material.hpp"
+#include "rollerrig/contact/normal/hertz.hpp"
 #include "rollerrig/contact/patch_strips.hpp"
 #include "rollerrig/geometry/contact_point.hpp"
 #include "rollerrig/geometry/gap_nodes.hpp"
@@ -17,7 +17,7 @@ struct NormalPatch {
   T elastic;              ///< resultant of the pressures along point.n [N]
   T a, b;                 ///< semi-axes along and across the rolling direction, of an equivalent ellipse if need be [m]
   T log_aspect;           ///< ln(a/b)
-  T weight{1.0};          ///< blending weight of the patch, 0 to 1: normal/blending_weight.hpp, (S8)
+  T weight{1.0};          ///< blending weight of the patch, 0 to 1: normal/hertz_ellipses.hpp, (S8)
   T damper{1.0};          ///< part of the wheel's normal damper (12) that acts on it [-]
   Vec3<T> pressure_moment{};  ///< about the point, where the pressures' normals differ [N m]
   double peak_pressure{0.0};  ///< [Pa]

@@ -13,8 +13,6 @@
 namespace rollerrig {
 namespace strip_detail {
 
-constexpr std::size_t at(int i) { return static_cast<std::size_t>(i); }
-
 /// The lowest point of the circle at a place along the arc.
 template <Scalar T>
 CirclePoint<T> point_at(NormalSetting const& wheel, RelativePose<T> const& pose, T const& position) {
@@ -103,7 +101,6 @@ Division<T> divide(strip_detail::Saddle<T> const& between) {
 template <Scalar T>
 void find_divisions(NormalSetting const& wheel, RelativePose<T> const& pose, GapScan const& scan,
                     Divisions<T>& divisions) {
-  using strip_detail::at;
   for (int k = 0; k < scan.regions; ++k)
     for (int i = scan.region[at(k)].first; i < scan.region[at(k)].last; ++i) {
       auto const &left = scan.minimum[at(i)], &right = scan.minimum[at(i + 1)], &top = scan.rise[at(i)];
@@ -129,7 +126,6 @@ using Pieces = std::array<Piece<T>, GapScan::most_minima>;
 /// The regions of a wheel, divided at rises where they may be solved as two.
 template <Scalar T>
 int find_pieces(GapScan const& scan, Divisions<T> const& divisions, Pieces<T>& piece) {
-  using strip_detail::at;
   int count = 0;
   for (int k = 0; k < scan.regions; ++k, ++count) {
     auto const& region = scan.region[at(k)];

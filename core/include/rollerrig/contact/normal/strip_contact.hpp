@@ -94,7 +94,7 @@ class SeededPose {
 
   T chain(StripDual const& x) const {
     T out(x.value);
-    for (int i = 0; i < 6; ++i) out.d += x.d[i] * motion_[static_cast<std::size_t>(i)].d;
+    for (int i = 0; i < 6; ++i) out.d += x.d[i] * motion_[at(i)].d;
     return out;
   }
   StripSolution<T> chained(StripSolution<StripDual> const& found) const {
@@ -102,7 +102,7 @@ class SeededPose {
     StripSolution<T> out;
     out.count = found.count;
     out.refined = found.refined;
-    for (std::size_t k = 0; k < static_cast<std::size_t>(found.count); ++k) {
+    for (std::size_t k = 0; k < at(found.count); ++k) {
       auto const& p = found.patch[k];
       out.patch[k] = {chain(p.weight),  chain(p.normal),  chain3(p.direction), chain3(p.point),
                       chain3(p.moment), chain(p.wheel_s), chain(p.rail_y),     chain(p.a),
@@ -130,7 +130,7 @@ StripSolution<T> strip_contact(NormalSetting const& wheel, RelativePose<T> const
     SeededPose<T> const seeded(pose);
     StripWheel<StripDual> one{&wheel, seeded.pose(), {}, strips ? &seeded_strips : nullptr};
     strip_contacts<StripDual>({&one, 1});
-    for (std::size_t k = 0; strips && k < static_cast<std::size_t>(one.found.count); ++k)
+    for (std::size_t k = 0; strips && k < at(one.found.count); ++k)
       convert(seeded_strips[k], (*strips)[k], [&](StripDual const& x) { return seeded.chain(x); });
     return seeded.chained(one.found);
   }
@@ -165,7 +165,7 @@ struct ElasticStrips {
   template <Scalar T, std::derived_from<NormalPatch<T>> P>
   static int put(StripSolution<T> const& found, PatchList<P>& patches) {
     using std::log;
-    auto const n = static_cast<std::size_t>(found.count);
+    auto const n = at(found.count);
     T total(0.0);
     for (std::size_t k = 0; k < n; ++k) total += found.patch[k].weight * found.patch[k].normal;
     for (std::size_t k = 0; k < n; ++k) {

@@ -7,7 +7,7 @@
 //
 //     (Q/pi) sum_i w_i K_ji(a_i) = d_j,   w_j >= 0;   q_j = 2 Q w_j / (pi a_j^2),   sum_i q_i S_ji(a_i) = A_j    (S3), (S4)
 //
-// K_ji, S_ji: Psi and Chi/4 of contact/normal/strip_kernel.hpp over the width of strip i seen from the middle of strip j.
+// K_ji, S_ji: Psi and Chi/4 of contact/normal/strip_tables.hpp over the width of strip i seen from the middle of strip j.
 // For given lengths a both are linear: a pass solves both and takes the lengths from the loads. A fixed number of passes from a
 // fixed start, Hertz' ellipse, without a branch on a value, so that the result is a plain function of its input and regions
 // are solved side by side, one per lane. Exact where the contact is Hertz'. (S5), (S14)
