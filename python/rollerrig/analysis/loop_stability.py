@@ -281,27 +281,21 @@ def gain_limit(loop: Loop, plant: Plant, highest: float = 1e4) -> float:
 # -------------------------------------------------------------------------------------------------- measured in a run
 
 
-def measured_growth(run: xr.Dataset, begin: float) -> tuple[tuple[float, float], float]:
+def measured_growth(error: xr.DataArray, begin: float) -> tuple[tuple[float, float], float]:
     """Rate [1/s] and frequency [Hz] at which the tracking error of a run grows above ABOVE, and its RMS at the end [rad/s].
 
     Args:
-        run: with `axle_speed` and `virtual_speed`, evenly spaced in time.
+        error: virtual less real speed of each axle [rad/s], over evenly spaced `time` [s], then axle.
         begin: time from which on it is looked at [s].
 
     Returns:
         Rate and frequency, NaN where nothing grew within LINEAR_RANGE; RMS of the fast part at the end.
     """
-    time, error = run["time"].to_numpy(), (run["virtual_speed"] - run["axle_speed"]).to_numpy()
-    return growth_of(time, error, begin)
-
-
-def growth_of(time: Array, error: Array, begin: float) -> tuple[tuple[float, float], float]:
-    """The same for an error [rad/s] over time [s] and axle, shape (time, axle)."""
     from scipy.signal import butter, sosfiltfilt  # slow to load, and seldom needed
 
-    step = float(time[1] - time[0])
+    step = float(error["time"][1] - error["time"][0])
     sos = butter(8, ABOVE, "highpass", fs=1.0 / step, output="sos")
-    high = sosfiltfilt(sos, error, axis=0)[round(begin / step) :]
+    high = sosfiltfilt(sos, error.to_numpy(), axis=0)[round(begin / step) :]
     window = round(WINDOW / step)
     count = len(high) // window
     size = np.sqrt(np.mean(high[: count * window].reshape(count, window, -1) ** 2, axis=(1, 2)))

@@ -21,6 +21,21 @@ def quasi_interpolant(before: Array, here: Array, after: Array) -> Array:
     return np.asarray((-before + 8 * here - after) / 6)
 
 
+def cubic(coefficients: Array, t: Array, derivative: int = 0) -> Array:
+    """c_0 + c_1 t + c_2 t^2 + c_3 t^3, or its derivative 1, 2 or 3, of coefficients of shape (..., 4), t of shape (...)."""
+    c0, c1, c2, c3 = np.moveaxis(coefficients, -1, 0)
+    match derivative:
+        case 0:
+            return np.asarray(c0 + t * (c1 + t * (c2 + t * c3)))
+        case 1:
+            return np.asarray(c1 + t * (2 * c2 + t * 3 * c3))
+        case 2:
+            return np.asarray(2 * c2 + t * 6 * c3)
+        case 3:
+            return np.asarray(6 * c3)
+    raise ValueError(f"derivative: {derivative} is not one of 0, 1, 2, 3")
+
+
 def pieces(before: Array, here: Array, after: Array, next_after: Array, step: float) -> Array:
     """Coefficients c of value = c_0 + c_1 t + c_2 t^2 + c_3 t^3 on each interval, t from its first knot.
 

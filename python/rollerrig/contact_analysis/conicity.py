@@ -33,6 +33,7 @@ Source  EN 15302:2021, clause 9 and annex E (direct integration of the nonlinear
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -83,13 +84,8 @@ class _Touch:
     sides: tuple[tuple[float, ...], tuple[float, ...]]
 
 
-@dataclass(frozen=True)
-class _Pose:
-    """Pose of the wheelset while it is shifted."""
-
-    yaw: float  # turned to the left [rad]
-    # about how far the contacts are apart [m]: the wheelset rolls until both wheels touch. None: roll is 0
-    arm: float | None
+_Toucher = Callable[[float, float], _Touch | None]
+"""Both wheels touching at a lateral shift [m], from a roll angle on [rad]; None where one does not."""
 
 
 def shift_table(
@@ -119,16 +115,14 @@ def shift_table(
     contact = leading_wheelset(model).contact
     wheel, support = case.vehicle.data.wheel, case.support.data
     contact_distance = wheel.back_to_back + 2 * wheel.tape_circle
-    pose = _Pose(yaw, contact_distance if free_to_roll else None)
+    touch_at = partial(_touch, contact, yaw, contact_distance if free_to_roll else None)
 
-    touches, ended = _outward(contact, _steps(largest, step), pose)
-    _refine(contact, touches, pose)
+    touches, ended = _outward(touch_at, _steps(largest, step))
     if model.right_rail_profile is model.rail_profile:
         # The same profiles: a mirror turns (y, yaw) into (-y, -yaw), and running backwards -yaw into yaw.
         touches |= {-y: _Touch(-touch.roll, _swapped(touch)) for y, touch in touches.items() if y > 0.0}
     else:
-        others, early = _outward(contact, [-y for y in _steps(largest, step)], pose)
-        _refine(contact, others, pose)
+        others, early = _outward(touch_at, [-y for y in _steps(largest, step)])
         touches, ended = {**others, **touches}, ended or early
     roller_radius = support.roller_radius if isinstance(support, Rig) else np.inf
     table = _dataset(touches, (model.rail_profile, model.right_rail_profile)).assign_attrs(
@@ -185,21 +179,23 @@ def _steps(largest: float, step: float) -> list[float]:
     return [min(k * step, largest) for k in range(1, math.ceil(largest / step - 1e-9) + 1)]
 
 
-def _outward(contact: _core.StaticWheelsetContact, shifts: list[float], pose: _Pose) -> tuple[dict[float, _Touch], str]:
+def _outward(touch_at: _Toucher, shifts: list[float]) -> tuple[dict[float, _Touch], str]:
     """Rows from the middle to one side, as far as both wheels touch; why they end early, or nothing."""
-    middle = _touch(contact, 0.0, pose, 0.0)
+    middle = touch_at(0.0, 0.0)
     if middle is None:
         raise ValueError("the wheels do not touch in the middle; check gauge, back-to-back distance and profiles")
-    touches, last = {0.0: middle}, middle
+    touches, last, ended = {0.0: middle}, middle, ""
     for y in shifts:
-        touch = _touch(contact, y, pose, last.roll)
+        touch = touch_at(y, last.roll)
         if touch is None:
-            return touches, f"no contact from {1e3 * y:g} mm on: a wheel is off its profile or off the rail"
+            ended = f"no contact from {1e3 * y:g} mm on: a wheel is off its profile or off the rail"
+            break
         touches[y] = last = touch
-    return touches, ""
+    _refine(touch_at, touches)
+    return touches, ended
 
 
-def _refine(contact: _core.StaticWheelsetContact, touches: dict[float, _Touch], pose: _Pose) -> None:
+def _refine(touch_at: _Toucher, touches: dict[float, _Touch]) -> None:
     """Add rows where a contact moves fast or jumps."""
     while True:
         lateral = sorted(touches)
@@ -211,7 +207,7 @@ def _refine(contact: _core.StaticWheelsetContact, touches: dict[float, _Touch], 
         if not new:
             return
         for beside, y in new:
-            touch = _touch(contact, y, pose, touches[beside].roll)
+            touch = touch_at(y, touches[beside].roll)
             if touch is None:
                 return
             touches[y] = touch
@@ -222,9 +218,11 @@ def _contact_jump(a: _Touch, b: _Touch) -> float:
     return max(abs(p[0] - q[0]) for p, q in zip(a.sides, b.sides, strict=True))
 
 
-def _touch(contact: _core.StaticWheelsetContact, y: float, pose: _Pose, roll: float) -> _Touch | None:
-    """Both wheels touching at a lateral shift [m], from a roll angle on [rad]."""
-    yaw, arm = pose.yaw, pose.arm
+def _touch(contact: _core.StaticWheelsetContact, yaw: float, arm: float | None, y: float, roll: float) -> _Touch | None:
+    """Both wheels touching, see _Toucher, turned to the left by `yaw` [rad].
+
+    With an arm, about how far the contacts are apart [m], the wheelset rolls until both wheels touch.
+    """
     heights = _heights(contact, y, yaw, roll)
     slope, surplus = -(arm or 0.0), heights[0] - heights[1]  # secant steps; a metre's arm gains a metre per radian
     for _ in range(MOST_STEPS):
@@ -236,12 +234,8 @@ def _touch(contact: _core.StaticWheelsetContact, y: float, pose: _Pose, roll: fl
         surplus = heights[0] - heights[1]
         # On a flange, roll moves the wheel sideways as well: steeper than the arm. At a jump the slope has a step.
         slope = min(max((surplus - before) / turn, -4 * arm), -0.5 * arm)
-    sides = tuple(
-        _first_touch(contact, (y, height, yaw, roll), right)
-        for height, right in zip(heights, (False, True), strict=True)
-    )
-    left, right_side = sides
-    return None if left is None or right_side is None else _Touch(roll, (left, right_side))
+    left, right = (_first_touch(contact, y, heights[side], yaw, roll, side) for side in (False, True))
+    return None if left is None or right is None else _Touch(roll, (left, right))
 
 
 def _heights(contact: _core.StaticWheelsetContact, y: float, yaw: float, roll: float) -> list[float]:
@@ -250,10 +244,9 @@ def _heights(contact: _core.StaticWheelsetContact, y: float, yaw: float, roll: f
 
 
 def _first_touch(
-    contact: _core.StaticWheelsetContact, place: tuple[float, float, float, float], right: bool
+    contact: _core.StaticWheelsetContact, y: float, height: float, yaw: float, roll: float, right: bool
 ) -> tuple[float, ...] | None:
-    """The point of touch of one wheel in the order of _VARIABLES, if there is one; place: lateral, height, yaw, roll."""
-    y, height, yaw, roll = place
+    """The point of touch of one wheel in the order of _VARIABLES, if there is one."""
     near = contact.minima(0.0, y, height, yaw, roll, right, 1e-6)
     if not near:
         return None

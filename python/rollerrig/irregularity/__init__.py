@@ -10,5 +10,4 @@ from rollerrig.irregularity.rails import RAILS as RAILS
 from rollerrig.irregularity.rails import IrregularityError as IrregularityError
 from rollerrig.irregularity.rails import RailIrregularity as RailIrregularity
 from rollerrig.irregularity.spectra import generate as generate
-from rollerrig.irregularity.spectra import standard_deviation as standard_deviation
 from rollerrig.irregularity.spectra import track_spectrum as track_spectrum

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rollerrig.common.arrays import Array
-from rollerrig.common.splines import pieces
+from rollerrig.common.splines import cubic, pieces
 
 
 class IrregularityError(ValueError):
@@ -74,9 +74,7 @@ class RailIrregularity:
         table = self.coefficients[rail]
         place = np.mod(np.asarray(s, dtype=np.float64), self.period)
         row = np.minimum((place / self.step).astype(np.intp), len(table) - 1)
-        t = place - row * self.step
-        c0, c1, c2, c3 = np.moveaxis(table[row], -1, 0)
-        return np.asarray(c0 + t * (c1 + t * (c2 + t * c3)) if derivative == 0 else c1 + t * (2 * c2 + t * 3 * c3))
+        return cubic(table[row], place - row * self.step, derivative)
 
     def components(self, s: ArrayLike) -> dict[Component, Array]:
         """The four components at distances s [m] of any shape, without the fading in [m]."""

@@ -66,17 +66,6 @@ def track_spectrum(component: Component, level: Level, omega: ArrayLike) -> Arra
             return np.asarray(factors["gauge"] * between_rails)
 
 
-def standard_deviation(component: Component, level: Level, shortest: float, longest: float) -> float:
-    """Standard deviation of the waves between two wavelengths [m]; both wavelengths in m."""
-    from scipy.integrate import quad
-
-    low, high = 2 * np.pi / longest, 2 * np.pi / shortest
-    variance, _ = quad(
-        lambda x: np.exp(x) * track_spectrum(component, level, np.exp(x)), np.log(low), np.log(high), epsrel=1e-10
-    )
-    return float(np.sqrt(variance))
-
-
 KNOTS_PER_WAVE = 12
 """Knots of the spline on the shortest wave: its amplitude between knots is right to 1e-4."""
 

@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rollerrig.common.arrays import Array
-from rollerrig.common.splines import pieces, quasi_interpolant
+from rollerrig.common.splines import cubic, pieces, quasi_interpolant
 
 
 class ProfileError(ValueError):
@@ -121,17 +121,7 @@ class ProfileTable:
             )
         row = np.clip(np.floor((y - self.start) / self.step).astype(np.intp), 0, len(self.coefficients) - 1)
         t = y - (self.start + row * self.step)
-        c0, c1, c2, c3 = np.moveaxis(self.coefficients[row], -1, 0)
-        match derivative:
-            case 0:
-                return np.asarray(c0 + t * (c1 + t * (c2 + t * c3)))
-            case 1:
-                return np.asarray(c1 + t * (2 * c2 + t * 3 * c3))
-            case 2:
-                return np.asarray(2 * c2 + t * 6 * c3)
-            case 3:
-                return np.asarray(6 * c3)
-        raise ValueError(f"derivative: {derivative} is not one of 0, 1, 2, 3")
+        return cubic(self.coefficients[row], t, derivative)
 
     def curvature(self, y: ArrayLike) -> Array:
         """Curvature -f''/(1 + f'^2)^1.5 of the curve as drawn, value upward [1/m].

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from rollerrig.common.arrays import Array
+from rollerrig.common.splines import cubic
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,20 +40,12 @@ class PiecewiseCubic:
         object.__setattr__(self, "rows", rows)
 
     def evaluate(self, s: ArrayLike, derivative: int = 0) -> Array:
-        """Value (0), slope (1) or second derivative (2) at distances s [m], any shape."""
+        """Value (0), slope (1) or a further derivative (2, 3) at distances s [m], any shape."""
         s = np.asarray(s, dtype=np.float64)
         first = self.rows[0, 0]
         k = np.clip(np.searchsorted(self.rows[:, 0], s, side="right") - 1, 0, None)
-        t = np.maximum(s, first) - self.rows[k, 0]
-        c0, c1, c2, c3 = np.moveaxis(self.rows[k, 1:], -1, 0)
-        match derivative:
-            case 0:
-                return np.asarray(c0 + t * (c1 + t * (c2 + t * c3)))
-            case 1:
-                return np.where(s < first, 0.0, c1 + t * (2 * c2 + t * 3 * c3))
-            case 2:
-                return np.where(s < first, 0.0, 2 * c2 + t * 6 * c3)
-        raise ValueError(f"derivative: {derivative} is not one of 0, 1, 2")
+        value = cubic(self.rows[k, 1:], np.maximum(s, first) - self.rows[k, 0], derivative)
+        return np.where(s < first, 0.0, value) if derivative else value
 
     def integral(self, s: ArrayLike) -> Array:
         """Integral from 0 to s [m], exact for the cubics; any shape."""
@@ -60,17 +53,13 @@ class PiecewiseCubic:
         return self._primitive(s) - self._primitive(np.zeros(()))
 
     def _primitive(self, s: Array) -> Array:
-        start = self.rows[:, 0]
+        start, means = self.rows[:, 0], self.rows[:, 1:] / [1, 2, 3, 4]  # the integral of a piece is t times a cubic
         width = np.diff(start)
-        c = self.rows[:, 1:]
-        whole = width * (c[:-1, 0] + width * (c[:-1, 1] / 2 + width * (c[:-1, 2] / 3 + width * c[:-1, 3] / 4)))
-        before = np.concatenate(([0.0], np.cumsum(whole)))
+        before = np.concatenate(([0.0], np.cumsum(width * cubic(means[:-1], width))))
         k = np.clip(np.searchsorted(start, s, side="right") - 1, 0, None)
         t = s - start[k]
         inside = np.maximum(t, 0.0)
-        c0, c1, c2, c3 = np.moveaxis(c[k], -1, 0)
-        part = inside * (c0 + inside * (c1 / 2 + inside * (c2 / 3 + inside * c3 / 4)))
-        return np.asarray(before[k] + part + np.minimum(t, 0.0) * c[0, 0])
+        return np.asarray(before[k] + inside * cubic(means[k], inside) + np.minimum(t, 0.0) * means[0, 0])
 
 
 Shape = Literal["clothoid", "bloss"]

@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 from scipy.signal import welch
 
-from rollerrig.irregularity import COMPONENTS, RailIrregularity, generate, standard_deviation, track_spectrum
+from published_spectra import standard_deviation
+from rollerrig.irregularity import COMPONENTS, RailIrregularity, generate, track_spectrum
 
 WAVES = {"shortest": 3.0, "longest": 100.0}
 

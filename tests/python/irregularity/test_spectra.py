@@ -8,7 +8,8 @@ import math
 import numpy as np
 import pytest
 
-from rollerrig.irregularity import COMPONENTS, standard_deviation, track_spectrum
+from published_spectra import standard_deviation
+from rollerrig.irregularity import COMPONENTS, track_spectrum
 
 OMEGA = np.geomspace(1e-3, 20.0, 400)
 

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from rollerrig import load_case
 from rollerrig.analysis.control_loop import Loop, Wheel, creep_slope, loop_of, margins, wheel_of
@@ -14,7 +15,7 @@ from rollerrig.analysis.loop_stability import (
     ABOVE,
     gain_limit,
     growth,
-    growth_of,
+    measured_growth,
     rolling_plant,
     sampled_matrix,
     vehicle_plant,
@@ -154,7 +155,8 @@ def test_rate_and_frequency_of_a_growing_oscillation(rate: float) -> None:
     time = np.arange(0.0, 4.0, 1e-3)
     growing = 1e-9 * np.exp(rate * time) * np.sin(HZ * 27.0 * time)
     slow = 1e-4 * np.exp(-time) * np.sin(HZ * 1.0 * time)
-    found, _ = growth_of(time, (growing + slow)[:, None] * [1.0, 0.5], 0.3)
+    error = xr.DataArray((growing + slow)[:, None] * [1.0, 0.5], {"time": time}, ("time", "axle"))
+    found, _ = measured_growth(error, 0.3)
     assert found[0] == pytest.approx(rate, abs=0.1)  # tenths of a second hold no whole number of periods
     assert found[1] == pytest.approx(27.0, abs=0.1)
     assert found[1] > ABOVE

@@ -376,7 +376,9 @@ def loop_point(
     factor: float, case: Case, loop: Loop, creep: float, progress: Progress | None = None
 ) -> dict[str, float]:
     """One excited run beside the eigenvalues of its loop, by the names of `loop.points`."""
-    measured, amplitude = loop_stability.measured_growth(whole_run(case, progress), EXCITED_AT + 0.1)
+    run = whole_run(case, progress)
+    error = run["virtual_speed"] - run["axle_speed"]
+    measured, amplitude = loop_stability.measured_growth(error, EXCITED_AT + 0.1)
     plants = {"rolling": loop_stability.rolling_plant(loop.real, creep), "vehicle": loop_stability.vehicle_plant(case)}
     above = loop_stability.ABOVE
     found = {of: loop_stability.growth(loop, plant, above=above) for of, plant in plants.items()} | {
