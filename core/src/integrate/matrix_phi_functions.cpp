@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rollerrig/scalar.hpp"
+
 namespace rollerrig::integrate {
 
 void MatrixPhiFunctions::compute(JacobianData const& j, double h, std::vector<StepWeights>& weights) {

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "rollerrig/integrate/evaluator.hpp"
+#include "rollerrig/scalar.hpp"
 
 namespace rollerrig::integrate {
 

@@ -9,6 +9,8 @@
 #include <iterator>
 #include <string_view>
 
+#include "rollerrig/scalar.hpp"
+
 namespace rollerrig {
 
 /// How many axles sensors, controllers and actuators have room for.

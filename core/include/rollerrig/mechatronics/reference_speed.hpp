@@ -8,6 +8,8 @@
 #pragma once
 #include <cmath>
 
+#include "rollerrig/mechatronics/measurements.hpp"
+
 namespace rollerrig {
 
 struct ReferenceSpeedRules {

@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "rollerrig/plant/byte_stream.hpp"
+#include "rollerrig/scalar.hpp"
 
 namespace rollerrig {
 
