@@ -121,7 +121,7 @@ MUTANTS = (
            "phi2 = 0.5 + 2.0 * z * phi3;", ("integrate/test_exponential.cpp",)),
     Mutant("brake torque with the turning", "include/rollerrig/mechatronics/friction_brake.hpp",
            "return -(sliding_torque(",
-           "return (sliding_torque(", ("mechatronics/test_actuators.cpp",)),
+           "return (sliding_torque(", ("mechatronics/test_pneumatics.cpp",)),
     Mutant("WSP: vents below its threshold of slip", "include/rollerrig/mechatronics/wheel_slide_protection.hpp",
            "((slip > vent_above || locks_up)",
            "((slip < vent_above || locks_up)", ("mechatronics/test_actuators.cpp",)),
