@@ -95,7 +95,10 @@ struct Device {
   PerAxle<double> const& step(double first, double second) {
     Measurements now{.axles = 2};
     now.vehicle_axle_speed = {first / law.wheel_radius, second / law.wheel_radius};
-    law.step(state, now, period, command);
+    if constexpr (std::same_as<State, BrakedAxles>)
+      state.step(law, now, period, command);
+    else
+      law.step(state, now, period, command);
     return command;
   }
 };

@@ -19,7 +19,7 @@ namespace rollerrig {
 
 /// The pressure that a brake's control valve asks for, and the cylinders behind it.
 ///
-///   demand -> [control valve: limited in rate] -> pressure asked for -> unlimited.hpp or reservoir.hpp -> cylinder pressure
+///   demand -> [control valve: limited in rate] -> pressure asked for -> law of the air -> cylinder pressure
 ///
 /// Pressures are over the ambient [Pa], but for ratios. Air is counted as a volume at the ambient pressure [m^3].
 /// Of one axle.

@@ -2,7 +2,7 @@
 //
 //   axle speeds (sampled) -> reference speed, slip, acceleration -> [law] -> dump valve of each axle: fill, hold, vent
 //
-// To add a law: a struct here, its line in AnySlideProtection, its table in
+// To add a law: a struct here with its fields and `decide`, its line in AnySlideProtection, its table in
 // python/rollerrig/config/schema/actuators.py.
 #pragma once
 #include <cmath>
@@ -42,6 +42,17 @@ struct BrakedAxles {
     return state;
   }
 
+  /// One sample of a law: new valve states.
+  template <class Law>
+  void step(Law const& law, Measurements const& now, double period, PerAxle<double>& valve) {
+    observe(law, now, period);
+    for (int i = 0; i < now.axles; ++i) {
+      auto const k = static_cast<std::size_t>(i);
+      valve[k] = static_cast<double>(law.decide(axle[k], *this, reference.releases(i), period));
+    }
+  }
+
+ private:
   /// One sample: speeds, accelerations and the reference of a law with the parameters of (A7).
   template <class Law>
   void observe(Law const& law, Measurements const& now, double period) {
@@ -112,16 +123,6 @@ struct SlipAndDeceleration {
                "duration without slip after which an axle counts as gripping again"});
   }
 
-  /// One sample: new valve states.
-  void step(BrakedAxles& s, Measurements const& now, double period, PerAxle<double>& valve) const {
-    s.observe(*this, now, period);
-    for (int i = 0; i < now.axles; ++i) {
-      auto const k = at(i);
-      valve[k] = static_cast<double>(decide(s.axle[k], s, s.reference.releases(i), period));
-    }
-  }
-
- private:
   DumpValve decide(BrakedAxle& axle, BrakedAxles const& all, bool released, double period) const {
     double const reference = all.reference_speed();
     double const slip = reference - axle.speed;
@@ -205,26 +206,10 @@ struct ThresholdTable {
                "duration without slip after which an axle counts as gripping again"});
   }
 
-  /// One sample: new valve states.
-  void step(BrakedAxles& s, Measurements const& now, double period, PerAxle<double>& valve) const {
-    s.observe(*this, now, period);
-    for (int i = 0; i < now.axles; ++i) {
-      auto const k = at(i);
-      valve[k] = static_cast<double>(decide(s.axle[k], s, s.reference.releases(i), period));
-    }
-  }
-
   /// The entry for an axle with this slip and acceleration.
   Entry entry(double slip, double acceleration) const {
     std::size_t const row = band(slip_thresholds, slip), column = band(acceleration_thresholds, acceleration);
     return static_cast<Entry>(entries[row * (acceleration_thresholds.size() + 1) + column]);
-  }
-
- private:
-  static std::size_t band(std::vector<double> const& thresholds, double value) {
-    std::size_t found = 0;
-    while (found < thresholds.size() && value >= thresholds[found]) ++found;
-    return found;
   }
 
   DumpValve decide(BrakedAxle& axle, BrakedAxles const& all, bool released, double period) const {
@@ -250,6 +235,13 @@ struct ThresholdTable {
     axle.slid = axle.slid || vents;
     return valve;
   }
+
+ private:
+  static std::size_t band(std::vector<double> const& thresholds, double value) {
+    std::size_t found = 0;
+    while (found < thresholds.size() && value >= thresholds[found]) ++found;
+    return found;
+  }
 };
 
 using AnySlideProtection = OneOf<SlipAndDeceleration, ThresholdTable>;
@@ -270,7 +262,7 @@ struct WheelSlideProtection {
 
   /// One sample: new valve states.
   void step(State& s, Measurements const& now, double period, PerAxle<double>& valve) const {
-    std::visit([&](auto const& one) { one.step(s, now, period, valve); }, law);
+    std::visit([&](auto const& one) { s.step(one, now, period, valve); }, law);
   }
 };
 
