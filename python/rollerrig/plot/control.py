@@ -135,7 +135,9 @@ def loop_growth(points: Mapping[str, Sequence[float]]) -> Figure:
 def courses(runs: Mapping[str, xr.Dataset], radius: float) -> Figure:
     """Leading axle of some runs over time: wheel and virtual wheel, tracking error, roller torque; a column with own scales each.
 
-    Radius of the wheels [m].
+    Args:
+        runs: label -> Dataset with `axle_speed`, `virtual_speed`, `train_speed`, `roller_torque`.
+        radius: of the wheels [m].
     """
     figure, grid = new_grid(3, len(runs), height=5.6, sharex=True)
     for (speed, error, torque), (label, run) in zip(grid.T, runs.items(), strict=True):
@@ -208,9 +210,13 @@ def poles_and_zeros_figure(poles: Mapping[str, Complex], zeros: Mapping[str, Com
 
 @house_style()
 def front(points: Mapping[str, Sequence[Sequence[float]]], names: Sequence[str], shipped: str, chosen: str) -> Figure:
-    """Torque ripple [N m] over tracking error, RMS [-], of candidates by name, each as mean, lower and upper end.
+    """Torque ripple over tracking error of candidates, the front among them as a line.
 
-    Names of the front, by rising tracking error: its line; names of the case as it is, and of the compromise.
+    Args:
+        points: by name tracking RMS [-] and ripple [N m], each as mean, lower and upper end.
+        names: of the front, by rising tracking error.
+        shipped: name of the case as it is.
+        chosen: name of the compromise.
     """
     figure, (axes,) = new_figure(height=4.2)
     shown = {name: np.array(one) * [[100.0], [1.0]] for name, one in points.items()}

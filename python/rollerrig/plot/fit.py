@@ -17,9 +17,15 @@ EVEN = 1e-3
 
 @into_axes
 def comparison(x: Array, measured: Array, fitted: Array, used: Array, along: str, label: str) -> Figure:
-    """Measured values over an abscissa and those of the fitted case, and the difference; rows not used in grey.
+    """Measured values and those of the fitted case, and the difference; rows held back in grey.
 
-    All of shape (row,); the names of abscissa and values have their units.
+    Args:
+        x: abscissa, shape (row,).
+        measured: values, shape (row,).
+        fitted: those of the fitted case, shape (row,).
+        used: whether a row was fitted to.
+        along: name of the abscissa with its unit.
+        label: name of the values with their unit.
     """
     order, size = np.argsort(x), float(np.clip(60.0 / np.sqrt(len(x)), 1.0, 4.0))
     held_back = np.logical_not(used)

@@ -52,9 +52,12 @@ def lateral(runs: Runs) -> Figure:
 
 
 def differences(full: xr.Dataset, others: Mapping[str, xr.Dataset], radius: float) -> Figure:
-    """Speed of the first axle and of the train, model less full scale, and with each violation alone, by words for the legend.
+    """Speed of the first axle and of the train, model less full scale, and with each violation alone.
 
-    The others are at the times of full scale, as far as both ran; radius of the wheels [m].
+    Args:
+        full: at full scale.
+        others: by words for the legend: runs at the times of full scale, as far as both ran.
+        radius: of the wheels [m].
     """
     labels = ("first axle, model less\nfull scale [m/s]", "train, model less\nfull scale [m/s]")
     with panels(labels, XLABEL, 4.8) as (figure, (wheel, train)):

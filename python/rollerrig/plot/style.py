@@ -226,17 +226,20 @@ def critical_line(axes: Axes, speed_kmh: float | tuple[float, float], label: str
         speed_kmh = speed_kmh[1]
     else:
         axes.axvline(speed_kmh, **dashes)
-    ground = {"boxstyle": "square,pad=0.1", "facecolor": "white", "edgecolor": "none", "alpha": 0.85}
-    text: dict[str, Any] = {
-        "rotation": 90,
-        "ha": "right",
-        "va": "top",
-        "fontsize": 7.5,
-        "color": "#444444",
-        "zorder": 10,
-    }
-    place: dict[str, Any] = {"xycoords": ("data", "axes fraction"), "textcoords": "offset points"}
-    axes.annotate(label, (speed_kmh, 1.0), (-3, -4), bbox=ground, **place, **text)
+    axes.annotate(
+        label,
+        (speed_kmh, 1.0),
+        (-3, -4),
+        xycoords=("data", "axes fraction"),
+        textcoords="offset points",
+        rotation=90,
+        ha="right",
+        va="top",
+        fontsize=7.5,
+        color="#444444",
+        zorder=10,
+        bbox={"boxstyle": "square,pad=0.1", "facecolor": "white", "edgecolor": "none", "alpha": 0.85},
+    )
 
 
 def critical_lines(axes: Axes, speeds_kmh: Mapping[str, float | tuple[float, float]]) -> None:

@@ -396,9 +396,13 @@ DIMENSION = "reading_time"
 
 
 def add_readings(draft: Draft, model: AssembledModel, times: Array, values: Array) -> None:
-    """Add the readings of a run at their times [s], shape (reading_time,), to a draft; nothing if there are none.
+    """Add the readings of a run; nothing where there are none.
 
-    Of shape (reading_time, columns): `_core.reading_fields` of one wheel after the other, then the distance.
+    Args:
+        draft: what `run_draft` returns; it is changed.
+        model: the model that was run.
+        times: of the readings [s], shape (reading_time,).
+        values: `_core.reading_fields` of one wheel after the other, then the distance; shape (reading_time, columns).
     """
     if not len(times):
         return

@@ -136,7 +136,11 @@ def write_bytes(
 ) -> Path:
     """Write a file under a temporary name and rename it; an older file of that name stays until then.
 
-    Its folder exists; what may be replaced is said as to `output_file`.
+    Args:
+        path: the file; its folder exists.
+        content: all of it.
+        tables: first lines of the tables that may be replaced there.
+        force: whether a file of another program may be replaced.
 
     Raises:
         OutputError: it could not be written, or would have replaced a file that this program did not write.

@@ -108,7 +108,11 @@ def checksum(path: Path) -> str:
 def check_folder(path: str | Path, command: str, patterns: Iterable[str], *, force: bool = False) -> Path:
     """The folder, made if need be and known to take the results of a command: better before a long run than after it.
 
-    It will write names of the patterns, as for `Path.glob`; `force`: what other commands and the user wrote may be replaced.
+    Args:
+        path: the folder.
+        command: that is about to be run.
+        patterns: of the names that it will write there, as for `Path.glob`.
+        force: whether results of other commands and files of the user may be replaced.
 
     Raises:
         OutputError: the folder takes no files, or holds what must not be replaced.
@@ -183,7 +187,14 @@ class ResultFolder:
         interrupted: bool = False,
         force: bool = False,
     ) -> None:
-        """Look at what is there, as `check_folder`; cases by label, `interrupted`: whether Ctrl-C ended the command early.
+        """Look at what is there.
+
+        Args:
+            path: the folder, made if need be.
+            command: that writes.
+            cases: label -> case.
+            interrupted: whether Ctrl-C ended it early.
+            force: whether results of other commands and files of the user may be replaced.
 
         Raises:
             OutputError: the folder takes no files, or holds results of another command.

@@ -79,14 +79,24 @@ def contact_losses(run: xr.Dataset) -> list[ContactLoss]:
 
 
 def keeps_contact(longest: float, total: float, duration: float) -> bool:
-    """Whether a wheel was without contact for no longer than vibrations explain [s]; not where a number is missing."""
+    """Whether a wheel was without contact for no longer than vibrations explain; not where a number is missing.
+
+    Args:
+        longest: time without contact [s].
+        total: sum of all such times [s].
+        duration: of the run [s].
+    """
     return longest <= LONGEST_SPELL and total <= LARGEST_PART * duration
 
 
 def contact_loss_warning(losses: Sequence[ContactLoss], duration: float, *, on_rollers: bool, advice: str = "") -> str:
-    """One line that names the wheels whose contact was lost for longer than vibrations explain in a run of a duration [s].
+    """One line that names the wheels whose contact was lost for longer than vibrations explain; empty if there are none.
 
-    Empty if there are none; `advice`: what to try, a sentence.
+    Args:
+        losses: of a run.
+        duration: of the run [s].
+        on_rollers: whether it was on a rig.
+        advice: what to try, a sentence.
     """
     gross = [loss for loss in losses if not keeps_contact(loss.longest_s, loss.total_s, duration)]
     if not gross:

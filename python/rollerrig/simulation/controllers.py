@@ -121,9 +121,12 @@ def provenance_of(users: Mapping[str, UserController]) -> dict[str, str]:
 
 
 def look_at_controller(code: Code, file: str) -> None:
-    """See that a file of code is there, is Python and has the class, without running any of it; of a module none can be seen.
+    """See that a file of code is there, is Python and has the class, without running any of it.
 
-    An FMU is looked at by `fmu_controller`.
+    Args:
+        code: what the case names; of a module nothing can be seen without running it. An FMU is looked at by
+            `fmu_controller`.
+        file: the case, for messages.
 
     Raises:
         ConfigError: it cannot be used.

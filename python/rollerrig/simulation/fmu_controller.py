@@ -46,7 +46,15 @@ class FmuController:
     def __init__(
         self, table: ControllerFmu, key: str, case: str, axles: Sequence[str], command: str, sample_time: float
     ) -> None:
-        """Check that it fits the axles that it controls and the quantity that it commands; none of its code is run.
+        """Check that it fits; none of its code is run.
+
+        Args:
+            table: of the case.
+            key: of the table.
+            case: name, for messages.
+            axles: names of those that it controls.
+            command: quantity that it commands.
+            sample_time: [s].
 
         Raises:
             ConfigError: see `open_fmu`.

@@ -193,9 +193,13 @@ def prepare(
     may_drift: bool = False,
     output_step: float | None = None,
 ) -> _core.Simulation:
-    """A simulation of a model with everything that acts on it, at its start; the user's controllers by table of the case.
+    """A simulation of a model with everything that acts on it, at its start.
 
-    It records every `output_step` [s], None: that of the case; `may_drift`: also where nothing holds the vehicle.
+    Args:
+        model: assembled with its actuators.
+        users: the user's controllers, by table of the case.
+        may_drift: also where nothing holds the vehicle along the track on its rollers.
+        output_step: interval of what it records [s]; None: that of the case.
 
     Raises:
         ConfigError: the fixed step is unstable, a disturbance moves what is locked, or nothing holds the vehicle on its rollers.
@@ -218,9 +222,15 @@ def begin(
     end_time: float | None = None,
     output_step: float | None = None,
 ) -> None:
-    """Prepare a simulation with the settings of its model's case, from a state at the start time [s].
+    """Prepare a simulation with the settings of the model's case.
 
-    A step ends exactly at `end_time` [s], and it records every `output_step` [s]; None: as the case says.
+    Args:
+        simulation: the simulation.
+        model: its model.
+        state: state at the start.
+        start_time: time at the start [s].
+        end_time: which a step ends at exactly [s]; None: the duration of the case.
+        output_step: interval of what it records [s]; None: that of the case.
 
     Raises:
         ConfigError: the fixed step is beyond the stability limit of the method at the start.
@@ -339,10 +349,17 @@ def march(
     users: Mapping[str, UserController] | None = None,
     report: Callable[[float, int], None] | None = None,
 ) -> tuple[int, int]:
-    """Advance a simulation that stands at a time [s] until another [s], in slices that last about 0.2 s of the clock.
+    """Advance a simulation that has begun, in slices that last about 0.2 s of the clock.
 
-    Output times and what is recorded go into `times` and `rows`, shapes (time,) and (time, width). The first slice has a length
-    [s]; `report` is called after each with the time [s] and the number of rows.
+    Args:
+        simulation: the simulation.
+        until: time of the end [s].
+        times: room for the output times, shape (time,).
+        rows: and for what is recorded, shape (time, width).
+        slice_length: of the first slice [s].
+        begin_at: time at which the simulation stands [s].
+        users: the user's controllers, asked at their instants.
+        report: called after each slice with the time [s] and the number of rows.
 
     Returns:
         Code of the first status that is not ok, or of ok; and the rows filled.

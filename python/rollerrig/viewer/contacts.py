@@ -90,7 +90,13 @@ def seen_from_rail(
 ) -> Array:
     """Lateral and vertical displacement of a wheelset in the axes of a rail that rolls about its centre of mass (..., 2) [m].
 
-    y and z are those of the wheelset less those of the rail [m], roll that of the rail [rad]; under "" nothing moves.
+    Args:
+        model: of the run.
+        under: the rail; a roller does not roll, "": nothing moves.
+        wheelset: its name.
+        y: lateral displacement of the wheelset less that of the rail [m].
+        z: the same upwards.
+        roll: of the rail [rad].
     """
     if not under:
         return np.stack([y, z], axis=-1)

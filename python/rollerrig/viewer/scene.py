@@ -117,7 +117,12 @@ class Scene:
 
 
 def run_scene(run: xr.Dataset, *, label: str = "", most: int = MOST_FRAMES) -> Scene:
-    """The scene of a run with at most so many frames, called by its label or its case.
+    """The scene of a run.
+
+    Args:
+        run: results of `simulate`.
+        label: how it is called beside another one; by default its case.
+        most: frames.
 
     Raises:
         ResultsError: the results hold no motion, or their case cannot be read by this version.
@@ -151,9 +156,14 @@ def head_of(
     way: tuple[float, float],
     acting: tuple[int, bool, bool],
 ) -> dict[str, Any]:
-    """What every scene says of its model: texts (label, case, title, how it ended), elements as the page draws them.
+    """What every scene says of its model.
 
-    The line between the least and greatest distance [m]; patches of a wheel, and whether there are brakes and motors.
+    Args:
+        model: what is shown.
+        texts: label, case, title, and how it ended.
+        elements: as the page draws them.
+        way: least and greatest distance of the line that is drawn [m].
+        acting: patches of a wheel, and whether there are brakes and motors.
     """
     return {
         **dict(zip(("label", "case", "title", "status"), texts, strict=True)),
