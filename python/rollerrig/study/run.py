@@ -275,7 +275,10 @@ SOLVER = {
 
 
 DRAWINGS = {
-    "Motion": (motion_over_time, "Lateral displacement and yaw of the vehicle's bodies, and the running speed where it changes."),
+    "Motion": (
+        motion_over_time,
+        "Lateral displacement and yaw of the vehicle's bodies, and the running speed where it changes.",
+    ),
     "Sliding": (sliding_over_time, "Longitudinal creep force and sliding, wheel less roller; contact on the wheel S."),
     "Energy": (energy_over_time, "Work put in = change of stored energy + heat + residual."),
 }
