@@ -31,7 +31,7 @@ Found run(rollerrig::AssembledModel const& model, double factor) {
     int const stiffness = index_of(plant, std::string(element) + ".y_stiffness");
     plant.set_parameter(stiffness, factor * plant.get(stiffness));
   }
-  int const lateral = index_of(plant, "wheelset_1.y");
+  int const lateral = index_of(plant, "wheelset_1.lateral");
   Found found{0.0, plant.start(end)};
   for (int i = 1; found.status == rollerrig::Status::ok && plant.time() < end; ++i) {
     found.status = plant.advance(std::min(i * step, end));

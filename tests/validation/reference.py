@@ -225,13 +225,13 @@ class Run:
         return self.rows[:, start + index * len(names) + names.index(field)]
 
     def energy(self, field: str) -> np.ndarray:
-        """A field of the whole run over time, from the end of the row."""
+        """An energy of the whole run over time, from the end of the row."""
         names = [name for name, _, _ in _core.run_fields]
-        return self.rows[:, self.rows.shape[1] - len(names) + names.index(field)]
+        return self.rows[:, self.rows.shape[1] - len(names) + names.index(f"energy_{field}")]
 
     def energy_residual(self) -> np.ndarray:
         """Work put in less what became of it [J]."""
-        stored = self.energy("kinetic_energy") + self.energy("gravity_energy") + self.energy("element_energy")
+        stored = self.energy("kinetic") + self.energy("gravity") + self.energy("elements")
         put_in = self.energy("work_of_drive") + self.energy("work_of_torque")
         heat = sum(self.energy(f"dissipated_{where}") for where in ("elements", "normal", "creep"))
         return put_in - heat - self.energy("stored_contacts") - (stored - stored[0])

@@ -124,7 +124,7 @@ def test_jacobian_against_extrapolated_differences(support: str, seed: int) -> N
 # -------------------------------------------------------------------------------------------------------------- energy
 def turned_over(run: Run) -> float:
     """The largest energy that any account moved [J]."""
-    names = [name for name, _, _ in _core.run_fields if name != "speed"]
+    names = [name.removeprefix("energy_") for name, unit, _ in _core.run_fields if unit == "J"]
     return max(float(np.abs(run.energy(name) - run.energy(name)[0]).max()) for name in names)
 
 
@@ -197,7 +197,7 @@ def test_a_mirrored_run_is_the_mirror_image() -> None:
     _, run = released("full_scale_rig", 150 * kmh, 3 * mm, 0.3, **fixed)
     _, mirrored = released("full_scale_rig", 150 * kmh, -3 * mm, 0.3, **fixed)
     for body in range(1, 4):
-        for field, sign in (("x", 1), ("y", -1), ("z", 1), ("roll", -1), ("yaw", -1)):
+        for field, sign in (("longitudinal", 1), ("lateral", -1), ("vertical", 1), ("roll", -1), ("yaw", -1)):
             difference = mirrored.body(body, field) - sign * run.body(body, field)
             # Round-off of the contact roots over 24000 evaluations, millimetres of motion.
             assert np.abs(difference).max() < 1e-12, (body, field)
@@ -246,7 +246,7 @@ def test_methods_agree(reference_run: Run, given: dict, tolerance: float) -> Non
     _, run = released("full_scale_rig", 150 * kmh, 2 * mm, 0.3, output_step=1e-3, **given)
     np.testing.assert_allclose(run.time, reference_run.time, rtol=0.0, atol=1e-12)
     for body in range(1, 4):
-        for field in ("y", "yaw"):
+        for field in ("lateral", "yaw"):
             difference = run.body(body, field) - reference_run.body(body, field)
             assert np.abs(difference).max() < tolerance, (body, field)
 
@@ -265,7 +265,7 @@ def test_hours_of_running_change_nothing() -> None:
     assert len(now.time) == len(later.time)
     for body in range(1, 4):
         # The clock resolves 7e-12 s there, 1e-11 m at the lateral speeds of this run; the tolerance's share is as large.
-        assert later.body(body, "y") == pytest.approx(now.body(body, "y"), abs=1e-9)
+        assert later.body(body, "lateral") == pytest.approx(now.body(body, "lateral"), abs=1e-9)
     wheel_angle = now.body(model.body_index("wheelset_1"), "pitch")
     assert wheel_angle[-1] == pytest.approx(150 * kmh * 0.3 / 0.46, rel=1e-3)
 
@@ -277,7 +277,7 @@ def test_at_standstill_the_bogie_comes_to_rest(support: str) -> None:
     assert run.status == 0
     for name in BODIES:
         body = model.body_index(name)
-        for field in ("y_rate", "z_rate", "yaw_rate"):
+        for field in ("lateral_velocity", "vertical_velocity", "yaw_rate"):
             assert abs(run.body(body, field)[-1]) < 1e-3
     assert run.statistics["steps"] < 5000
 

@@ -50,13 +50,8 @@ ContinuousVariables list_continuous_variables(AssembledModel const& assembled) {
     if (map.angle[b] >= 0)  // in the order of their indices
       all.states.push_back(local("state." + assembled.names.bodies[b] + ".angle", "rad",
                                  "angle that the body has turned", nominal_angle));
-  constexpr char const* accounts[] = {"work_of_drive",     "work_of_torque",   "dissipated_elements",
-                                      "dissipated_normal", "dissipated_creep", "dissipated_brakes",
-                                      "stored_contacts"};
-  static_assert(std::size(accounts) == account_count);
-  for (char const* account : accounts)
-    all.states.push_back(
-        local("state." + std::string(account), "J", "of the energy audit, since the start", nominal_work));
+  for (Field const& account : Recorder::run_fields().subspan(3, account_count))  // behind what is stored
+    all.states.push_back(local("state." + std::string(account.name), "J", std::string(account.meaning), nominal_work));
   for (Variable const& state : all.states)
     all.rates.push_back(local("der(" + state.name + ")", state.unit == "J" ? "W" : state.unit + "/s",
                               "rate of " + state.name, endless));

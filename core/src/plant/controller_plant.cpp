@@ -33,30 +33,31 @@ constexpr AxleInput of_vehicle[] = {
 };
 constexpr AxleInput of_motors[] = {
     of_vehicle[0],
-    {"motor_torque", "N m", "of the traction motor of each axle, as its drive reports it", &Measurements::motor_torque},
+    {"motor_torque", "N m", "torque of the traction motor of each axle, as its drive reports it",
+     &Measurements::motor_torque},
 };
 constexpr AxleInput of_rig[] = {
     {"axle_speed", "rad/s", "measured speed of each axle", &Measurements::axle_speed},
     {"roller_speed", "rad/s", "measured speed of each roller axle, positive as under a wheel that rolls forward",
      &Measurements::roller_speed},
     {"roller_torque", "N m",
-     "of each roller drive since the last sample, as measured; positive drives the wheel forward",
+     "torque of each roller drive since the last sample, as measured; positive drives the wheel forward",
      &Measurements::roller_torque},
-    {"drive_torque", "N m", "of each roller drive now, as measured", &Measurements::drive_torque},
+    {"drive_torque", "N m", "torque of each roller drive now, as measured", &Measurements::drive_torque},
     of_motors[1],
-    {"brake_torque", "N m", "of each axle's friction brake, from cylinder pressure and nominal pad friction",
+    {"brake_torque", "N m", "torque of each axle's friction brake, from cylinder pressure and nominal pad friction",
      &Measurements::brake_torque},
     {"axle_load", "N", "measured vertical force under each axle", &Measurements::axle_load},
-    {"sand_flow", "kg/s", "of sand in front of each axle, on each rail", &Measurements::sand_flow},
+    {"sand_flow", "kg/s", "flow of sand in front of each axle, on each rail", &Measurements::sand_flow},
 };
 constexpr AxleInput of_brake[] = {
     {"dump_valve", "1", "command of the dump valve: 0 fill, 1 hold, 2 vent", &Measurements::dump_valve, 0.0, 2.0, true},
-    {"brake_demand", "Pa", "cylinder pressure asked for", &Measurements::brake_demand, 0.0, highest_pressure},
+    {"brake_demand", "Pa", "cylinder pressure demanded", &Measurements::brake_demand, 0.0, highest_pressure},
 };
 constexpr TrainInput of_train[] = {
-    {"train.track_brake_force", "N", "of all track brakes against running", &Measurements::track_brake_force, 0.0,
+    {"train.track_brake_force", "N", "force of all track brakes against running", &Measurements::track_brake_force, 0.0,
      -no_limit, no_limit},
-    {"train.force_of_others", "N", "of axles that are not on the rig, mean since the last sample, forward",
+    {"train.force_of_others", "N", "force of axles that are not on the rig, mean since the last sample, forward",
      &Measurements::force_of_others, 0.0, -no_limit, no_limit},
     {"train.friction_change", "1", "relative change of the friction of the virtual rail", &Measurements::rail_friction,
      1.0, -1.0, largest_change},
@@ -121,7 +122,7 @@ void ControllerPlant::add_outputs() {
   if (of_rollers()) {
     for (std::size_t i = 0; i < part_.axles.size(); ++i)
       add(part_.axles[i] + ".virtual_speed", "rad/s", "speed of each axle of the virtual train", part_.axle_speed[i]);
-    add("train.speed", "m/s", "of the virtual train", part_.train_speed);
+    add("train.speed", "m/s", "speed of the virtual train", part_.train_speed);
   } else if (of_brakes()) {
     for (std::string const& axle : part_.axles) {
       add(axle + ".inlet_open", "1", "1 while the dump valve lets air into the cylinder", 1.0);
@@ -139,11 +140,11 @@ void ControllerPlant::add_parameters() {
         {std::move(name), unit, meaning, Causality::parameter, Variability::fixed, start, -no_limit, no_limit});
   };
   if (of_brakes()) return;
-  add("train.start_speed", "m/s", "of the train at the start", part_.train_speed);
+  add("train.start_speed", "m/s", "speed of the train at the start", part_.train_speed);
   if (!of_rollers()) return;
   for (std::size_t i = 0; i < part_.axles.size(); ++i) {
-    add(part_.axles[i] + ".start_axle_speed", "rad/s", "of the axle at the start", part_.axle_speed[i]);
-    add(part_.axles[i] + ".start_roller_speed", "rad/s", "of the roller at the start", part_.roller_speed[i]);
+    add(part_.axles[i] + ".start_axle_speed", "rad/s", "speed of the axle at the start", part_.axle_speed[i]);
+    add(part_.axles[i] + ".start_roller_speed", "rad/s", "speed of the roller at the start", part_.roller_speed[i]);
   }
 }
 

@@ -40,11 +40,12 @@ void add_demands(MechatronicSetup const& setup, PartNames const& names, Variable
       list.add({axle + name, unit, what, Causality::input, Variability::discrete, 0.0, -limit, limit}, {kind, i});
     };
     if (has_command(setup, i, Command::dump_valve))
-      add("brake_demand", "Pa", "cylinder pressure asked for beside the demand of the case", highest_pressure,
+      add("brake_demand", "Pa", "cylinder pressure demanded beside the demand of the case", highest_pressure,
           Place::brake_demand);
     if (setup.axles[i].driven())
-      add("motor_torque", "N m", "torque asked of the traction motor beside the demand of the case, positive forward",
-          any, Place::motor_torque);
+      add("motor_torque", "N m",
+          "torque demanded of the traction motor beside the demand of the case, positive forward", any,
+          Place::motor_torque);
   }
   auto const open = open_commands(setup);
   for (std::size_t c = 0; c < command_count; ++c)
@@ -75,7 +76,7 @@ void add_speed_control(MechatronicSetup const& setup, PartNames const& names, Va
                 Causality::input, Variability::discrete, 0.0, 0.0, 1.0, true},
                {Place::speed_control, i});
       list.add({axle + "roller_speed_command", "rad/s",
-                "speed asked of the roller's drive, positive drives the wheel forward", Causality::input,
+                "speed demanded of the roller's drive, positive drives the wheel forward", Causality::input,
                 Variability::discrete, setup.speed / law->assumed.roller_radius, -any, any},
                {Place::roller_speed, i});
     }
@@ -92,8 +93,8 @@ void add_running_speed(Model const& model, VariableList& list) {
             "run.speed_rise_time from each change on",
             Causality::input, Variability::discrete, model.speed.at(0.0), -highest_speed, highest_speed},
            {Place::running_speed});
-  list.add({"run.speed_rise_time", "s", "in which rollers or track reach a new run.speed_command", Causality::input,
-            Variability::discrete, 0.1, 1e-3, 1e3},
+  list.add({"run.speed_rise_time", "s", "time in which rollers or track reach a new run.speed_command",
+            Causality::input, Variability::discrete, 0.1, 1e-3, 1e3},
            {Place::rise_time});
 }
 
@@ -102,7 +103,7 @@ void add_train(MechatronicSetup const& setup, VariableList& list) {
   bool const on_rig = std::ranges::any_of(
       setup.controllers, [](auto const& one) { return std::holds_alternative<RigController>(one.controller); });
   if (!on_rig && !(setup.frame.train_mass > 0.0)) return;
-  list.add({"train.force", "N", "on the train beside all others, positive forward", Causality::input,
+  list.add({"train.force", "N", "force on the train beside all others, positive forward", Causality::input,
             Variability::discrete, 0.0, -any, any},
            {Place::train_force});
   if (!on_rig && setup.simulated.count() == 0) return;
@@ -147,10 +148,10 @@ class Columns {
     for (Field const& field : Recorder::wheel_fields()) {
       if (field.name == "lateral_force") y = column_;
       if (field.name == "vertical_force") q = column_;
-      std::string const name = column_ == y && y > 0 ? "Y" : column_ == q && q > 0 ? "Q" : std::string(field.name);
-      add(owner + name, field, {Place::recorded, column_++});
+      add(owner + std::string(field.name), field, {Place::recorded, column_++});
     }
-    add(owner + "Y_over_Q", {"", "1", "lateral over vertical force on the wheel"}, {Place::side_ratio, y, q});
+    add(owner + "derailment_quotient", {"", "1", "lateral over vertical force on the wheel (Y/Q)"},
+        {Place::side_ratio, y, q});
   }
   void train(std::span<Field const> fields) {
     for (Field const& field : fields) {
@@ -196,7 +197,7 @@ void VariableList::add(Variable variable, Place place) {
 }
 
 std::string wheel_name(AssembledModel const& assembled, WheelContact const& contact) {
-  return assembled.names.bodies[at(contact.wheelset)] + (contact.right ? ".right" : ".left");
+  return assembled.names.bodies[at(contact.wheelset)] + (contact.right ? "_right" : "_left");
 }
 
 VariableList list_variables(AssembledModel const& assembled) {

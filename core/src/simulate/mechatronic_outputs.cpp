@@ -15,11 +15,11 @@ constexpr Field axle_table[] = {
     {"roller_speed", "rad/s", "true speed of the roller, positive as under a wheel that rolls forward"},
     {"cylinder_pressure", "Pa", "brake cylinder pressure over the ambient"},
     {"valve", "1", "command of the dump valve: 0 fill, 1 hold, 2 vent"},
-    {"brake_torque", "N m", "of the friction brake, or of the motor that stands in for it"},
-    {"traction_torque", "N m", "of the traction motor"},
+    {"brake_torque", "N m", "torque of the friction brake, or of the motor in its place"},
+    {"traction_torque", "N m", "torque of the traction motor"},
     {"torque_factor", "1", "part of the traction demand that wheel-slip control admits"},
-    {"roller_torque", "N m", "of the roller's drive, positive drives the wheel forward"},
-    {"roller_command", "N m", "commanded of the roller's drive"},
+    {"roller_torque", "N m", "torque of the roller's drive, positive drives the wheel forward"},
+    {"roller_command", "N m", "torque commanded of the roller's drive"},
     {"estimated_force", "N", "estimated contact force on the axle, forward"},
     {"estimated_torque", "N m", "estimated torque on the axle"},
     {"virtual_speed", "rad/s", "speed of the virtual axle"},
@@ -34,67 +34,71 @@ constexpr Field axle_table[] = {
      "sum of the creep forces on both wheels along the rolling direction: the part of the contact force that makes a "
      "torque, and uses adhesion"},
     {"real_sliding", "m/s",
-     "of the wheel on roller or rail, at the nominal radii: r w less the surface's speed and the wheelset's own"},
+     "sliding of the wheel on roller or rail, at the nominal radii: r w less the surface's speed and the wheelset's "
+     "own"},
     {"measured_roller_torque", "N m", "reading of the torque sensor of the roller's drive at the last sample"},
     {"measured_load", "N", "vertical force on the axle's rollers as measured at the last sample"},
     {"dissipated_energy_density", "J/m^2",
      "energy per area dissipated on the rail under the axle, and what its wheels keep"},
     {"inlet_open", "1", "1 while the dump valve's inlet to the cylinder is open"},
     {"outlet_open", "1", "1 while the dump valve's outlet to the ambient is open"},
-    {"roller_power", "W", "that the roller's drive delivers; negative: that it takes up"},
+    {"roller_power", "W", "power that the roller's drive delivers; negative: that it takes up"},
     {"vehicle_axle_speed", "rad/s", "reading of the vehicle's own speed sensor at the last sample"},
     {"exhausted_air", "m^3", "air let out of the cylinder since the start, at ambient pressure"},
-    {"electrodynamic_torque", "N m", "of the traction motor that brakes, beside traction_torque"},
-    {"asked_brake_torque", "N m",
-     "of all brakes of the axle together against its turning: that of the friction brake under the full demand"},
+    {"electrodynamic_torque", "N m", "torque of the traction motor that brakes, beside traction_torque"},
+    {"demanded_brake_torque", "N m",
+     "torque of all brakes of the axle together against its turning: that of the friction brake under the full demand"},
     {"sand", "kg/m", "mass of sand per length of rail under the axle"},
-    {"wanted_roller_power", "W", "what the roller's drive is asked for, before its limits"},
+    {"demanded_roller_power", "W", "power demanded of the roller's drive, before its limits"},
     {"drive_torque_limited", "s", "how long the limit of torque has held the roller's drive back since the start"},
     {"drive_power_limited", "s", "the same of its limit of power"},
     {"drive_speed_limited", "s", "the same of its limit of speed"},
-    {"axle_work", "J", "of motor and brake on a simulated axle since the start; 0 for those under test"},
-    {"work_on_train", "J", "of a simulated axle on the train since the start"},
-    {"slip_dissipation", "J", "of a simulated axle's slip since the start"},
+    {"axle_work", "J", "work of motor and brake on a simulated axle since the start; 0 for those under test"},
+    {"work_on_train", "J", "work of a simulated axle on the train since the start"},
+    {"slip_dissipation", "J", "heat of a simulated axle's slip since the start"},
     {"reservoir_pressure", "Pa",
-     "of the auxiliary reservoir that feeds the axle's cylinder, over the ambient; 0 where the supply is unlimited"},
+     "pressure in the auxiliary reservoir that feeds the axle's cylinder, over the ambient; 0 where the supply is "
+     "unlimited"},
     {"pipe_pressure", "Pa",
-     "in the pipe between the axle's relay valve and its dump valve, over the ambient; 0 where the air has no pipe"},
+     "pressure in the pipe between the axle's relay valve and its dump valve, over the ambient; 0 where the air has no "
+     "pipe"},
 };
 
 constexpr Field train_table[] = {
-    {"train_speed", "m/s", "of the train: on track the real one, on a rig the virtual one, or else of the rollers"},
-    {"train_distance", "m", "since the start"},
-    {"train_acceleration", "m/s^2", "of the train"},
+    {"train_speed", "m/s",
+     "speed of the train: on track the real one, on a rig the virtual one, or else of the rollers"},
+    {"train_distance", "m", "distance of the train since the start"},
+    {"train_acceleration", "m/s^2", "acceleration of the train"},
     {"reference_speed", "m/s", "train speed as slide protection, or else wheel-slip control, estimates it"},
-    {"brake_demand", "Pa", "cylinder pressure asked for"},
-    {"traction_demand", "N m", "torque per axle asked for"},
+    {"brake_demand", "Pa", "cylinder pressure demanded"},
+    {"traction_demand", "N m", "torque per axle demanded"},
     {"main_pipe_air", "m^3",
      "air that all reservoirs have drawn from the main pipe since the start, at ambient pressure"},
     {"reference_speed_error", "m/s", "reference speed less the train's; 0 where no controller estimates it"},
-    {"track_brake_force", "N", "of all track brakes against running: on a rig on the virtual train"},
-    {"track_brake_energy", "J", "that they have taken since the start"},
-    {"sand_used", "kg", "that has been laid on both rails since the start"},
+    {"track_brake_force", "N", "force of all track brakes against running: on a rig on the virtual train"},
+    {"track_brake_energy", "J", "energy that the track brakes have taken since the start"},
+    {"sand_used", "kg", "sand that has been laid on both rails since the start"},
 };
 
 constexpr Field measurement_table[] = {
     {"axle_speed", "rad/s", "measured speed of each axle: for rig_control the rig's sensors, else the vehicle's own"},
     {"roller_speed", "rad/s", "measured speed of each roller axle, positive as under a wheel that rolls forward"},
     {"roller_torque", "N m",
-     "of each roller drive since the last sample, as measured; positive drives the wheel forward"},
+     "torque of each roller drive since the last sample, as measured; positive drives the wheel forward"},
     {"estimated_force", "N", "our estimate of the contact force on each axle, forward"},
     {"estimated_torque", "N m", "our estimate of the torque on each axle"},
     {"virtual_speed", "rad/s", "speed of each axle of the virtual train"},
     {"feed_forward", "N m", "our feed-forward torque of each roller drive"},
     {"axle_load", "N", "measured vertical force under each axle"},
-    {"drive_torque", "N m", "of each roller drive now, as measured"},
-    {"motor_torque", "N m", "of the traction motor of each axle, as its drive reports it"},
-    {"brake_torque", "N m", "of each axle's friction brake, from cylinder pressure and nominal pad friction"},
-    {"sand_flow", "kg/s", "of sand in front of each axle, on each rail"},
+    {"drive_torque", "N m", "torque of each roller drive now, as measured"},
+    {"motor_torque", "N m", "torque of the traction motor of each axle, as its drive reports it"},
+    {"brake_torque", "N m", "torque of each axle's friction brake, from cylinder pressure and nominal pad friction"},
+    {"sand_flow", "kg/s", "flow of sand in front of each axle, on each rail"},
     {"dump_valve", "1", "command of each axle's dump valve that acts: 0 fill, 1 hold, 2 vent"},
-    {"brake_demand", "Pa", "cylinder pressure asked of each axle"},
-    {"track_brake_force", "N", "of all track brakes against running, the same number for each axle"},
+    {"brake_demand", "Pa", "cylinder pressure demanded of each axle"},
+    {"track_brake_force", "N", "force of all track brakes against running, the same number for each axle"},
     {"force_of_others", "N",
-     "of the simulated axles on the train, mean since the last sample, forward; the same number for each axle"},
+     "force of the simulated axles on the train, mean since the last sample, forward; the same number for each axle"},
 };
 
 /// Of all patches of an axle, and of the rolling constraint where it stands for creep [N].
@@ -285,7 +289,7 @@ void MechatronicSystem::record_simulated(std::size_t i, double* out) const {
   set("brake_torque", setup_.actuators.motors_stand_in ? actuators.stand_in : own.wheels.brake_torque());
   set("traction_torque", actuators.motor[0]);
   set("electrodynamic_torque", actuators.electrodynamic.torque);
-  set("asked_brake_torque", actuators.asked);
+  set("demanded_brake_torque", actuators.asked);
   set("air", cylinder.air);
   set("exhausted_air", cylinder.exhausted);
   set("dump_cycles", static_cast<double>(cylinder.dump_cycles));

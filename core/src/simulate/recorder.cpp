@@ -10,27 +10,27 @@ namespace rollerrig {
 namespace {
 
 constexpr Field body_table[] = {
-    {"x", "m", "longitudinal displacement from the design position"},
-    {"y", "m", "lateral displacement from the design position, positive to the left"},
-    {"z", "m", "vertical displacement from the design position, positive upwards"},
+    {"longitudinal", "m", "longitudinal displacement from the design position"},
+    {"lateral", "m", "lateral displacement from the design position, positive to the left"},
+    {"vertical", "m", "vertical displacement from the design position, positive upwards"},
     {"roll", "rad", "roll angle about the running direction"},
     {"pitch", "rad", "pitch angle; of wheelsets and rollers the angle turned since the start"},
     {"yaw", "rad", "yaw angle, positive to the left"},
-    {"x_rate", "m/s", "longitudinal velocity"},
-    {"y_rate", "m/s", "lateral velocity"},
-    {"z_rate", "m/s", "vertical velocity"},
+    {"longitudinal_velocity", "m/s", "longitudinal velocity"},
+    {"lateral_velocity", "m/s", "lateral velocity"},
+    {"vertical_velocity", "m/s", "vertical velocity"},
     {"roll_rate", "rad/s", "roll rate"},
     {"pitch_rate", "rad/s", "pitch rate; of wheelsets and rollers the spin"},
     {"yaw_rate", "rad/s", "yaw rate"},
-    {"x_acceleration", "m/s^2", "longitudinal acceleration"},
-    {"y_acceleration", "m/s^2", "lateral acceleration"},
-    {"z_acceleration", "m/s^2", "vertical acceleration"},
+    {"longitudinal_acceleration", "m/s^2", "longitudinal acceleration"},
+    {"lateral_acceleration", "m/s^2", "lateral acceleration"},
+    {"vertical_acceleration", "m/s^2", "vertical acceleration"},
     {"roll_acceleration", "rad/s^2", "second derivative of the roll angle"},
     {"pitch_acceleration", "rad/s^2", "second derivative of the pitch angle"},
     {"yaw_acceleration", "rad/s^2", "second derivative of the yaw angle"},
     {"drive_torque", "N m", "torque about +y that a speed-controlled roller takes from its drive"},
     {"lateral_specific_force", "m/s^2",
-     "what an accelerometer at the centre of mass feels to the left of the body; in a curve with the uncompensated "
+     "reading of an accelerometer at the centre of mass to the left of the body; in a curve with the uncompensated "
      "part"},
     {"vertical_specific_force", "m/s^2", "the same upwards; +g at rest"},
     {"inertial_roll_rate", "rad/s",
@@ -39,9 +39,9 @@ constexpr Field body_table[] = {
      "the turning of the track; of wheelsets and rollers without the spin"},
     {"inertial_pitch_rate", "rad/s", "the same about its lateral axis"},
     {"inertial_yaw_rate", "rad/s", "the same about its vertical axis"},
-    {"inertial_roll_acceleration", "rad/s^2", "how the inertial roll rate changes"},
-    {"inertial_pitch_acceleration", "rad/s^2", "how the inertial pitch rate changes"},
-    {"inertial_yaw_acceleration", "rad/s^2", "how the inertial yaw rate changes"},
+    {"inertial_roll_acceleration", "rad/s^2", "rate of change of the inertial roll rate"},
+    {"inertial_pitch_acceleration", "rad/s^2", "rate of change of the inertial pitch rate"},
+    {"inertial_yaw_acceleration", "rad/s^2", "rate of change of the inertial yaw rate"},
 };
 
 constexpr Field wheel_table[] = {
@@ -101,16 +101,16 @@ constexpr Field element_table[] = {
 };
 
 constexpr Field run_table[] = {
-    {"kinetic_energy", "J", "kinetic energy of all bodies"},
-    {"gravity_energy", "J", "potential energy of weight over the design position"},
-    {"element_energy", "J", "elastic energy of the force elements, preload included"},
-    {"work_of_drive", "J", "work put in by roller drives or moving rails since the start"},
-    {"work_of_torque", "J", "work put in by axle torques"},
-    {"dissipated_elements", "J", "heat in the force elements' dampers"},
-    {"dissipated_normal", "J", "heat in the normal damping of the contacts"},
-    {"dissipated_creep", "J", "heat of creep and sliding in the contacts"},
-    {"dissipated_brakes", "J", "heat in the friction brakes"},
-    {"stored_contacts", "J", "work done against the contacts' elastic normal force"},
+    {"energy_kinetic", "J", "kinetic energy of all bodies"},
+    {"energy_gravity", "J", "potential energy of weight over the design position"},
+    {"energy_elements", "J", "elastic energy of the force elements, preload included"},
+    {"energy_work_of_drive", "J", "work put in by roller drives or moving rails since the start"},
+    {"energy_work_of_torque", "J", "work put in by axle torques"},
+    {"energy_dissipated_elements", "J", "heat in the force elements' dampers"},
+    {"energy_dissipated_normal", "J", "heat in the normal damping of the contacts"},
+    {"energy_dissipated_creep", "J", "heat of creep and sliding in the contacts"},
+    {"energy_dissipated_brakes", "J", "heat in the friction brakes"},
+    {"energy_stored_contacts", "J", "work done against the contacts' elastic normal force"},
     {"distance", "m",
      "arc length of the vehicle's reference point along the line; on a rig how much of the rollers' crowns has passed "
      "under "

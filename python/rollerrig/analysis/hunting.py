@@ -40,7 +40,7 @@ STEP = 2e-3
 most of them for its Jacobian, and through the flange root that is hardly longer: `benchmarks/hunting.py`."""
 
 SIGNALS = ("lateral", "yaw")
-LATERAL = [name for name, _, _ in _core.body_fields].index("y")
+LATERAL = [name for name, _, _ in _core.body_fields].index("lateral")
 
 
 @dataclass(frozen=True)

@@ -35,7 +35,6 @@ if TYPE_CHECKING:
 MOTIONS = tuple(name for name, _, _ in _core.body_fields)[:12]
 """Coordinates and rates of a body, as the core orders them."""
 
-_SHORT = {"lateral_force": "Y", "vertical_force": "Q"}
 _LISTED = 12
 """So many names a message lists."""
 
@@ -215,8 +214,7 @@ class LinearBench:
         for k, wheel in enumerate(self.model.wheels):
             for i, (name, unit, _) in enumerate(_core.wheel_fields):
                 row = first + k * len(_core.wheel_fields) + i
-                label = f"{wheel.wheelset}.{wheel.side}.{_SHORT.get(name, name)}"
-                found.append(Signal(label, unit, self._c[row, self._kept], self._d[row]))
+                found.append(Signal(f"{wheel.name}.{name}", unit, self._c[row, self._kept], self._d[row]))
         by_name = {signal.name: signal for signal in found}
         for wheelset, axle in self._axles.items():
             turning = {"axle_speed": (wheelset, 1.0)}
@@ -358,7 +356,7 @@ def linearize(
         inputs: names as the plant has them: wheelset_1.roller_torque_command, wheelset_1.motor_torque,
             wheelset_1.axle_torque ...; none or a wrong one: the message lists them. With a brake pressure also
             wheelset_1.brake_demand and wheelset_1.cylinder_pressure.
-        outputs: names: wheelset_1.y, wheelset_1.left.Q, wheelset_1.axle_speed ...
+        outputs: names: wheelset_1.lateral, wheelset_1_left.vertical_force, wheelset_1.axle_speed ...
         discrete: at the case's time.sampling_step, commands held between the samples and as late as they act.
         brake_pressure: of all brake cylinders, over the ambient [Pa]: the rollers' drives, or on track what holds the frame, then
             hold the speed against the brakes.

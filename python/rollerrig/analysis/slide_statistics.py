@@ -377,7 +377,7 @@ def _rig(run: xr.Dataset, largest_torque: float, roller_radius: float) -> dict[s
         "drive_oscillation_nm": ripple.rms,
         "drive_oscillation_spell_s": ripple.spell,
         "drive_limited_share": float(limited.mean()),
-        "drive_power_wanted_kw": 1e-3 * largest(run["wanted_roller_power"]),
+        "drive_power_demanded_kw": 1e-3 * largest(run["demanded_roller_power"]),
         "drive_power_limited_s": float(run["drive_power_limited"].isel(time=-1).max()),
         "crown_gravity_largest": largest(gravity) / axle_load(run),
         "roller_torque_largest_nm": largest(run["roller_torque"]),

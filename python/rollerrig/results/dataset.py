@@ -35,21 +35,6 @@ from rollerrig.results.run_info import sources_of
 Field = tuple[str, str, str]
 """Name, unit, meaning."""
 
-_DIRECTION_WORDS = {"x": "longitudinal", "y": "lateral", "z": "vertical"}
-
-_RUN_NAMES = {
-    "kinetic_energy": "energy_kinetic",
-    "gravity_energy": "energy_gravity",
-    "element_energy": "energy_elements",
-    "work_of_drive": "energy_work_of_drive",
-    "work_of_torque": "energy_work_of_torque",
-    "dissipated_elements": "energy_dissipated_elements",
-    "dissipated_normal": "energy_dissipated_normal",
-    "dissipated_creep": "energy_dissipated_creep",
-    "dissipated_brakes": "energy_dissipated_brakes",
-    "stored_contacts": "energy_stored_contacts",
-}
-
 COMPLETED = ("ok", "stopped")
 """Statuses of a run that ended as asked: at its duration, or where the train had stopped."""
 
@@ -136,14 +121,6 @@ def variable(dims: str | tuple[str, ...], values: Any, units: str, meaning: str)
     return dims, values, {"units": units, "long_name": meaning}
 
 
-def body_variable(name: str) -> str:
-    """The Dataset's word for a body field of the core: 'y_rate' -> 'lateral_velocity'."""
-    stem, _, rest = name.partition("_")
-    if stem not in _DIRECTION_WORDS:
-        return name
-    return "_".join(filter(None, (_DIRECTION_WORDS[stem], {"rate": "velocity"}.get(rest, rest))))
-
-
 def run_dataset(model: AssembledModel, times: Array, rows: Array, outcome: Outcome) -> xr.Dataset:
     """The Dataset of a run as `run_draft` has it."""
     return run_draft(model, times, rows, outcome).dataset()
@@ -171,14 +148,14 @@ def run_draft(model: AssembledModel, times: Array, rows: Array, outcome: Outcome
         blocks = without_axles
     variables: dict[str, Variable] = {}
     start = 0
-    for dims, fields, names in blocks:
+    for dims, fields, prefix in blocks:
         shape = tuple(sizes[dim] for dim in dims)
         width = math.prod(shape) * len(fields)
         block = rows[:, start : start + width].reshape(len(times), *shape, len(fields))
         start += width
         for column, (name, unit, meaning) in enumerate(fields):
             attributes = {"units": unit, "long_name": meaning}
-            variables[names.get(name, name)] = (("time", *dims), block[..., column], attributes)
+            variables[prefix + name] = (("time", *dims), block[..., column], attributes)
     axles = model.axle_names if "axle_speed" in variables else ()
     return Draft(
         variables,
@@ -188,23 +165,23 @@ def run_draft(model: AssembledModel, times: Array, rows: Array, outcome: Outcome
     )
 
 
-def _blocks() -> list[tuple[tuple[str, ...], list[Field], dict[str, str]]]:
-    """What a row of the recorder holds: dimensions beside time, fields of the core, and their names here where they differ."""
+def _blocks() -> list[tuple[tuple[str, ...], list[Field], str]]:
+    """What a row of the recorder holds: dimensions beside time, fields of the core, and what stands here before their names."""
     return [
-        (("body",), _core.body_fields, {f[0]: body_variable(f[0]) for f in _core.body_fields}),
-        (("wheel",), _core.wheel_fields, {}),
-        (("wheel", "patch"), _core.patch_fields, {f[0]: f"patch_{f[0]}" for f in _core.patch_fields}),
-        (("element",), _core.element_fields, {f[0]: f"element_{f[0]}" for f in _core.element_fields}),
-        ((), _core.run_fields, _RUN_NAMES),
-        (("axle",), _core.axle_fields, {}),
-        ((), _core.train_fields, {}),
+        (("body",), _core.body_fields, ""),
+        (("wheel",), _core.wheel_fields, ""),
+        (("wheel", "patch"), _core.patch_fields, "patch_"),
+        (("element",), _core.element_fields, "element_"),
+        ((), _core.run_fields, ""),
+        (("axle",), _core.axle_fields, ""),
+        ((), _core.train_fields, ""),
     ]
 
 
 def recorded_names(results: xr.Dataset) -> list[str]:
     """Variables of every run that has these dimensions."""
     of_axles = () if "axle" in results.sizes else (_core.axle_fields, _core.train_fields)
-    return [names.get(one[0], one[0]) for _, fields, names in _blocks() if fields not in of_axles for one in fields]
+    return [prefix + one[0] for _, fields, prefix in _blocks() if fields not in of_axles for one in fields]
 
 
 _OF_RUN = {
@@ -231,8 +208,8 @@ def wrong_dimensions(results: xr.Dataset) -> str:
     if "patch_normal" not in results or "config_toml" not in results.attrs:
         return ""
     moment = "time" in results.variables and results["time"].dims == ()
-    for dims, fields, names in _blocks():
-        for name in (names.get(field[0], field[0]) for field in fields):
+    for dims, fields, prefix in _blocks():
+        for name in (prefix + field[0] for field in fields):
             wanted = dims if moment else ("time", *dims)
             if name in results and results[name].dims != wanted:
                 found, right = (", ".join(map(str, some)) or "nothing" for some in (results[name].dims, wanted))
@@ -325,7 +302,7 @@ def drive_warning(draft: Draft) -> str:
     acted = [f"of {name} for {time:.3g} s" for name, time in longest.items() if time >= _LEAST]
     if not acted:
         return ""
-    wanted = float(np.abs(draft.values("wanted_roller_power")).max())
+    wanted = float(np.abs(draft.values("demanded_roller_power")).max())
     delivered = float(np.abs(draft.values("roller_power")).max())
     return (
         f"the roller drives met their limit {', '.join(acted)} (one axle, the longest); asked for up to {wanted / 1e3:.4g} kW, "

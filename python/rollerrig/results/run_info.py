@@ -23,25 +23,12 @@ from rollerrig.assembly.model import AssembledModel
 from rollerrig.cases import ACTUATORS, as_case
 from rollerrig.config import Case, Rig, ScaledFrom, case_from_toml
 from rollerrig.config.read import CATALOG_FOLDER
+from rollerrig.config.schema.contact import FallingFriction
 from rollerrig.profiles import flange_angle
 from rollerrig.track import Segment
 
 ALWAYS = ("rollerrig", "malvezzi2010")
 """Cited whatever was computed."""
-
-_LAWS = {
-    "hertz": ("hertz1882",),
-    "strips": ("johnson1985", "piotrowski2008"),
-    "kalker_linear": ("kalker1990",),
-    "kalker_saturated": ("kalker1990", "vermeulen1964"),
-    "coefficients": ("kalker1990", "vermeulen1964"),
-    "fastsim": ("kalker1982",),
-    "modified_fastsim": ("kalker1982", "spiryagin2013"),
-    "polach": ("polach1999", "polach2005"),
-    "table": ("kalker1990",),
-    "strip_theory": ("kalker1990", "sichani2016"),
-}
-"""Law of the contact -> its sources."""
 
 
 def cite(what: xr.Dataset | Case | str | Path | None = None) -> str:
@@ -86,10 +73,10 @@ def sources(case: Case) -> Iterator[str]:
 def _keys(case: Case) -> dict[str, tuple[str, ...]]:
     """Model of the contact in a case -> keys of its entries."""
     contact = case.contact
-    kinds = {"normal contact": contact.normal.kind, "creep law": contact.creep.kind}
-    found = {f"{what}, {kind.replace('_', ' ')}": _LAWS[kind] for what, kind in kinds.items()}
+    laws = {"normal contact": contact.normal, "creep law": contact.creep}
+    found = {f"{what}, {law.kind.replace('_', ' ')}": law.sources for what, law in laws.items()}
     falling = case.adhesion or contact.friction.kind == "falling"
-    return found | ({"friction falling with sliding": ("polach2005",)} if falling else {})
+    return found | ({"friction falling with sliding": FallingFriction.sources} if falling else {})
 
 
 def sources_of(case: Case) -> dict[str, str]:

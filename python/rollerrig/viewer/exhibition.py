@@ -61,7 +61,7 @@ class Exhibition:
         """On by so much [s], the simulation too."""
         for _ in range(PER_FRAME):
             self.run.advance(seconds / PER_FRAME)
-            self._seen.append((self.run.time, self.run.value(f"{self._wheelset}.y") or 0.0))
+            self._seen.append((self.run.time, self.run.value(f"{self._wheelset}.lateral") or 0.0))
         time = self.run.time
         if time - max(self._touched + IDLE - ACT, self._act_began) > ACT and not self.run.case.sampled:
             self._act_began = time

@@ -94,10 +94,10 @@ def _slider(one: _core.Variable, label: str) -> Slider:
 FRAME = 1.0 / 30.0
 """Between two frames [s]."""
 
-_NAMES = {"longitudinal": "x", "lateral": "y", "vertical": "z", "roll": "roll", "pitch": "pitch", "yaw": "yaw"}
-_WHEEL = {"longitudinal_force": "longitudinal_force", "lateral_force": "Y", "vertical_force": "Q"} | {
-    "creep": "longitudinal_creep_force",
-    **{name: name for name in ("longitudinal_sliding", "lateral_sliding", "rail_lateral", "rail_vertical")},
+_BODY = ("longitudinal", "lateral", "vertical", "roll", "pitch", "yaw")
+_FORCES = ("longitudinal_force", "lateral_force", "vertical_force")
+_WHEEL = {"creep": "longitudinal_creep_force"} | {
+    name: name for name in (*_FORCES, "longitudinal_sliding", "lateral_sliding", "rail_lateral", "rail_vertical")
 }
 _AXLE = ("axle_speed", "roller_speed", "cylinder_pressure", "roller_torque", "traction_torque")
 _PUSH, _MOST_OFFSET, _MOST_YAW = 3e-3, 0.02, 0.05
@@ -229,7 +229,7 @@ class LiveRun:
         """Where the vehicle is now, sideways and in yaw."""
         found = {}
         for body in self._model.lateral_bodies:
-            y, yaw = (self.plant.get(self._variables[f"{body}.{name}"]) for name in ("y", "yaw"))
+            y, yaw = (self.plant.get(self._variables[f"{body}.{name}"]) for name in ("lateral", "yaw"))
             if math.isfinite(y + yaw) and (y or yaw):
                 clipped = max(-_MOST_OFFSET, min(_MOST_OFFSET, y)), max(-_MOST_YAW, min(_MOST_YAW, yaw))
                 free = self.case.vehicle.data.body_named(body).locked
@@ -249,11 +249,11 @@ class LiveRun:
                 self._indices.append(self._variables[variable])
 
         for k, body in enumerate(model.bodies):
-            for name, short in _NAMES.items() if body not in model.fixed else ():
-                add(f"b{k}.{name}", f"{body}.{short}")
+            for name in _BODY if body not in model.fixed else ():
+                add(f"b{k}.{name}", f"{body}.{name}")
         for k, wheel in enumerate(model.wheels):
-            for name, short in _WHEEL.items():
-                add(f"w{k}.{name}", f"{wheel.wheelset}.{wheel.side}.{short}")
+            for column, name in _WHEEL.items():
+                add(f"w{k}.{column}", f"{wheel.name}.{name}")
         for k, wheelset in enumerate(model.wheelsets):
             for name in _AXLE:
                 add(f"a{k}.{name}", f"{wheelset}.{name}")

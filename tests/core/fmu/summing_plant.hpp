@@ -37,7 +37,7 @@ class SummingPlant {
   bool restore(std::span<std::byte const> bytes) { return bytes.size() == 1; }
   double get(int index) { return index == 1 ? sum_ : index == 0 ? rate_ : mass_; }
   double time() const { return time_; }
-  std::string_view failed_wheel() const { return status_ == Status::derailed ? "wheelset_1.left" : ""; }
+  std::string_view failed_wheel() const { return status_ == Status::derailed ? "wheelset_1_left" : ""; }
 
   double fails_at{1e300}, end{};
   Status starts{Status::ok};

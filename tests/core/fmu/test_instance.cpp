@@ -90,7 +90,7 @@ TEST_CASE(
   r.begin();
   CHECK(r.fmu.step("fmi2DoStep", 0.0, 0.5) == Answer::discard);
   REQUIRE(r.told.lines.size() == 1);
-  CHECK(r.told.lines[0].starts_with("fmi2DoStep: at 0.3 s, wheelset_1.left: A wheelset derailed"));
+  CHECK(r.told.lines[0].starts_with("fmi2DoStep: at 0.3 s, wheelset_1_left: A wheelset derailed"));
   CHECK(r.fmu.last_step().run_over);
   CHECK(r.fmu.last_step().time == 0.3);
   CHECK(r.get(sum) == doctest::Approx(0.6));

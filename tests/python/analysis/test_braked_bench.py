@@ -98,7 +98,7 @@ def test_on_track_the_frame_is_held() -> None:
     """The axle is braked as on rollers, whose torque has no counterpart there."""
     bench = LinearBench(track_case(rr.load_case("adhesion_brake")), SPEED, PRESSURE)
     assert bench.holding == {}
-    system = bench.system([DEMAND], [AXLE, "wheelset_1.left.longitudinal_force"])
+    system = bench.system([DEMAND], [AXLE, "wheelset_1_left.longitudinal_force"])
     assert system.input_units == ("Pa",)
     assert np.all(np.isfinite(system.response(np.array([1.0]))))
     assert measured_response(bench, DEMAND, [AXLE], [1.0], 1000.0) is None

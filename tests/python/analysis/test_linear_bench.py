@@ -73,7 +73,7 @@ def test_torques_act_as_in_the_equations_of_motion() -> None:
 def test_motions_are_those_of_the_modes() -> None:
     """The same equilibrium and the same Jacobian as the stability tables."""
     case = rr.load_case("bogie_rollers_constant")
-    system = LinearBench(case, 60.0).system(["wheelset_1.axle_torque"], ["wheelset_1.y"])
+    system = LinearBench(case, 60.0).system(["wheelset_1.axle_torque"], ["wheelset_1.lateral"])
     expected = Lineariser(case).at(60.0).matrix
     np.testing.assert_allclose(system.a, expected, atol=1e-6 * np.abs(expected).max())
 
@@ -96,22 +96,24 @@ def test_a_torque_command_turns_axle_and_roller_together_in_the_end(bench: Linea
 
 
 def test_python_control_gets_names_and_the_same_response(bench: LinearBench) -> None:
-    system = rr.linearize(bench.case, inputs=[COMMAND], outputs=[SPEED, "wheelset_1.left.Q"], discrete=True)
+    system = rr.linearize(
+        bench.case, inputs=[COMMAND], outputs=[SPEED, "wheelset_1_left.vertical_force"], discrete=True
+    )
     assert isinstance(system, control.StateSpace)
     assert system.input_labels == [COMMAND.replace(".", "/")]
-    assert system.output_labels == [SPEED.replace(".", "/"), "wheelset_1/left/Q"]
+    assert system.output_labels == [SPEED.replace(".", "/"), "wheelset_1_left/vertical_force"]
     assert system.dt == bench.case.time.sampling_step
-    own = bench.system([COMMAND], [SPEED, "wheelset_1.left.Q"], discrete=True)
+    own = bench.system([COMMAND], [SPEED, "wheelset_1_left.vertical_force"], discrete=True)
     at = system(np.exp(2j * math.pi * 5.0 * system.dt))
     np.testing.assert_allclose(at, own.response([5.0])[0], rtol=1e-9)
 
 
 def test_without_python_control_it_is_a_dataset(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(linear_bench, "find_spec", lambda _: None)
-    system = rr.linearize("bogie_rollers_constant", 50.0, ["wheelset_1.axle_torque"], ["wheelset_1.y"])
+    system = rr.linearize("bogie_rollers_constant", 50.0, ["wheelset_1.axle_torque"], ["wheelset_1.lateral"])
     assert isinstance(system, xr.Dataset)
     assert system["B"].sel(state="wheelset_1.pitch_rate", input="wheelset_1.axle_torque") > 0.0
-    assert str(system["output_unit"].sel(output="wheelset_1.y").values) == "m"
+    assert str(system["output_unit"].sel(output="wheelset_1.lateral").values) == "m"
 
 
 def test_matlab_file(bench: LinearBench) -> None:
@@ -159,7 +161,7 @@ def test_wrong_speed_and_missing_samples_are_refused() -> None:
     with pytest.raises(ConfigError, match=r"motion.speed"):
         LinearBench(rr.load_case("bogie_rollers_constant"), 1e4)
     with pytest.raises(ConfigError, match="discrete"):
-        rr.linearize("bogie_track", None, ["wheelset_1.axle_torque"], ["wheelset_1.y"], discrete=True)
+        rr.linearize("bogie_track", None, ["wheelset_1.axle_torque"], ["wheelset_1.lateral"], discrete=True)
 
 
 def test_zeros_and_poles_of_a_known_system(bench: LinearBench) -> None:

@@ -35,26 +35,31 @@ def test_a_run_by_fmpy_is_that_of_simulate(name: str, tmp_path: Path) -> None:
     run = simulate(case)
     time = run["time"].values
     step = time[1] - time[0]
-    outputs = ["wheelset_1.y", "wheelset_1.yaw", "wheelset_1.left.Q", "wheelset_1.right.Y"]
+    outputs = [
+        "wheelset_1.lateral",
+        "wheelset_1.yaw",
+        "wheelset_1_left.vertical_force",
+        "wheelset_1_right.lateral_force",
+    ]
     found = fmpy.simulate_fmu(str(out), stop_time=time[-1], output_interval=step, output=outputs)
     np.testing.assert_array_equal(found["time"], np.arange(len(time)) * step)
     # With steps of its own length the model sees the same instants; FMPy adds them up where a run multiplies.
     for output, column, where in [
-        ("wheelset_1.y", "lateral", {"body": "wheelset_1"}),
+        ("wheelset_1.lateral", "lateral", {"body": "wheelset_1"}),
         ("wheelset_1.yaw", "yaw", {"body": "wheelset_1"}),
-        ("wheelset_1.left.Q", "vertical_force", {"wheel": "wheelset_1_left"}),
-        ("wheelset_1.right.Y", "lateral_force", {"wheel": "wheelset_1_right"}),
+        ("wheelset_1_left.vertical_force", "vertical_force", {"wheel": "wheelset_1_left"}),
+        ("wheelset_1_right.lateral_force", "lateral_force", {"wheel": "wheelset_1_right"}),
     ]:
         expected = run[column].sel(where).values
         np.testing.assert_allclose(found[output], expected, rtol=0.0, atol=1e-12 * np.abs(expected).max())
-    assert np.ptp(found["wheelset_1.left.Q"]) > 0.0
+    assert np.ptp(found["wheelset_1_left.vertical_force"]) > 0.0
 
 
 @pytest.mark.slow
 def test_fmi_3_has_the_same_run(braked: Path, tmp_path: Path) -> None:
     export_fmu("adhesion_brake", third := tmp_path / "third.fmu", fmi="3")
     assert validation.validate_fmu(str(third)) == []
-    output = ["wheelset_1.left.Q", "train.speed", "wheelset_2.cylinder_pressure"]
+    output = ["wheelset_1_left.vertical_force", "train.speed", "wheelset_2.cylinder_pressure"]
     old, new = (
         fmpy.simulate_fmu(str(file), stop_time=0.2, output_interval=0.01, output=output) for file in (braked, third)
     )
@@ -69,7 +74,7 @@ def test_fmpy_has_nothing_to_say(braked: Path) -> None:
     variables = {variable.name: variable for variable in description.modelVariables}
     demand = variables["wheelset_1.brake_demand"]
     assert (demand.causality, demand.unit, demand.start, demand.max) == ("input", "Pa", "0.0", "10000000.0")
-    assert variables["wheelset_1.left.Y_over_Q"].causality == "output"
+    assert variables["wheelset_1_left.derailment_quotient"].causality == "output"
     assert description.coSimulation.modelIdentifier == "adhesion_brake"
 
 

@@ -16,7 +16,7 @@ from libcosimpy.CosimObserver import CosimObserver  # noqa: E402
 from libcosimpy.CosimSlave import CosimLocalSlave  # noqa: E402
 
 STEP = 1e-3  # of the communication [s]
-QUANTITIES = ("train.speed", "wheelset_1.cylinder_pressure", "wheelset_2.left.Q")
+QUANTITIES = ("train.speed", "wheelset_1.cylinder_pressure", "wheelset_2_left.vertical_force")
 
 
 class Tool:

@@ -131,7 +131,7 @@ def test_cvode_gives_the_run_of_rodas4(bogie: Path) -> None:
         {"time.duration": "0.2 s", "time.method": "rodas4", "time.step": None, "time.output_step": "10 ms", **TIGHT}
     )
     run = simulate(case)
-    outputs = ["wheelset_1.y", "wheelset_1.yaw", "wheelset_1.left.Q"]
+    outputs = ["wheelset_1.lateral", "wheelset_1.yaw", "wheelset_1_left.vertical_force"]
     found = fmpy.simulate_fmu(
         str(bogie), fmi_type="ModelExchange", solver="CVode", relative_tolerance=1e-9, stop_time=0.2,
         output_interval=0.01, output=outputs,
@@ -148,7 +148,12 @@ def test_cvode_gives_the_run_of_rodas4(bogie: Path) -> None:
 def test_instants_of_sampling_are_time_events(tmp_path: Path) -> None:
     case = load_case("adhesion_brake").with_changes({"time.duration": "0.2 s", **TIGHT})
     export_fmu(case, out := tmp_path / "case.fmu", fmi="3", kind="both")
-    names = ["wheelset_1.left.Q", "wheelset_1.pitch_rate", "wheelset_2.cylinder_pressure", "train.distance"]
+    names = [
+        "wheelset_1_left.vertical_force",
+        "wheelset_1.pitch_rate",
+        "wheelset_2.cylinder_pressure",
+        "train.distance",
+    ]
     settings = {
         "stop_time": 0.2,
         "output_interval": 0.01,
@@ -174,7 +179,12 @@ def test_directional_derivatives_are_those_of_the_rates(exchange: Exchange) -> N
     nominal = np.where(np.abs(start) > 1.0, 1.0, 1e-3)
     seed = nominal * rng.standard_normal(len(names))
     rates = [f"der({name})" for name in names]
-    outputs = ["wheelset_1.left.Q", "wheelset_2.right.Y", "frame.y_acceleration", "wheelset_1.left.Y_over_Q"]
+    outputs = [
+        "wheelset_1_left.vertical_force",
+        "wheelset_2_right.lateral_force",
+        "frame.lateral_acceleration",
+        "wheelset_1_left.derailment_quotient",
+    ]
     outputs = [name for name in outputs if name in exchange.references]
     given = exchange.directional([*rates, *outputs], names, list(seed))
     h = 1e-5
@@ -193,9 +203,9 @@ def test_directional_derivatives_by_inputs(tmp_path: Path) -> None:
     torque, rate, friction = (
         "wheelset_1.axle_torque",
         "der(state.wheelset_1.pitch_rate)",
-        "wheelset_1.left.friction_change",
+        "wheelset_1_left.friction_change",
     )
-    power = "der(state.work_of_torque)"
+    power = "der(state.energy_work_of_torque)"
     by_torque = exchange.directional([rate, power], [torque], [1.0])
     exchange.fmu.enterEventMode()
     sides = []
@@ -216,7 +226,7 @@ def test_the_indicator_of_a_wheel_that_lifts_off_changes_its_sign(exchange: Exch
     assert (exchange.indicators() > 1e4).all()
     names = [name for name in exchange.references if name.startswith("state.")]
     lifted = start.copy()
-    lifted[names.index("state.wheelset_1.z")] += 2e-3
+    lifted[names.index("state.wheelset_1.vertical")] += 2e-3
     exchange.put(lifted)
     assert (exchange.indicators()[:2] == -1.0).all()
     assert (exchange.indicators()[2:] > 1e4).all()
@@ -233,7 +243,7 @@ def test_a_saved_state_goes_on_as_if_nothing_had_been(exchange: Exchange) -> Non
         for _ in range(steps):
             exchange.put(exchange.get_states() + 1e-5 * exchange.rates(), time := time + 1e-5)
             fmu.completedIntegratorStep()
-        return np.concatenate([exchange.get_states(), exchange.rates(), exchange.get("wheelset_1.left.Q")])
+        return np.concatenate([exchange.get_states(), exchange.rates(), exchange.get("wheelset_1_left.vertical_force")])
 
     euler(20, 0.0)
     saved = get()

@@ -68,8 +68,9 @@ def test_a_run_under_wine_is_that_of_this_machine(tmp_path: Path, monkeypatch: p
     export_fmu("adhesion_brake", out := tmp_path / "braked.fmu")
     with zipfile.ZipFile(out) as file:
         file.extractall(folder := tmp_path / "an fmu")
-    names = [f"wheelset_1.{name}" for name in ("left.Q", "real_sliding", "valve", "dump_cycles", "cylinder_pressure")]
-    names += ["wheelset_2.right.Y", "train.speed"]
+    names = ["wheelset_1_left.vertical_force"]
+    names += [f"wheelset_1.{name}" for name in ("real_sliding", "valve", "dump_cycles", "cylinder_pressure")]
+    names += ["wheelset_2_right.lateral_force", "train.speed"]
     description = fmpy.read_model_description(str(out))
     references = {variable.name: str(variable.valueReference) for variable in description.modelVariables}
     driver = tmp_path / "drive.exe"

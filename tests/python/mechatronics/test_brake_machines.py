@@ -44,8 +44,8 @@ def test_motor_and_friction_brake_give_what_is_asked(blended: dict[str, xr.Datas
     """The control valve follows 0.15 s late, in which a motor of constant power gains 0.6 % of its 40 %."""
     run = blended[support].sel(time=slice(4.6, None))
     total = -(run["brake_torque"] + run["electrodynamic_torque"])
-    assert np.allclose(total, run["asked_brake_torque"], rtol=3e-3)
-    by_motor = -run["electrodynamic_torque"] / run["asked_brake_torque"]
+    assert np.allclose(total, run["demanded_brake_torque"], rtol=3e-3)
+    by_motor = -run["electrodynamic_torque"] / run["demanded_brake_torque"]
     assert 0.2 < float(by_motor.min()) < float(by_motor.max()) < 0.8, "both of them brake"
     power = run["electrodynamic_torque"] * run["axle_speed"]
     force = run["electrodynamic_torque"] / RADIUS
@@ -160,7 +160,7 @@ def test_a_drive_tells_how_long_each_of_its_limits_acted() -> None:
     run = simulate(case_with("3 s", **{"rig_control.motor": limits}))
     last = run.isel(time=-1)
     assert float(abs(run["roller_power"]).max()) < 102e3  # the lag of the torque loop behind the limit
-    assert float(abs(run["wanted_roller_power"]).max()) > 110e3
+    assert float(abs(run["demanded_roller_power"]).max()) > 110e3
     assert float(last["drive_power_limited"].min()) > 0.1
     assert float(last["drive_speed_limited"].max()) == 0.0
     assert (

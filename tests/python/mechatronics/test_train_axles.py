@@ -79,7 +79,7 @@ def test_force_of_all_axles_brakes_the_virtual_train(rig: xr.Dataset) -> None:
 def test_the_brake_demand_arrives_by_distance_over_signal_speed(name: str, request: pytest.FixtureRequest) -> None:
     """Asked torque of an axle over time is that of the first axle, later by its distance over the signal's speed."""
     run = request.getfixturevalue(name)
-    asked = run["asked_brake_torque"]
+    asked = run["demanded_brake_torque"]
     time = run["time"].to_numpy()
     half = 0.5 * float(asked.max())
     rising = time < 1.0

@@ -14,7 +14,7 @@ TUNABLE = (
     *("slide_protection.", "wheel_slip_control."),
     *(f"rig_control.{law}." for law in ("estimator", "axle_torque", "feedback", "drive_command")),
 )
-WHEELS = [f"wheelset_{n}.{side}" for n in (1, 2) for side in ("left", "right")]
+WHEELS = [f"wheelset_{n}_{side}" for n in (1, 2) for side in ("left", "right")]
 
 
 def plant_of(case: Case, **parameters: float) -> _core.Plant:
@@ -77,7 +77,7 @@ WHEELS_AND_ROLLERS = ("roller_inertia", "roller_radius", "wheel_radius", "wheels
 NUMBERS: dict[str, dict[str, tuple[str, ...]]] = {
     "adhesion_brake": {
         "rollers": ("radius",),
-        "wheelset_1.left.friction": ("mu_0",),
+        "wheelset_1_left.friction": ("mu_0",),
         "adhesion": ("recovery_constant",),
         "adhesion.degraded": CONDITION,
         "adhesion.recovered": CONDITION,
@@ -156,31 +156,36 @@ def test_more_mass_stands_on_the_rollers_from_the_start(bogie: Case) -> None:
     given = plant_of(bogie)
     mass = value(given, "front_frame.mass")
     heavy = plant_of(bogie, front_frame__mass=mass + 1000.0)
-    stand = [sum(value(plant, f"{wheel}.Q") for wheel in WHEELS) for plant in (given, heavy)]
+    stand = [sum(value(plant, f"{wheel}.vertical_force") for wheel in WHEELS) for plant in (given, heavy)]
     assert 0.5 < (stand[1] - stand[0]) / (1000.0 * 9.81) < 1.0  # the car body is held and carries the rest
     for plant in (given, heavy):
-        assert abs(value(plant, "front_frame.z_acceleration")) < 1e-4
-    assert value(heavy, "front_frame.z") < value(given, "front_frame.z")
+        assert abs(value(plant, "front_frame.vertical_acceleration")) < 1e-4
+    assert value(heavy, "front_frame.vertical") < value(given, "front_frame.vertical")
 
 
 def test_a_radius_of_the_rollers_is_that_of_the_case(bogie: Case) -> None:
     radius = 0.9
     changed = plant_of(bogie, rollers__radius=radius)
     case = plant_of(bogie.with_changes({"support.roller_radius": radius}))
-    for name in ("wheelset_1.left.Q", "wheelset_1.z", "roller_1.pitch_rate", "wheelset_1.left.rolling_radius"):
+    for name in (
+        "wheelset_1_left.vertical_force",
+        "wheelset_1.vertical",
+        "roller_1.pitch_rate",
+        "wheelset_1_left.rolling_radius",
+    ):
         assert value(changed, name) == pytest.approx(value(case, name), rel=1e-6), name
     for plant in (changed, case):
         assert plant.advance(0.2) == OK
-    assert value(changed, "wheelset_1.y") == pytest.approx(value(case, "wheelset_1.y"), rel=1e-3, abs=1e-7)
+    assert value(changed, "wheelset_1.lateral") == pytest.approx(value(case, "wheelset_1.lateral"), rel=1e-3, abs=1e-7)
 
 
 def test_friction_is_that_of_the_case() -> None:
     base = load_case("bogie_rollers_traction")
-    changed = plant_of(base, **{f"{wheel.replace('.', '__')}__friction__mu_0": 0.2 for wheel in WHEELS})
+    changed = plant_of(base, **{f"{wheel}__friction__mu_0": 0.2 for wheel in WHEELS})
     case = plant_of(base.with_changes({"contact.friction": 0.2}))
     for plant in (changed, case):
         assert plant.advance(0.3) == OK
-    for name in ("wheelset_1.y", "wheelset_1.left.longitudinal_creep_force"):
+    for name in ("wheelset_1.lateral", "wheelset_1_left.longitudinal_creep_force"):
         assert value(changed, name) == pytest.approx(value(case, name), rel=1e-4, abs=1e-8), name
 
 

@@ -13,7 +13,6 @@ from rollerrig.assembly.actuators import assemble_with_actuators
 from rollerrig.assembly.train_axles import train_mass
 from rollerrig.config import Case, ConfigError
 from rollerrig.interfaces.plant import assembled_model
-from rollerrig.results.dataset import body_variable
 from rollerrig.simulation.mechatronics import wheelset_inertia
 
 OK = _core.status_codes["ok"]
@@ -32,7 +31,7 @@ def started(case: Case, *external: str) -> _core.Plant:
 def recorded(run: xr.Dataset) -> dict[str, np.ndarray]:
     """Output of a plant -> its course in a run; what stands per body, per axle and of the train."""
     found = {
-        f"{body}.{name}": run[body_variable(name)].sel(body=body).values
+        f"{body}.{name}": run[name].sel(body=body).values
         for body in run["body"].values
         for name, _, _ in _core.body_fields
     }
@@ -40,9 +39,9 @@ def recorded(run: xr.Dataset) -> dict[str, np.ndarray]:
         found |= {f"{axle}.{name}": run[name].sel(axle=axle).values for name, _, _ in _core.axle_fields}
         found |= {f"train.{name.removeprefix('train_')}": run[name].values for name, _, _ in _core.train_fields}
     for wheel in run["wheel"].values:
-        wheelset, _, side = wheel.rpartition("_")
-        y, q = (run[name].sel(wheel=wheel).values for name in ("lateral_force", "vertical_force"))
-        found |= {f"{wheelset}.{side}.Y": y, f"{wheelset}.{side}.Q": q, f"{wheelset}.{side}.Y_over_Q": y / q}
+        found |= {f"{wheel}.{name}": run[name].sel(wheel=wheel).values for name, _, _ in _core.wheel_fields}
+        y, q = (found[f"{wheel}.{name}"] for name in ("lateral_force", "vertical_force"))
+        found[f"{wheel}.derailment_quotient"] = y / q
     return found
 
 
@@ -138,8 +137,8 @@ def test_torques_of_a_model_without_sampled_blocks_are_inputs() -> None:
         assert plant.time == 0.2
         speeds.append(plant.get(plant.find("wheelset_1.pitch_rate")))
     assert speeds[0] == pytest.approx(speeds[1], rel=1e-6)
-    assert from_outside.get(from_outside.find("run.work_of_torque")) == pytest.approx(
-        given.get(given.find("run.work_of_torque")), rel=1e-4
+    assert from_outside.get(from_outside.find("run.energy_work_of_torque")) == pytest.approx(
+        given.get(given.find("run.energy_work_of_torque")), rel=1e-4
     )
 
 
@@ -184,10 +183,12 @@ def test_friction_under_a_wheel_bounds_its_creep_force() -> None:
     case = load_case("bogie_rollers_traction")
     plant = started(case)
     for side in ("left", "right"):
-        plant.set_input(plant.find(f"wheelset_1.{side}.friction_change"), -0.99)
+        plant.set_input(plant.find(f"wheelset_1_{side}.friction_change"), -0.99)
     plant.set_input(plant.find("wheelset_1.axle_torque"), 3000.0)
     plant.advance(0.2)
-    force, load = (plant.get(plant.find(f"wheelset_1.left.{name}")) for name in ("longitudinal_creep_force", "Q"))
+    force, load = (
+        plant.get(plant.find(f"wheelset_1_left.{name}")) for name in ("longitudinal_creep_force", "vertical_force")
+    )
     assert force == pytest.approx(0.01 * case.contact.friction.mu_0 * load, rel=0.05)
 
 
@@ -208,7 +209,7 @@ def test_only_inputs_take_only_what_is_allowed() -> None:
     for value in (math.nan, math.inf, 1e9):
         with pytest.raises(ValueError, match="brake_demand must be in its limits"):
             plant.set_input(demand, value)
-    for index in (plant.find("wheelset_1.y"), -1, 10**6):
+    for index in (plant.find("wheelset_1.lateral"), -1, 10**6):
         with pytest.raises(ValueError, match="index must be that of an input"):
             plant.set_input(index, 0.0)
     assert math.isnan(plant.get(-1))
@@ -220,7 +221,7 @@ def test_variables_have_names_units_and_descriptions() -> None:
     assert len({v.name for v in variables}) == len(variables)
     assert all(v.unit and v.description and v.least < v.most for v in variables)
     found = {v.name: v.unit for v in variables}
-    assert found["wheelset_1.left.Q"] == "N"
+    assert found["wheelset_1_left.vertical_force"] == "N"
     assert found["wheelset_1.cylinder_pressure"] == "Pa"
     assert found["train.speed"] == "m/s"
 

@@ -99,5 +99,5 @@ def test_a_wheelset_on_its_flange_starts_alike() -> None:
     changed = started(case, rollers__radius=0.9)
     assert_same_bits(changed, started(case.with_changes({"support.roller_radius": 0.9})))
     rest = started(case.with_changes({"disturbance": []}), rollers__radius=0.9)
-    assert changed["wheelset_1.y"] - rest["wheelset_1.y"] == pytest.approx(7.5e-3, rel=1e-12)
+    assert changed["wheelset_1.lateral"] - rest["wheelset_1.lateral"] == pytest.approx(7.5e-3, rel=1e-12)
     assert changed["wheelset_1.yaw"] - rest["wheelset_1.yaw"] == pytest.approx(2e-3, rel=1e-12)

@@ -20,7 +20,7 @@ from rollerrig.study.frame import Outcome
 from rollerrig.study.response import ResponseStudy
 
 COMMAND = "wheelset_1.roller_torque_command"
-OUTPUTS = ("wheelset_1.axle_speed", "wheelset_1.left.longitudinal_force")
+OUTPUTS = ("wheelset_1.axle_speed", "wheelset_1_left.longitudinal_force")
 
 
 @pytest.fixture(scope="module")
@@ -102,11 +102,11 @@ def test_files(outcome: Outcome, folder: Path) -> None:
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        (["--input", "wheelset_1.roler_torque_command", "--output", "wheelset_1.y"], "did you mean"),
+        (["--input", "wheelset_1.roler_torque_command", "--output", "wheelset_1.lateral"], "did you mean"),
         (["--input", COMMAND], "outputs: none; allowed:"),
-        (["--input", COMMAND, "--output", "wheelset_1.y", "--speeds-kmh", "900"], "allowed: up to 720 km/h"),
+        (["--input", COMMAND, "--output", "wheelset_1.lateral", "--speeds-kmh", "900"], "allowed: up to 720 km/h"),
         (
-            ["--input", COMMAND, "--output", "wheelset_1.y", "--to-hz", "600"],
+            ["--input", COMMAND, "--output", "wheelset_1.lateral", "--to-hz", "600"],
             "half the sampling frequency being 500 Hz",
         ),
     ],

@@ -68,11 +68,11 @@ constexpr double unlimited = 1e300;       ///< beyond any torque
 constexpr double highest_pressure = 1e7;  ///< of a brake cylinder [Pa]
 
 inline constexpr CommandField command_fields[] = {
-    {"valve", "1", "of the dump valve: 0 fill, 1 hold, 2 vent", "0 fill, 1 hold, 2 vent", 0.0, 0.0, 2.0, true},
+    {"valve", "1", "command of the dump valve: 0 fill, 1 hold, 2 vent", "0 fill, 1 hold, 2 vent", 0.0, 0.0, 2.0, true},
     {"torque_factor", "1", "part of the traction demand that is admitted", "0 to 1", 1.0, 0.0, 1.0, false},
-    {"roller_torque", "N m", "of the roller's drive, positive drives the wheel forward", "N m, any finite number", 0.0,
-     -unlimited, unlimited, false},
-    {"cylinder_pressure", "Pa", "of the axle's brake cylinder, over the ambient", "0 to 1e7 Pa", 0.0, 0.0,
+    {"roller_torque", "N m", "torque of the roller's drive, positive drives the wheel forward",
+     "N m, any finite number", 0.0, -unlimited, unlimited, false},
+    {"cylinder_pressure", "Pa", "pressure in the axle's brake cylinder, over the ambient", "0 to 1e7 Pa", 0.0, 0.0,
      highest_pressure, false},
 };
 constexpr std::size_t command_count = std::size(command_fields);

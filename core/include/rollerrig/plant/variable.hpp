@@ -16,7 +16,7 @@ enum class Causality : int { input, output, parameter, local };
 enum class Variability : int { fixed, tunable, discrete, continuous };
 
 struct Variable {
-  std::string name;  ///< structured: wheelset_1.left.Q
+  std::string name;  ///< structured: wheelset_1_left.vertical_force
   std::string unit;  ///< SI, as in the glossary: N m, m/s^2
   std::string description;
   Causality causality{};
@@ -60,7 +60,7 @@ struct VariableList {
   void add(Variable variable, Place place);
 };
 
-/// wheelset_1.left
+/// wheelset_1_left
 std::string wheel_name(AssembledModel const& assembled, WheelContact const& contact);
 
 /// Inputs, then outputs. Throws std::invalid_argument where names are missing.

@@ -2,8 +2,7 @@
 
     name, number, or table with `kind` and parameters -> [contact_law] -> one of the tables below
 
-`limitation` is what a law leaves out, for the reports. A new law is a class here, a member of its union and, in the core, a
-header: docs/how_to/contact_law.md.
+A new law is a class here, a member of its union and, in the core, a header: docs/how_to/contact_law.md.
 """
 
 from collections.abc import Mapping
@@ -73,32 +72,45 @@ def kinds(laws: Any) -> tuple[str, ...]:
 
 
 # ------------------------------------------------------------------------------------------------------------- creep
-class KalkerSaturated(Table):
+class Law(Table):
+    """What is common to all laws of the contact.
+
+    Attributes:
+        limitation: what the law leaves out, a sentence for the reports.
+        sources: keys of its publications in `catalog/sources.bib`.
+    """
+
+    limitation: ClassVar[str] = ""
+    sources: ClassVar[tuple[str, ...]] = ()
+
+
+class KalkerSaturated(Law):
     """The paper's creep law: Kalker's linear theory, saturated by friction with the cubic of Johnson and Vermeulen."""
 
-    limitation: ClassVar[str] = (
-        "The creep force follows Kalker's linear theory, saturated by friction with a heuristic law."
-    )
+    limitation = "The creep force follows Kalker's linear theory, saturated by friction with a heuristic law."
+    sources = ("kalker1990", "vermeulen1964")
     kind: Literal["kalker_saturated"] = Field(description="the paper's law, (20), (23), (24)")
     saturate_spin_moment: StrictBool = optional(False, "scale the spin moment like the force; the paper does not")
 
 
-class KalkerLinear(Table):
+class KalkerLinear(Law):
     """Kalker's linear theory: no limit of adhesion."""
 
-    limitation: ClassVar[str] = (
+    limitation = (
         "The creep force follows Kalker's linear theory without a friction limit: it is valid for small creepage."
     )
+    sources = ("kalker1990",)
     kind: Literal["kalker_linear"] = Field(description="Kalker's linear theory, (20)")
 
 
-class Coefficients(Table):
+class Coefficients(Law):
     """Kalker's linear theory with coefficients of each patch as given, as textbooks state them."""
 
-    limitation: ClassVar[str] = (
+    limitation = (
         "The creep force has coefficients as given, whatever the load and the size of the patch; friction, if at all, limits it "
         "by a heuristic law."
     )
+    sources = ("kalker1990", "vermeulen1964")
     kind: Literal["coefficients"] = Field(description="coefficients as given, of one wheel")
     f11: Annotated[float, Quantity("N", 0.0, 1e12)] = Field(description="longitudinal coefficient")
     f22: Annotated[float, Quantity("N", 0.0, 1e12)] = Field(description="lateral coefficient")
@@ -110,19 +122,19 @@ class Coefficients(Table):
     )
 
 
-class Fastsim(Table):
+class Fastsim(Law):
     """Kalker's algorithm FASTSIM."""
 
-    limitation: ClassVar[str] = "The creep force follows Kalker's simplified theory (FASTSIM) on an elliptical patch."
+    limitation = "The creep force follows Kalker's simplified theory (FASTSIM) on an elliptical patch."
+    sources = ("kalker1982",)
     kind: Literal["fastsim"] = Field(description="Kalker's simplified theory, three flexibilities")
 
 
-class ModifiedFastsim(Table):
+class ModifiedFastsim(Law):
     """FASTSIM with flexibilities of its own for spin; k_0 (k_inf + (1 - k_inf)/(1 + beta eps)) of Kalker's stiffness is left."""
 
-    limitation: ClassVar[str] = (
-        "The creep force follows the modified FASTSIM, with an empirical reduction of the initial stiffness."
-    )
+    limitation = "The creep force follows the modified FASTSIM, with an empirical reduction of the initial stiffness."
+    sources = ("kalker1982", "spiryagin2013")
     kind: Literal["modified_fastsim"] = Field(description="FASTSIM for clean, wet and contaminated surfaces")
     k_0: Share = optional(1.0, "what is left of Kalker's stiffness at small creepage")
     k_inf: Share = optional(1.0, "what is left of k_0 at large creepage")
@@ -131,32 +143,32 @@ class ModifiedFastsim(Table):
     )
 
 
-class Polach(Table):
+class Polach(Law):
     """Polach's creep law with spin: k_A, k_S are 1.0 and 0.4 on dry rails, 0.3 and 0.1 on wet ones (2005); 1 and 1: clean."""
 
-    limitation: ClassVar[str] = (
-        "The creep force follows Polach's law: an elliptical patch, and spin by an approximate closed form."
-    )
+    limitation = "The creep force follows Polach's law: an elliptical patch, and spin by an approximate closed form."
+    sources = ("polach1999", "polach2005")
     kind: Literal["polach"] = Field(description="Polach's closed form")
     k_A: Share = Field(description="what is left of the stiffness on the area of adhesion")
     k_S: Share = Field(description="what is left of it on the area of slip; at most k_A")
 
 
-class ExactTable(Table):
+class ExactTable(Law):
     """Kalker's exact theory of rolling contact, read from the table that rollerrig ships."""
 
-    limitation: ClassVar[str] = (
-        "The creep force is interpolated in a table of Kalker's exact theory for elliptical patches."
-    )
+    limitation = "The creep force is interpolated in a table of Kalker's exact theory for elliptical patches."
+    sources = ("kalker1990",)
     kind: Literal["table"] = Field(description="the exact theory as a smooth function")
 
 
-class StripTheory(Table):
+class StripTheory(Law):
     """Creep forces strip by strip, for patches that are bent: on a flat ellipse those of the table."""
 
-    limitation: ClassVar[str] = (
-        "The creep force is that of strips with their own normals and spin, corrected by Kalker's exact theory of an ellipse."
+    limitation = (
+        "The creep force is that of strips with their own normals and spin, "
+        "corrected by Kalker's exact theory of an ellipse."
     )
+    sources = ("kalker1990", "sichani2016")
     kind: Literal["strip_theory"] = Field(
         description='each strip of the patch with its own normal, creepage and spin; asks for `contact.normal = "strips"`'
     )
@@ -175,13 +187,14 @@ class CreepRoot(RootModel[AnyCreep]):
 
 
 # ------------------------------------------------------------------------------------------------------------ normal
-class Hertz(Table):
+class Hertz(Law):
     """The paper's normal contact: Hertz' ellipse at each indented minimum of the gap."""
 
-    limitation: ClassVar[str] = (
+    limitation = (
         "Each contact patch is a Hertzian ellipse, also where two patches of a wheel lie close together or the curvature "
         "changes within a patch."
     )
+    sources = ("hertz1882",)
     kind: Literal["hertz"] = Field(description="one ellipse per indented minimum")
     merging_criterion: Annotated[float, Quantity("1", 0.0, 1.0)] = optional(
         0.01,
@@ -190,12 +203,13 @@ class Hertz(Table):
     )
 
 
-class Strips(Table):
+class Strips(Law):
     """Elastic strips over everything that overlaps: non-elliptical contact patches."""
 
-    limitation: ClassVar[str] = (
+    limitation = (
         "The normal contact is that of elastic strips: non-elliptical patches, whose pressures are approximate."
     )
+    sources = ("johnson1985", "piotrowski2008")
     kind: Literal["strips"] = Field(description="non-elliptical contact patches")
 
 
@@ -204,18 +218,19 @@ NORMAL_LAWS = kinds(AnyNormal)
 
 
 # ---------------------------------------------------------------------------------------------------------- friction
-class ConstantFriction(Table):
+class ConstantFriction(Law):
     """Coulomb's friction."""
 
-    limitation: ClassVar[str] = "The coefficient of friction is constant."
+    limitation = "The coefficient of friction is constant."
     kind: Literal["constant"] = Field(description="one coefficient")
     mu_0: Friction = Field(description="coefficient of friction")
 
 
-class FallingFriction(Table):
+class FallingFriction(Law):
     """Friction that falls with slip velocity w: mu_0 ((1 - A) exp(-B w) + A)."""
 
-    limitation: ClassVar[str] = "Friction depends on the slip velocity alone, not on temperature or contamination."
+    limitation = "Friction depends on the slip velocity alone, not on temperature or contamination."
+    sources = ("polach2005",)
     kind: Literal["falling"] = Field(description="Polach's friction")
     mu_0: Friction = Field(description="coefficient of friction at no slip")
     A: Fraction = optional(1.0, "friction at large slip over mu_0; 1: Coulomb's law")

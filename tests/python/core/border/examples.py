@@ -391,7 +391,7 @@ class Examples:
 
     def _server_calls(self) -> dict[str, Call]:
         assembled = _core.AssembledModel(**self._assembled())
-        chosen = {"inputs": [0, 1], "outputs": [_core.Plant(assembled).find("body_0.y")]}
+        chosen = {"inputs": [0, 1], "outputs": [_core.Plant(assembled).find("body_0.lateral")]}
         settings = {
             "period": 2e-3, "periods": 5, "session": 7, "oldest": 3, "patience": 10, "ramp": 5, "lock_step": True,
             "at_once": True, "give_up": 1.0, "spin": 1e-5, "record": True,
@@ -462,7 +462,7 @@ class Examples:
             "model_token": Call(_core.model_token, {"content": _core.write_model(assembled)}),
             "read_model": Call(_core.read_model, {"content": _core.write_model(assembled)}),
             "Plant": Call(_core.Plant, {"assembled": assembled}),
-            "Plant.find": Call(started("find"), {"name": "body_0.y"}),
+            "Plant.find": Call(started("find"), {"name": "body_0.lateral"}),
             "Plant.start": Call(started("start"), {"final_time": 1.0}),
             "Plant.advance": Call(started("advance"), {"t": 0.02}),
             "Plant.set_input": Call(started("set_input"), {"index": 0, "value": 1e5}),
