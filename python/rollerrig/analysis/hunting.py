@@ -49,7 +49,7 @@ class HuntingSettings:
 
     Attributes:
         disturbance: lateral offset of the leading wheelset at the start [m].
-        duration: length of each run [s].
+        duration: length of each run [s]; it is prolonged until it is decided whether its motion persists.
         output_step: interval of the samples [s].
         relative_tolerance: of the integrator.
         absolute_tolerance: of the integrator, for displacements [m].
@@ -57,7 +57,7 @@ class HuntingSettings:
     """
 
     disturbance: float = 3e-3
-    duration: float = 6.0
+    duration: float = 3.0
     output_step: float = 5e-3
     relative_tolerance: float = 1e-4
     absolute_tolerance: float = 1e-7

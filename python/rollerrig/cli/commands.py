@@ -800,7 +800,7 @@ def compare(
     cut: str | None = None,
     radii: Annotated[Sequence[float], Option("radii_m", "", 0.05, 1e6)] = (0.46, 0.725, 1.0, 2.0, 5.0, 10.0),
     disturbance: Annotated[float, Option("disturbance_mm", "mm", 0.01, 20.0)] = 3e-3,
-    duration: Annotated[float, Option(least=1.0, most=600.0)] = 6.0,
+    duration: Annotated[float, Option(least=1.0, most=600.0)] = 3.0,
     processes: Processes = 1,
     allow_code: Switch = False,
     progress: Progress | None = None,
@@ -815,7 +815,7 @@ def compare(
         cut: part of the vehicle; by default all of it, or what the case has.
         radii: radii of the rollers in the table of critical speeds [m].
         disturbance: lateral offset of the leading wheelset in the runs [m].
-        duration: length of each of these runs [s].
+        duration: length of each of these runs [s], at least.
         processes: runs at a time; more than 1 asks a script for `if __name__ == "__main__":`.
         allow_code: also take controllers from outside the folder of the case that names them.
         progress: called with the fraction done and a short text.
