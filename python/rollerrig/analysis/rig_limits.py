@@ -27,12 +27,12 @@ from rollerrig.simulation.mechatronics import rotor_inertia, wheelset_inertia
 from rollerrig.simulation.virtual_train import load_transfer
 
 LINES = {
-    "line_grip": "the wheel on the degraded rail begins to slide, (V2)",
-    "line_contact": "a wheel that grips on the rail slides on its roller, (V3)",
-    "line_drive_grip": "largest force of the rail that the roller drive can reproduce, (V4)",
-    "line_drive_slide": "the roller drive follows no further into the slide, (V5)",
-    "line_drive_recovery": "torque that must remain for the roller drive to follow out of the slide, (V6)",
-    "line_vehicle": "largest torque of the vehicle's own brake or motor",
+    "line_grip": "rail: wheel begins to slide (V2)",
+    "line_contact": "roller: wheel begins to slide (V3)",
+    "line_drive_grip": "drive carries the rail's force (V4)",
+    "line_drive_slide": "drive follows into the slide (V5)",
+    "line_drive_recovery": "torque to be left for recovery (V6)",
+    "line_vehicle": "vehicle's own brake or motor",
 }
 """Closed form -> meaning; magnitudes [N m]."""
 

@@ -30,15 +30,15 @@ FILLS: Mapping[str, tuple[str, str]] = {
 }
 """Region -> colour and hatching: distinguished without colour too."""
 
-LINES: Mapping[str, tuple[str, Any, str]] = {
-    "line_grip": ("#1b5e20", "-", "rail: wheel begins to slide (V2)"),
-    "line_contact": ("#7f0000", "-", "roller: wheel begins to slide (V3)"),
-    "line_drive_grip": ("#8a4500", "-.", "drive carries the rail's force (V4)"),
-    "line_drive_slide": ("#8a4500", "--", "drive follows into the slide (V5)"),
-    "line_drive_recovery": ("#6b5b00", ":", "torque to be left for recovery (V6)"),
-    "line_vehicle": ("#000000", (0, (1, 1)), "vehicle's own brake or motor"),
+LINES: Mapping[str, tuple[str, Any]] = {
+    "line_grip": ("#1b5e20", "-"),
+    "line_contact": ("#7f0000", "-"),
+    "line_drive_grip": ("#8a4500", "-."),
+    "line_drive_slide": ("#8a4500", "--"),
+    "line_drive_recovery": ("#6b5b00", ":"),
+    "line_vehicle": ("#000000", (0, (1, 1))),
 }
-"""Closed form -> colour, style, name."""
+"""Closed form -> colour, style."""
 
 ERRORS = (0.003, 0.01, 0.03)
 """Contours of the tracking error."""
@@ -65,7 +65,7 @@ def region_map(found: xr.Dataset, load: float, names: Mapping[str, str]) -> Figu
     look: dict[str, Any] = {"edgecolor": "#444444", "linewidth": 0.4}
     handles: list[Any] = [
         *(Patch(facecolor=FILLS[n][0], hatch=FILLS[n][1], label=names[n], **look) for n in FILLS if n in shown),
-        *(Line2D([], [], color=LINES[n][0], linestyle=LINES[n][1], linewidth=1.6, label=LINES[n][2]) for n in lines),
+        *lines,
         Line2D([], [], color="#0b3d91", linewidth=0.9, label="tracking error, RMS of train speed"),
         Line2D([], [], color="#333333", marker=".", markersize=3, linestyle="", label="a run"),
     ]
@@ -133,8 +133,8 @@ def _errors(axes: Axes, here: xr.Dataset) -> None:
     axes.clabel(drawn, fmt={level: f"{100 * 10**level:.2g} %" for level in levels}, fontsize=7.5)
 
 
-def _closed_forms(axes: Axes, here: xr.Dataset) -> list[str]:
-    shown = []
+def _closed_forms(axes: Axes, here: xr.Dataset) -> list[Line2D]:
+    shown: dict[str, Line2D] = {}
     low, high = sorted(axes.get_xlim())
     adhesion, scale = here["line_adhesion"].to_numpy(), _map_unit(here)[1]
     for side in here["side"].to_numpy():
@@ -142,21 +142,20 @@ def _closed_forms(axes: Axes, here: xr.Dataset) -> list[str]:
         for name in LINES:
             torque = sign * scale * here[name].sel(side=side).to_numpy()
             if np.any(np.isfinite(torque) & (torque > low) & (torque < high)):
-                _highlighted(axes, torque, adhesion, name)
-                shown.append(name)
+                shown[name] = _highlighted(axes, torque, adhesion, name, here[name].attrs["long_name"])
         contact = scale * here["line_contact"].sel(side=side).to_numpy()
         end = max(abs(limit) for limit in axes.get_xlim())
         if np.isfinite(contact).any() and end > np.nanmin(contact):
             # Where the wheel slides on the rail, sliding on the roller begins at a level of adhesion.
             level = float(here["contact_adhesion"].sel(side=side))
             _highlighted(axes, sign * np.array([np.nanmin(contact), end]), np.array([level, level]), "line_contact")
-    return [name for name in LINES if name in shown]
+    return [shown[name] for name in LINES if name in shown]
 
 
-def _highlighted(axes: Axes, x: Array, y: Array, name: str) -> None:
+def _highlighted(axes: Axes, x: Array, y: Array, name: str, label: str = "") -> Line2D:
     """A line of LINES on a light ground, to stand out from the regions."""
     axes.plot(x, y, color="white", linewidth=3.0, alpha=0.8)
-    axes.plot(x, y, color=LINES[name][0], linestyle=LINES[name][1], linewidth=1.6)
+    return axes.plot(x, y, color=LINES[name][0], linestyle=LINES[name][1], linewidth=1.6, label=label)[0]
 
 
 @house_style()
