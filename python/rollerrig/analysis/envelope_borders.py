@@ -56,7 +56,8 @@ def borders(found: xr.Dataset) -> list[Border]:
         if limit == "drive_recovery":
             at = 0.0
             compared = (_margin(found, side, load, adhesion, beyond), _margin(found, side, load, adhesion, reached))
-        rows.append(Border(side, load, adhesion, reached, beyond, limit, at, *sorted(compared), _cell(runs, good)))
+        ends = min(compared), max(compared)
+        rows.append(Border(side, load, adhesion, reached, beyond, limit, at, *ends, _cell(runs, good)))
     return rows
 
 

@@ -13,7 +13,7 @@ flat's ends are left out. On the rig no wheel slides so: the estimate is what th
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -45,6 +45,18 @@ def under_test(run: xr.Dataset) -> xr.Dataset:
     names = run["axle"].to_numpy().tolist()
     tested = [name for name in names if name in bodies]
     return run if len(tested) == len(names) else run.sel(axle=tested)
+
+
+def axle_columns(runs: Mapping[str, xr.Dataset], names: Sequence[str]) -> dict[str, Array]:
+    """Columns `NAME_AXLE_RUN` of signals of the axles, `NAME_RUN` of the train's, over `time_s` as long as all runs go."""
+    count = min(run.sizes["time"] for run in runs.values())
+    columns = {"time_s": next(iter(runs.values()))["time"]}
+    for name in names:
+        for label, run in ((label, run) for label, run in runs.items() if name in run):
+            own = run[name]
+            axles = own["axle"].to_numpy() if "axle" in own.dims else ()
+            columns |= {f"{name}_{axle}_{label}": own.sel(axle=axle) for axle in axles} or {f"{name}_{label}": own}
+    return {name: column.to_numpy()[:count] for name, column in columns.items()}
 
 
 def slip(run: xr.Dataset) -> xr.DataArray:

@@ -4,6 +4,7 @@ Signals of the axles of one or more runs over time: a colour per axle, a line st
 Of ensembles: bars of causes with their errors, distributions of slip, distance over dead time.
 """
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -56,14 +57,18 @@ def speeds(track: xr.Dataset, rig: xr.Dataset, radius: float) -> Figure:
         return figure
 
 
-def first_slide(track: xr.Dataset, rig: xr.Dataset, radius: float) -> Figure:
+def first_slide(runs: Mapping[str, xr.Dataset], radius: float) -> Figure:
     """Slip of the wheels over some seconds of sliding, and what wheel slide protection or wheel-slip control does."""
-    start = _first_slide(track, radius)
-    cut = {label: run.sel(time=slice(start, start + 8.0)) for label, run in (("rig", rig), ("track", track))}
-    braked = float(track["dump_cycles"][-1].sum()) > 0
+    start = _first_slide(runs["track"], radius)
+    cut = {label: run.sel(time=slice(start, start + 8.0)) for label, run in runs.items()}
+    braked = float(runs["track"]["dump_cycles"][-1].sum()) > 0
     response: Signal = PRESSURE if braked else ("part of\nthe demand", "torque_factor", 1.0)
-    slip = ("wheel less\ntrain [m/s]", lambda run: radius * run["axle_speed"] - run["train_speed"], 1.0)
-    return axles_over_time(cut, (slip, response), 4.6)
+    return axles_over_time(cut, (wheel_less_train(radius), response), 4.6)
+
+
+def wheel_less_train(radius: float) -> Signal:
+    """Sliding of the wheels on rail, or on the virtual one; radius of the wheels [m]."""
+    return "wheel less\ntrain [m/s]", lambda run: radius * run["axle_speed"] - run["train_speed"], 1.0
 
 
 def _first_slide(run: xr.Dataset, radius: float) -> float:
@@ -112,41 +117,46 @@ def cause_bars(shares: Mapping[str, tuple[float, float, bool]]) -> Figure:
 
 
 @house_style()
-def slip_histogram(edges: Array, shares: Mapping[str, Array]) -> Figure:
-    """Part of the time at each slip, and the sums.
+def slip_histograms(edges: Array, shares: Mapping[str, Mapping[str, Array]]) -> Figure:
+    """Part of the time at each slip: a panel per test, track beside rig.
 
     Args:
         edges: of the classes of |slip| [-], the last one infinite; shape (class + 1,).
-        shares: run -> part of the time, shape (class,).
+        shares: test -> support -> part of the time, shape (class,).
     """
-    figure, (parts, sums) = new_figure(2, height=4.4, sharex=True)
-    used = max((int(np.flatnonzero(one > 1e-4)[-1]) + 1 for one in shares.values() if (one > 1e-4).any()), default=1)
-    ends = 100.0 * np.where(np.isfinite(edges), edges, 2.0 * edges[-2] - edges[-3])[: used + 1]
-    for number, (label, one) in enumerate(shares.items()):
-        style = "--" if label == "track" else "-"
-        look: dict[str, Any] = {"color": COLOURS[1 - number % 2], "linestyle": style, "linewidth": 1.3}
-        parts.stairs(100.0 * one[:used], ends, label=label, **look)
-        sums.plot(ends[1:], 100.0 * np.cumsum(one)[:used], label=label, **look)
-    parts.set_ylabel("part of the time [%]")
-    sums.set(ylabel="at most this slip\n[% of the time]", xlabel="|wheel speed - train speed| over train speed [%]")
-    parts.legend()
+    columns = min(3, len(shares))
+    rows = math.ceil(len(shares) / columns)
+    figure, grid = new_grid(rows, columns, height=max(2.8, 0.6 + 1.7 * rows), sharex=True, sharey=True)
+    ends = 100.0 * np.where(np.isfinite(edges), edges, 2.0 * edges[-2] - edges[-3])
+    for axes, (name, own) in zip(grid.flat, shares.items(), strict=False):
+        for label, one in own.items():
+            colour, style = (COLOURS[1], "--") if label == "track" else (COLOURS[0], "-")
+            axes.stairs(np.maximum(100.0 * one, 1e-3), ends, label=label, color=colour, linestyle=style, linewidth=1.2)
+        axes.set_title(name.replace("_", " "))
+        logarithmic(axes, "y")
+        axes.set_ylim(0.05, 120.0)
+    for axes in grid.flat[len(shares) :]:
+        axes.set_visible(False)
+    grid[0, 0].legend()
+    figure.supxlabel("|wheel speed - train speed| over train speed [%]", fontsize=9.0)
+    figure.supylabel("part of the time [%]", fontsize=9.0)
     return figure
 
 
 @house_style()
 def dead_time_curve(
-    track: Mapping[float, tuple[float, float]], rig: tuple[float, float], predicted: tuple[float, float]
+    track: Mapping[float, Mapping[str, Any]], rig: Mapping[str, Any], predicted: tuple[float, float]
 ) -> Figure:
-    """Distance on track [m], with its standard error, over additional dead time [ms]; that of the rig.
+    """Distance on track [m] over additional dead time [ms], that of the rig, each as mean and standard error.
 
     Vertical lines: equivalent dead time in closed form, and the least [ms].
     """
     figure, (axes,) = new_figure(1, height=2.8)
-    delays = sorted(track)
-    means, errors = zip(*(track[delay] for delay in delays), strict=True)
+    delays, mean, reach = sorted(track), rig["mean"], rig["standard_error"] or 0.0
+    means, errors = zip(*((track[d]["mean"], track[d]["standard_error"] or 0.0) for d in delays), strict=True)
     axes.errorbar(delays, means, errors, color=COLOURS[1], marker="o", markersize=4, capsize=3.0, label="track")
-    axes.axhline(rig[0], color=COLOURS[0], linewidth=1.3, label="rig")
-    axes.axhspan(rig[0] - rig[1], rig[0] + rig[1], color=COLOURS[0], alpha=0.2, linewidth=0.0)
+    axes.axhline(mean, color=COLOURS[0], linewidth=1.3, label="rig")
+    axes.axhspan(mean - reach, mean + reach, color=COLOURS[0], alpha=0.2, linewidth=0.0)
     for value, style in zip(predicted, ("--", ":"), strict=True):
         axes.axvline(value, color=GREY, linestyle=style, linewidth=1.0)
     axes.set(xlabel="additional dead time of the protection on track [ms]", ylabel="mean distance [m]")

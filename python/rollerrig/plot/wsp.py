@@ -1,14 +1,12 @@
-"""Figures of a test programme for wheel slide protection: means with intervals, distributions of slip, one test over time."""
+"""Figure of a test programme for wheel slide protection: means with intervals."""
 
 import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-import numpy as np
 from matplotlib.figure import Figure
 
-from rollerrig.common.arrays import Array
-from rollerrig.plot.style import COLOURS, GREY, house_style, line, logarithmic, new_figure, new_grid, panels
+from rollerrig.plot.style import COLOURS, GREY, house_style, new_figure
 
 Ends = tuple[float, float, float]
 """Mean, lower and upper end of its interval."""
@@ -56,46 +54,3 @@ def means_with_intervals(
     axes.set(ylim=(len(stops) - 0.5, -0.5), xlabel=xlabel)
     axes.legend(loc="best")
     return figure
-
-
-@house_style()
-def slip_grid(edges: Array, shares: Mapping[str, Mapping[str, Array]]) -> Figure:
-    """Part of the time at each slip: a panel per stop, track beside rig.
-
-    Args:
-        edges: of the classes of |slip| [-], the last one infinite; shape (class + 1,).
-        shares: stop -> support -> part of the time, shape (class,).
-    """
-    columns = 3
-    rows = math.ceil(len(shares) / columns)
-    figure, grid = new_grid(rows, columns, height=0.6 + 1.7 * rows, sharex=True, sharey=True)
-    ends = 100.0 * np.where(np.isfinite(edges), edges, 2.0 * edges[-2] - edges[-3])
-    for axes, (name, own) in zip(grid.flat, shares.items(), strict=False):
-        for label, one in own.items():
-            look: dict[str, Any] = {"color": LOOKS[label][0], "linewidth": 1.2}
-            style = "--" if label == "track" else "-"
-            axes.stairs(np.maximum(100.0 * one, 1e-3), ends, label=label, linestyle=style, **look)
-        axes.set_title(name.replace("_", " "))
-        logarithmic(axes, "y")
-        axes.set_ylim(0.05, 120.0)
-    for axes in grid.flat[len(shares) :]:
-        axes.set_visible(False)
-    grid[0, 0].legend()
-    figure.supxlabel("|wheel speed - train speed| over train speed [%]", fontsize=9.0)
-    figure.supylabel("part of the time [%]", fontsize=9.0)
-    return figure
-
-
-def stop_over_time(signals: Mapping[str, Mapping[str, Array]]) -> Figure:
-    """Speeds of train and wheels, and cylinder pressures, of the first tests of a stop: track above, rig below."""
-    labels = [f"{label}\n{what}" for label in signals for what in ("speed [km/h]", "cylinder [bar]")]
-    with panels(labels, "time since the demand [s]", 1.0 + 1.5 * len(labels)) as (figure, axes):
-        for (speeds, pressures), one in zip(zip(axes[::2], axes[1::2], strict=True), signals.values(), strict=True):
-            time = one["time_s"]
-            wheels = [name.removesuffix("_pressure_bar") for name in one if name.endswith("_pressure_bar")]
-            for number, wheel in enumerate(wheels):
-                style = "-" if number % 2 == 0 else "--"
-                line(speeds, time, one[f"{wheel}_speed_kmh"], number, style, wheel)
-                line(pressures, time, one[f"{wheel}_pressure_bar"], number, style, wheel)
-            line(speeds, time, one["train_speed_kmh"], 5, "-.", "train", linewidth=1.3)
-        return figure

@@ -18,7 +18,6 @@ from scipy.special import ndtr, ndtri, stdtrit
 
 from rollerrig.analysis.equivalent_dead_time import DeadTime, at_track_of
 from rollerrig.analysis.slide_statistics import TestRecord, test_record
-from rollerrig.common.formatting import number
 from rollerrig.config import Case, ConfigError, ConfigProblem
 from rollerrig.config.schema.ensemble import Ensemble
 from rollerrig.study.assessment import Interval
@@ -170,7 +169,7 @@ class Estimate:
 
     def as_dict(self) -> dict[str, float]:
         """Dictionary for summary.json."""
-        return {"mean": self.mean, "standard_error": self.standard_error}
+        return {"mean": self.mean, "standard_error": self.standard_error, **vars(self.interval)}
 
 
 def estimate(values: Sequence[float]) -> Estimate:
@@ -188,25 +187,6 @@ def stepped(found: Estimate, coarse: Estimate | None, fine: Estimate | None) -> 
     a, b = (math.nan if one is None else one.mean for one in (coarse, fine))
     change = 0.0 if a == b else abs(b - a)  # also where both are infinite: not zero, against zero
     return replace(found, systematic=math.inf if math.isnan(change) else change)
-
-
-def with_error(one: Mapping[str, float | None], factor: float = 1.0) -> str:
-    """A mean of `as_dict` and its standard error as tables show them, times a factor; a dash where there is none."""
-    mean, error = one["mean"], one["standard_error"]
-    if mean is None or math.isnan(mean):
-        return "–"
-    known = error is not None and not math.isnan(error)
-    return number(factor * mean) + (f" ± {number(factor * (error or 0.0), 2)}" if known else "")
-
-
-def with_interval(one: Mapping[str, Any], factor: float = 1.0) -> str:
-    """A mean with the ends `low` and `high` of its interval, times a factor, likewise."""
-    if one["mean"] is None:
-        return "–"
-    mean = number(factor * one["mean"])
-    if one["low"] is None or one["high"] is None or one["low"] == one["high"]:
-        return mean
-    return f"{mean} ({number(factor * one['low'])} … {number(factor * one['high'])})"
 
 
 def difference(a: Sequence[float], b: Sequence[float]) -> Estimate:

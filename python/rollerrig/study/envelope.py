@@ -40,7 +40,7 @@ METHOD = (
     "of the nearest one."
 )
 CLOSED_FORMS = (
-    "Up to which torque every run reproduces the rail, and the limit of the next; behind them, where wheels begin to slide, (V2). "
+    "Up to which torque every run reproduces the rail, and the limit of the next; then where wheels begin to slide, (V2). "
     "Closed forms are those of docs/theory/envelope.md, not fits. A border agrees if the predicted torque lies between the "
     "runs on either side, give or take one step of torque; at a border of recovery the torque left on the axles in these "
     "two runs lies above and below what (V6) asks for. All borders count."
@@ -237,4 +237,3 @@ def _vehicle_reproduced(found: xr.Dataset, side: str, torque: float) -> bool | N
 def _agreement(rows: Sequence[Border]) -> dict[str, int]:
     compared = [row.agrees for row in rows if row.agrees is not None]
     return {"agree": sum(compared), "of": len(compared)}
-

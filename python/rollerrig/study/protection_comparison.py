@@ -38,7 +38,7 @@ from rollerrig.study.runs.wsp import (
     rig_faults,
     stop_case,
 )
-from rollerrig.study.wsp import ON, Results, WspStudy, label, quantity_of
+from rollerrig.study.wsp import ON, Results, WspStudy, label, with_unit
 
 Better = Literal["first", "second", "neither", "not decided"]
 System = Literal["first", "second"]
@@ -254,16 +254,9 @@ def _faults(tests: Mapping[Support, StopTests], on: Support) -> list[str]:
 
 
 def _as_dict(one: Difference) -> dict[str, Any]:
-    return {
-        "first": one.first.mean,
-        "second": one.second.mean,
-        "difference": one.found.mean,
-        **vars(one.found.interval),
-        "effect": one.effect,
-        "better": one.better,
-        "tests_needed": one.tests_needed,
-        "why": "; ".join(one.reasons),
-    }
+    own = {"first": one.first.mean, "second": one.second.mean, "difference": one.found.as_dict()}
+    more = {name: getattr(one, name) for name in ("effect", "better", "tests_needed")}
+    return {**own, **more, "why": "; ".join(one.reasons)}
 
 
 CLAIMS = (
@@ -280,48 +273,27 @@ def _findings(numbers: Numbers) -> Iterator[str]:
         f"system is better in {sums['first']}, the second in {sums['second']}; {sums['neither']} are the same, "
         f"{sums['not_decided']} not decided."
     )
-    for on in SUPPORTS:
-        for system in SYSTEMS:
-            rows = [
-                f"{stop.replace('_', ' ')}: {label(criterion)} {_shown(criterion, one)}"
-                for stop, own in numbers["stops"].items()
-                for criterion, one in own[on].items()
-                if one["better"] == system
-            ]
-            if rows:
-                yield f"On {ON[on]} the {system} is better in {'; '.join(rows)}."
-    whys: dict[str, dict[str, None]] = {}
+    told: dict[str, list[str]] = {}
     for stop, own in numbers["stops"].items():
-        for on in SUPPORTS:
-            for one in own[on].values():
-                if one["why"]:
-                    whys.setdefault(one["why"], {})[f"{stop.replace('_', ' ')} on {ON[on]}"] = None
-    for why, places in whys.items():
-        yield f"Not decided in {', '.join(places)}: {why}."
-
-
-def _shown(criterion: str, one: Numbers) -> str:
-    """The difference with its interval."""
-    _, factor, unit = quantity_of(criterion)
-    if one["difference"] is None:
-        return "–"
-    text = f"{factor * one['difference']:+.3g}"
-    if one["low"] is not None and one["high"] is not None:
-        text += f" ({factor * one['low']:+.3g} … {factor * one['high']:+.3g})"
-    return f"{text} {unit}".rstrip()
+        found = [(on, criterion, one) for on, judged in own.items() for criterion, one in judged.items()]
+        for on, criterion, one in found:
+            place = f"{stop.replace('_', ' ')} on {ON[on]}, {label(criterion)}"
+            if one["better"] in SYSTEMS:
+                value = with_unit(criterion, one["difference"])
+                told.setdefault(f"The {one['better']} is better", []).append(f"{place} {value}")
+            elif one["why"]:
+                told.setdefault(f"Not decided, {one['why']}", []).append(place)
+    for head, places in sorted(told.items(), reverse=True):
+        yield f"{head}: {'; '.join(places)}."
 
 
 def _table(numbers: Numbers, on: Support) -> Table:
     rows = []
     for stop, own in numbers["stops"].items():
         for criterion, one in own[on].items():
-            _, factor, _ = quantity_of(criterion)
-            means = ("–" if one[system] is None else number(factor * one[system], 3) for system in SYSTEMS)
-            effect, needed = one["effect"], one["tests_needed"]
-            rows.append((
-                stop.replace("_", " "), label(criterion), *means, _shown(criterion, one),
-                "–" if effect is None else f"{effect:+.2g}", one["better"], "–" if needed is None else f"{needed:.0f}",
-            ))  # fmt: skip
+            cells = (with_unit(criterion, one[name]) for name in (*SYSTEMS, "difference"))
+            effect, needed = (number(one[name], 2) for name in ("effect", "tests_needed"))
+            rows.append((stop.replace("_", " "), label(criterion), *cells, effect, one["better"], needed))
     header = ("stop", "criterion", *SYSTEMS, "second less first", "effect size", "better", "tests that would decide")
     return Table(header, rows, f"On {ON[on]}: means of all tests, intervals of 95 %.")
 
@@ -339,7 +311,8 @@ def _pictures(numbers: Numbers) -> Iterator[Block]:
 
 
 def _ends(one: Numbers) -> Ends | None:
-    if not one["first"] or any(one[key] is None for key in ("difference", "low", "high")):
+    ends = [one["difference"][end] for end in ("mean", "low", "high")]
+    if not one["first"] or None in ends:
         return None
-    mean, low, high = (100.0 * one[key] / one["first"] for key in ("difference", "low", "high"))
+    mean, low, high = (100.0 * end / one["first"] for end in ends)
     return mean, low, high
