@@ -1,7 +1,6 @@
 """Figures of an envelope map: regions over torque and adhesion with the closed forms on them, and runs of each over time."""
 
-from collections.abc import Mapping, Sequence
-from textwrap import wrap
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -14,7 +13,8 @@ from matplotlib.tri import Triangulation
 from numpy.typing import NDArray
 
 from rollerrig.common.arrays import Array
-from rollerrig.plot.style import cell_edges, house_style, line, new_figure, new_grid
+from rollerrig.plot.control import Curve, Rows, error_curves, runs_beside, speed_curves
+from rollerrig.plot.style import cell_edges, house_style, new_figure
 
 FILLS: Mapping[str, tuple[str, str]] = {
     "grip": ("#e3f1e3", ""),
@@ -42,13 +42,6 @@ LINES: Mapping[str, tuple[str, Any]] = {
 
 ERRORS = (0.003, 0.01, 0.03)
 """Contours of the tracking error."""
-
-_PANELS = (
-    "speed [km/h]",
-    "torque [{unit}]",
-    "contact force over\nfriction limit [-]",
-    "tracking error\n[% of train speed]",
-)
 
 
 @house_style()
@@ -158,23 +151,33 @@ def _highlighted(axes: Axes, x: Array, y: Array, name: str, label: str = "") -> 
     return axes.plot(x, y, color=LINES[name][0], linestyle=LINES[name][1], linewidth=1.6, label=label)[0]
 
 
-@house_style()
-def runs_over_time(runs: Sequence[tuple[str, xr.Dataset]], radius: float, friction: float) -> Figure:
+def runs_over_time(runs: Mapping[str, xr.Dataset], radius: float, friction: float) -> Figure:
     """Up to three runs beside each other: speeds, torques, friction used and tracking error of the axle that uses most of it.
 
     Radius of the wheels [m]; friction between wheel and roller [-].
     """
-    unit, scale = _unit(max(float(np.abs(run["roller_torque"]).max()) for _, run in runs))
-    figure, grid = new_grid(4, len(runs), height=7.0, sharex="col", sharey="row")
-    for column, (title, run) in zip(grid.T, runs, strict=True):
-        _one_run(column, _one_axle(run), radius, friction, scale)
-        column[0].set_title("\n".join(wrap(title, 34)), fontsize=8.0, loc="left")
-        column[-1].set_xlabel("time [s]")
-    for axes, label in zip(grid[:, 0], _PANELS, strict=True):
-        axes.set_ylabel(label.format(unit=unit))
-    handles, labels = zip(*(panel.get_legend_handles_labels() for panel in grid[:2, 0]), strict=True)
-    figure.legend([*handles[0], *handles[1]], [*labels[0], *labels[1]], loc="outside upper center", ncols=3)
-    return figure
+    unit, scale = _unit(max(float(np.abs(run["roller_torque"]).max()) for run in runs.values()))
+
+    def torques(run: xr.Dataset) -> list[Curve]:
+        return [
+            (scale * (run["brake_torque"] + run["traction_torque"]), 4, "-", "torque on the axle"),
+            (scale * run["roller_torque"], 3, "-", "of the roller drive"),
+            (scale * run["roller_command"], 2, ":", "its command"),
+        ]
+
+    def used(run: xr.Dataset) -> list[Curve]:
+        normal, force = (run[name].sum(("wheel", "patch")) for name in ("patch_normal", "patch_creep_force_x"))
+        one = xr.ones_like(run["time"])
+        limits = [(limit * one, 5, "--", "") for limit in (-1.0, 1.0)]
+        return [(force / np.maximum(friction * normal, 1.0), 0, "-", ""), *limits]
+
+    rows: Rows = {
+        "speed [km/h]": lambda run: speed_curves(run, radius),
+        f"torque [{unit}]": torques,
+        "contact force over\nfriction limit [-]": used,
+        "tracking error\n[% of train speed]": lambda run: error_curves(run, radius),
+    }
+    return runs_beside({title: _one_axle(run) for title, run in runs.items()}, rows, 7.0, sharey="row")
 
 
 def _one_axle(run: xr.Dataset) -> xr.Dataset:
@@ -184,19 +187,3 @@ def _one_axle(run: xr.Dataset) -> xr.Dataset:
     used = (np.abs(force) / np.maximum(normal, 1.0)).max(axis=0)
     axle = int(np.argmax(used)) // wheels
     return run.isel(axle=axle, wheel=slice(axle * wheels, (axle + 1) * wheels))
-
-
-def _one_run(column: Any, run: xr.Dataset, radius: float, friction: float, scale: float) -> None:
-    time, (speed, torque, used, error) = run["time"], column
-    line(speed, time, 3.6 * run["train_speed"], 5, "-", "train, virtual")
-    line(speed, time, 3.6 * radius * run["virtual_speed"], 1, "--", "wheel, virtual")
-    line(speed, time, 3.6 * radius * run["axle_speed"], 0, "-", "wheel, rig")
-    line(torque, time, scale * (run["brake_torque"] + run["traction_torque"]), 4, "-", "torque on the axle")
-    line(torque, time, scale * run["roller_torque"], 3, "-", "of the roller drive")
-    line(torque, time, scale * run["roller_command"], 2, ":", "its command")
-    normal, force = (run[name].sum(("wheel", "patch")) for name in ("patch_normal", "patch_creep_force_x"))
-    line(used, time, force / np.maximum(friction * normal, 1.0))
-    for limit in (-1.0, 1.0):
-        used.axhline(limit, color="#777777", linewidth=0.8, linestyle="--")
-    fast = np.where(run["train_speed"] > 2.0, run["train_speed"], np.nan)
-    line(error, time, 100 * radius * (run["axle_speed"] - run["virtual_speed"]) / fast)

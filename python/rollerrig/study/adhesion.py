@@ -304,8 +304,8 @@ def _findings(numbers: Numbers) -> Iterator[str]:
             QUANTITIES[f"dead_time.{name}_s"].cell(found[f"{name}_s"]) for name in ("predicted", "torque", "drive")
         )
         yield (
-            f"Equivalent dead time: the rig acts like a track whose protection has {predicted} ms more in closed form, {torque} ms "
-            f"of the axle's torque and {drive} ms of the drives; measured: {measured} ms."
+            f"Equivalent dead time: the rig acts like a track whose protection has {predicted} ms more in closed form, {torque} "
+            f"ms of the axle's torque and {drive} ms of the drives; measured: {measured} ms."
         )
     for label in ("track", "rig"):
         if numbers[label]["status"] not in COMPLETED:

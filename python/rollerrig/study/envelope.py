@@ -211,7 +211,7 @@ class EnvelopeStudy(Study[Envelope]):
         names = list(examples)
         blocks: list[Block] = []
         for group in (names[begin : begin + 3] for begin in range(0, len(names), 3)):
-            runs = [(f"{REGIONS[name]}: {examples[name][0].label}", examples[name][1]) for name in group]
+            runs = {f"{REGIONS[name]}: {examples[name][0].label}": examples[name][1] for name in group}
             regions = "; ".join(REGIONS[name] for name in group)
             caption = f"The axle that uses most friction, in a run of each region: {regions}."
             blocks.append(Picture(f"runs_{'_'.join(group)}", figures.runs_over_time(runs, radius, friction), caption))
