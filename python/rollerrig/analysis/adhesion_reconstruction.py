@@ -71,6 +71,14 @@ class StopLog:
     pressure: Array  # of the brake cylinders over the ambient [Pa], shape (time, axle)
 
     @property
+    def signals(self) -> xr.Dataset:
+        """The same over `time` since the first row, and `axle`."""
+        of_axles = {"axle_speed": self.axle_speed, "cylinder_pressure": self.pressure}
+        signals = {name: (("time", "axle"), values) for name, values in of_axles.items()}
+        coordinates = {"time": self.time - self.time[0], "axle": list(self.axles)}
+        return xr.Dataset({**signals, "train_speed": ("time", self.train_speed)}, coordinates)
+
+    @property
     def distance(self) -> Array:
         """Way of the train from the first row [m]."""
         mean = 0.5 * (self.train_speed[1:] + self.train_speed[:-1])

@@ -39,22 +39,31 @@ def axles_over_time(runs: Mapping[str, xr.Dataset], signals: Sequence[Signal], h
         return figure
 
 
+AxleCurve = tuple[xr.DataArray, int, Any, str]
+"""Values over time, of each axle or the train, number of the colour, style, label."""
+
+
+def per_axle(what: str, curves: Sequence[AxleCurve]) -> Figure:
+    """A panel per axle of the first curve, with all of them; `{}` in what it shows stands for the axle."""
+    axles = [str(axle) for axle in curves[0][0]["axle"].to_numpy()]
+    labels = [what.format(axle.replace("_", " ")) for axle in axles]
+    with panels(labels, "time [s]", 1.0 + 1.7 * len(axles)) as (figure, found):
+        for axes, axle in zip(found, axles, strict=True):
+            for values, *look in curves:
+                line(axes, values["time"], values.sel(axle=axle) if "axle" in values.dims else values, *look)
+        return figure
+
+
 def speeds(track: xr.Dataset, rig: xr.Dataset, radius: float) -> Figure:
     """Speeds of train and wheels: one panel per axle with rig, virtual train and track."""
-    axles = [str(axle) for axle in rig["axle"].to_numpy()]
-    labels = [f"{axle.replace('_', ' ')}\nspeed [km/h]" for axle in axles]
-    with panels(labels, "time [s]", 2.3 + 2.2 * len(axles)) as (figure, found):
-        for axes, axle in zip(found, axles, strict=True):
-            for run, name, factor, colour, look, label in (
-                (track, "train_speed", 3.6, 5, {"style": "--"}, "train, track"),
-                (rig, "train_speed", 3.6, 4, {}, "train, virtual"),
-                (track, "axle_speed", 3.6 * radius, 1, {"style": "--"}, "wheel, track"),
-                (rig, "virtual_speed", 3.6 * radius, 2, {"linewidth": 3.2, "alpha": 0.45}, "wheel, virtual"),
-                (rig, "axle_speed", 3.6 * radius, 0, {}, "wheel, rig"),
-            ):  # the virtual wheel is a broad band, since the rig's lies on it
-                values = run[name].sel(axle=axle) if "axle" in run[name].dims else run[name]
-                line(axes, run["time"], factor * values, colour, label=label, **look)
-        return figure
+    wheel = 3.6 * radius
+    return per_axle("{}\nspeed [km/h]", (
+        (wheel * rig["virtual_speed"], 2, ":", "wheel, virtual"),
+        (3.6 * track["train_speed"], 5, "--", "train, track"),
+        (3.6 * rig["train_speed"], 4, "-", "train, virtual"),
+        (wheel * track["axle_speed"], 1, "--", "wheel, track"),
+        (wheel * rig["axle_speed"], 0, "-", "wheel, rig"),
+    ))  # fmt: skip
 
 
 def first_slide(runs: Mapping[str, xr.Dataset], radius: float) -> Figure:

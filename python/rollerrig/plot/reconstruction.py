@@ -1,17 +1,10 @@
 """Figures of a reconstructed rail: its friction over distance, and the measured stop beside the computed one."""
 
-from __future__ import annotations
-
-from typing import TYPE_CHECKING
-
-import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from rollerrig.plot.style import GREY, line, panels
-
-if TYPE_CHECKING:
-    from rollerrig.analysis.adhesion_reconstruction import StopLog
+from rollerrig.plot.adhesion import per_axle
+from rollerrig.plot.style import line, panels
 
 
 def friction_over_distance(rail: xr.Dataset) -> Figure:
@@ -27,19 +20,17 @@ def friction_over_distance(rail: xr.Dataset) -> Figure:
         return figure
 
 
-def stop_over_time(log: StopLog, run: xr.Dataset, radius: float) -> Figure:
-    """Speeds of train and wheels and brake pressures, measured and computed; radius of the wheels [m]."""
-    labels = ["speed [km/h]", *(f"{axle.replace('_', ' ')}\n[km/h]" for axle in log.axles), "pressure [bar]"]
-    time, clock = log.time - log.time[0], run["time"].to_numpy()
-    with panels(labels, "time [s]", 1.0 + 1.3 * len(labels)) as (figure, axes):
-        line(axes[0], time, 3.6 * log.train_speed, 0, "-", "train, measured")
-        line(axes[0], clock, 3.6 * run["train_speed"], 1, "--", "train, computed")
-        for k, axle in enumerate(log.axles):
-            own = run.sel(axle=axle)
-            line(axes[k + 1], time, 3.6 * radius * log.axle_speed[:, k], 0, "-", "measured")
-            line(axes[k + 1], clock, 3.6 * radius * own["axle_speed"], 1, "--", "computed")
-        line(axes[-1], time, 1e-5 * np.mean(log.pressure, axis=1), 0, "-", "mean of the axles, measured")
-        line(axes[-1], clock, 1e-5 * run["cylinder_pressure"].mean("axle"), 1, "--", "computed")
-        for one in axes:
-            one.axhline(0.0, color=GREY, linewidth=0.6)
-        return figure
+def stop_over_time(log: xr.Dataset, run: xr.Dataset, radius: float) -> Figure:
+    """Speeds of train and wheels, measured and computed; radius of the wheels [m]."""
+    both = ((log, "measured", 0, "-"), (run, "computed", 1, "--"))
+    wheels = [(3.6 * radius * one["axle_speed"], k, style, f"wheel, {label}") for one, label, k, style in both]
+    return per_axle(
+        "{}\nspeed [km/h]",
+        [*wheels, *((3.6 * one["train_speed"], k + 4, style, f"train, {label}") for one, label, k, style in both)],
+    )
+
+
+def pressures_over_time(log: xr.Dataset, run: xr.Dataset) -> Figure:
+    """Pressures of the brake cylinders, measured and computed."""
+    measured, computed = (1e-5 * one["cylinder_pressure"] for one in (log, run))
+    return per_axle("cylinder\n{} [bar]", [(measured, 0, "-", "measured"), (computed, 1, "--", "computed")])

@@ -19,7 +19,7 @@ from rollerrig.analysis.adhesion_reconstruction import StopLog
 from rollerrig.analysis.slide_statistics import rms, wheel_radius
 from rollerrig.common.formatting import number, percent
 from rollerrig.config import Case, Rig
-from rollerrig.plot.reconstruction import friction_over_distance, stop_over_time
+from rollerrig.plot.reconstruction import friction_over_distance, pressures_over_time, stop_over_time
 from rollerrig.study.frame import Content, Study
 from rollerrig.study.jobs import Done, Round, job, whole_run
 from rollerrig.study.quantities import Numbers
@@ -153,7 +153,8 @@ class ReconstructionStudy(Study[xr.Dataset]):
                 Picture("rail", friction_over_distance(self.rail), "Friction at no slip, and the adhesion that each axle used."),
             ]),
             Section("The stop", [
-                Picture("stop", stop_over_time(self.log, results, radius), "Solid: measured; dashed: computed on that rail."),
+                Picture("stop", stop_over_time(self.log.signals, results, radius), "Solid: measured; dashed: computed."),
+                Picture("pressures", pressures_over_time(self.log.signals, results), "Solid: measured; dashed: computed."),
                 Text("The case's own slide protection acts in the computed stop: its cycles are of the same kind as the measured "
                      "ones, not the same."),
             ]),
