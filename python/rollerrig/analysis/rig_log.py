@@ -141,17 +141,15 @@ def _measured(case: Case, log: Log, axles: list[str]) -> Iterator[tuple[str, str
         yield "brake_torque", "N m", "of the axle's friction brake", _brake_torque(case, log, axles, speed)
     if case.traction is not None or (brake is not None and (brake.electrodynamic or brake.motors_stand_in)):
         yield "motor_torque", "N m", "of the axle's motor", _motor_torque(log, axles)
-    if control.loads == "measured":
-        yield "axle_load", "N", "vertical force under the axle", _per_axle(log, axles, "axle_load", {"N": 1.0})
-    if case.sanding is not None:
-        yield "sand_flow", "kg/s", "of sand on each rail", _per_axle(log, axles, "sand_flow", {"kg/s": 1.0})
-    if case.track_brake is not None:
-        force = _per_axle(log, axles, "track_brake_force", {"N": 1.0})
-        yield "track_brake_force", "N", "of all track brakes against running", force
-    if case.train.axles is not None and case.train.axles.simulated:
-        yield "force_of_others", "N", "of simulated axles", _per_axle(log, axles, "force_of_others", {"N": 1.0})
-    for name, (unit, meaning) in REFERENCES.items():
-        if column_of(log, f"{axles[0]}.{name}"):
+    others = {
+        "axle_load": ("N", "vertical force under the axle", control.loads == "measured"),
+        "sand_flow": ("kg/s", "of sand on each rail", case.sanding is not None),
+        "track_brake_force": ("N", "of all track brakes against running", case.track_brake is not None),
+        "force_of_others": ("N", "of simulated axles", case.train.axles is not None and case.train.axles.simulated),
+        **{name: (*about, column_of(log, f"{axles[0]}.{name}")) for name, about in REFERENCES.items()},
+    }
+    for name, (unit, meaning, there) in others.items():
+        if there:
             yield name, unit, meaning, _per_axle(log, axles, name, {unit: 1.0})
 
 

@@ -1,6 +1,5 @@
 """Figure of a test programme for wheel slide protection: means with intervals."""
 
-import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -8,17 +7,11 @@ from matplotlib.figure import Figure
 
 from rollerrig.plot.style import COLOURS, GREY, house_style, new_figure
 
-Ends = tuple[float, float, float]
-"""Mean, lower and upper end of its interval."""
-
-LOOKS: Mapping[str, tuple[str, str]] = {"track": (COLOURS[1], "s"), "rig": (COLOURS[0], "o")}
-"""Colour and marker."""
-
 
 @house_style()
 def means_with_intervals(
     stops: Sequence[str],
-    found: Mapping[str, Sequence[Ends | None]],
+    found: Mapping[str, Sequence[Mapping[str, Any] | None]],
     xlabel: str,
     *,
     dry: Sequence[float | None] = (),
@@ -30,15 +23,13 @@ def means_with_intervals(
     With a line at `zero` for differences.
     """
     figure, (axes,) = new_figure(1, height=1.1 + 0.32 * len(stops))
-    for number, (label, ends) in enumerate(found.items()):
-        shift = 0.14 * (2 * number - 1)
-        colour, marker = LOOKS[label]
-        rows = [(row + shift, one) for row, one in enumerate(ends) if one is not None]
-        means = [one[0] for _, one in rows]
-        reach = [[max(0.0, abs(one[0] - end)) if math.isfinite(end) else 0.0 for _, one in rows for end in (one[k],)]
-                 for k in (1, 2)]  # fmt: skip
+    for label, ends in found.items():
+        shift, colour, marker = (-0.14, COLOURS[1], "s") if label == "track" else (0.14, COLOURS[0], "o")
+        shown = [(row + shift, one) for row, one in enumerate(ends) if one is not None and one["mean"] is not None]
+        reach = [[abs(one["mean"] - (one["mean"] if one[end] is None else one[end])) for _, one in shown]
+                 for end in ("low", "high")]  # fmt: skip
         look: dict[str, Any] = {"fmt": marker, "markersize": 4, "color": colour, "capsize": 2.5}
-        axes.errorbar(means, [at for at, _ in rows], xerr=reach, label=label, **look)
+        axes.errorbar([one["mean"] for _, one in shown], [row for row, _ in shown], xerr=reach, label=label, **look)
     marks: tuple[tuple[str, Sequence[float | None], dict[str, Any]], ...] = (
         ("dry", dry, {"marker": "|", "color": GREY}),
         ("limit", limits, {"marker": "D", "facecolors": "none", "edgecolors": "black"}),

@@ -120,7 +120,8 @@ def ranking_table(case: Case, ranked: Sequence[Rank]) -> Table:
     rows = []
     for rank in ranked:
         worst, family = rank.worst, rank.family
-        shipped = family.text(family.base(case)) if family.base is not None else "–"
+        base = family.base(case)
+        shipped = "–" if base is None else family.text(base)
         cells = [QUANTITIES[name].cell(worst.numbers[name]) for name in ("tracking_rms", "ripple_nm")]
         error = cells[0] if worst.completed else "ended early"
         fails = failures_text(rank) or "no failure"
@@ -137,8 +138,8 @@ def family_picture(case: Case, family: Family, results: Sequence[Result]) -> Pic
         curves[label] = np.array(
             [(p.value, *(p.numbers[k] if p.completed else math.nan for k in both)) for p in points]
         )
-    base = family.base(case) if family.base is not None else None
-    picture = figures.over_parameter(curves, family.axis, family.scale, base, (TRACKING_LIMIT, RIPPLE_LIMIT))
+    limits = (TRACKING_LIMIT, RIPPLE_LIMIT)
+    picture = figures.over_parameter(curves, family.axis, family.scale, family.base(case), limits)
     caption = (
         f"Dashed: limits of failure, {100 * TRACKING_LIMIT:g} % and {RIPPLE_LIMIT:g} N m; dotted: the case as shipped."
     )

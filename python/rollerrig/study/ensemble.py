@@ -133,17 +133,14 @@ def recorded(case: Case, progress: Progress | None = None) -> TestRecord:
 
 @dataclass(frozen=True)
 class Estimate:
-    """Mean over the tests of an ensemble, NaN where one of them has no such number, with its standard error.
-
-    Attributes:
-        freedom: degrees of freedom of the error; 0: unknown.
-        systematic: by how much the mean may be off beside that, however many tests are made: step and samples.
-    """
+    """Mean over the tests of an ensemble, NaN where one of them has no such number, with its standard error."""
 
     mean: float
     standard_error: float
-    freedom: float
-    systematic: float = 0.0
+    freedom: float  # degrees of freedom of the error; 0: unknown
+    systematic: float = (
+        0.0  # by how much the mean may be off beside that, however many tests are made: step and samples
+    )
 
     @property
     def interval(self) -> Interval:

@@ -15,6 +15,7 @@ import xarray as xr
 
 from rollerrig.analysis.envelope_borders import Border, borders, slides
 from rollerrig.analysis.rig_limits import LEAST_DURATION, NUMBERS, REGIONS, REPRODUCED, TRACKING_LIMIT
+from rollerrig.common.formatting import quantity
 from rollerrig.config import Case, ConfigError, Rig
 from rollerrig.config.validate.check_actuators import simulated_axles
 from rollerrig.plot import envelope as figures
@@ -23,7 +24,7 @@ from rollerrig.study.jobs import Done, Round, job, whole_run
 from rollerrig.study.quantities import Numbers, Quantities, Quantity
 from rollerrig.study.report import Block, Picture, Section, Text
 from rollerrig.study.runs import envelope as computed
-from rollerrig.study.runs.envelope import BEGIN, RISE, Point, torque_text
+from rollerrig.study.runs.envelope import BEGIN, RISE, Point
 
 
 def run_rows(found: xr.Dataset) -> list[list[object]]:
@@ -177,7 +178,7 @@ class EnvelopeStudy(Study[Envelope]):
             lines.append(f"Limits reached first in the others: {'; '.join(listed)}.")
         for side, torque in numbers["vehicle_torque_nm"].items():
             if torque is not None:
-                machine, most = "brake" if side == "brake" else "motor", torque_text(float(f"{torque:.3g}"))
+                machine, most = "brake" if side == "brake" else "motor", quantity(torque, "N m")
                 assessment = {True: "reproduced on every rail and load", None: "below the map"}
                 found = assessment.get(numbers["vehicle_reproduced"][side], "not reproduced everywhere, see the table")
                 lines.append(f"Torque of the vehicle's own {machine}, up to {most} per axle: {found}.")

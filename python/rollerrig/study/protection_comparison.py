@@ -20,7 +20,7 @@ from scipy.stats import nct, t
 from rollerrig.analysis.slide_statistics import idle_valves
 from rollerrig.common.formatting import number
 from rollerrig.config import CRITERIA, Case, ConfigError, ConfigProblem, Programme
-from rollerrig.plot.wsp import Ends, means_with_intervals
+from rollerrig.plot.wsp import means_with_intervals
 from rollerrig.study.ensemble import CONFIDENCE, Estimate, difference, stepped
 from rollerrig.study.frame import Content, Study
 from rollerrig.study.jobs import Done, Round
@@ -57,19 +57,14 @@ DRAWN = {"distance": "distance [%]", "air": "air [%]"}
 
 @dataclass(frozen=True)
 class Difference:
-    """A criterion of a stop on one support: means of both systems, the second less the first, in its SI unit.
-
-    Attributes:
-        deviation: standard deviation of the differences of single tests.
-        reasons: why nothing is decided.
-    """
+    """A criterion of a stop on one support: means of both systems, the second less the first, in its SI unit."""
 
     criterion: str
     first: Estimate
     second: Estimate
     found: Estimate
-    deviation: float
-    reasons: tuple[str, ...]
+    deviation: float  # standard deviation of the differences of single tests
+    reasons: tuple[str, ...]  # why nothing is decided
 
     @property
     def effect(self) -> float:
@@ -300,19 +295,19 @@ def _table(numbers: Numbers, on: Support) -> Table:
 
 def _pictures(numbers: Numbers) -> Iterator[Block]:
     for criterion, axis in DRAWN.items():
-        stops = [name for name, own in numbers["stops"].items() if criterion in own["track"]]
-        found: dict[str, list[Ends | None]] = {
-            on: [_ends(numbers["stops"][stop][on][criterion]) for stop in stops] for on in SUPPORTS
+        stops = {name: own for name, own in numbers["stops"].items() if criterion in own["track"]}
+        found: dict[str, list[Numbers | None]] = {
+            on: [_relative(own[on][criterion]) for own in stops.values()] for on in SUPPORTS
         }
         if stops:
-            drawn = means_with_intervals(stops, found, f"second less first over first: {axis}", zero=True)
+            drawn = means_with_intervals(list(stops), found, f"second less first over first: {axis}", zero=True)
             caption = f"Difference in {label(criterion)}, over the mean of the first system, with intervals of 95 %."
             yield Picture(f"difference_{criterion}", drawn, caption)
 
 
-def _ends(one: Numbers) -> Ends | None:
-    ends = [one["difference"][end] for end in ("mean", "low", "high")]
-    if not one["first"] or None in ends:
+def _relative(one: Numbers) -> Numbers | None:
+    """The difference in per cent of the first system's mean, where its interval is known."""
+    found = {end: one["difference"][end] for end in ("mean", "low", "high")}
+    if not one["first"] or None in found.values():
         return None
-    mean, low, high = (100.0 * end / one["first"] for end in ends)
-    return mean, low, high
+    return {end: 100.0 * value / one["first"] for end, value in found.items()}

@@ -43,21 +43,17 @@ HIGHEST = 1e3
 
 @dataclass(frozen=True)
 class Point:
-    """A candidate, or the case as shipped.
+    """A candidate, or the case as shipped."""
 
-    Attributes:
-        values: at the free keys, in their units; None where the case leaves one to what follows from others.
-        place: in the unit cube of the ranges; empty of the case as shipped.
-        gain_margin: factor on the gains from which vehicle and sampled loop are unstable; 0: as it is, inf: not up to HIGHEST.
-        phase_margin_deg: of the feedback of one axle alone; inf: it does not cross over.
-        runs: numbers of its runs, one of each draw.
-    """
-
-    values: Sequence[float | None]
-    place: Sequence[float]
-    gain_margin: float
-    phase_margin_deg: float
-    runs: Sequence[Mapping[str, Any]] = ()
+    values: Sequence[
+        float | None
+    ]  # at the free keys, in their units; None: the case leaves it to what follows from others
+    place: Sequence[float]  # in the unit cube of the ranges; empty of the case as shipped
+    gain_margin: (
+        float  # factor on the gains from which vehicle and loop are unstable; 0: as it is, inf: not up to HIGHEST
+    )
+    phase_margin_deg: float  # of the feedback of one axle alone; inf: it does not cross over
+    runs: Sequence[Mapping[str, Any]] = ()  # numbers of its runs, one of each draw
 
     def of(self, name: str) -> list[float]:
         """An error in each draw; NaN where the test ended early."""

@@ -18,7 +18,7 @@ from rollerrig.config import CRITERIA, Case, Programme
 from rollerrig.config.schema.programme import BrakedRun
 from rollerrig.config.write.toml import to_toml
 from rollerrig.plot.adhesion import PRESSURE, axles_over_time, slip_histograms, wheel_less_train
-from rollerrig.plot.wsp import Ends, means_with_intervals
+from rollerrig.plot.wsp import means_with_intervals
 from rollerrig.study.assessment import SHOWN, overall
 from rollerrig.study.ensemble import finer, start_jobs, start_name, started
 from rollerrig.study.frame import Content, Study
@@ -382,7 +382,7 @@ def _pictures(results: Results, numbers: Numbers) -> Iterator[Block]:
     stops = numbers["stops"]
     dry = [one["track"]["dry_distance_m"] for one in stops.values()]
     caption = "Distance since the demand, mean and interval of 95 %, and the dry distance of the same speed and demand."
-    drawn = means_with_intervals(list(stops), _ends(stops, "distance_m"), "distance [m]", dry=dry)
+    drawn = means_with_intervals(list(stops), _means(stops, "distance_m"), "distance [m]", dry=dry)
     yield Picture("distances", drawn, caption)
     stopping = {name: one for name, one in stops.items() if one["track"]["k_wet"]["mean"] is not None}
     if stopping:
@@ -390,7 +390,7 @@ def _pictures(results: Results, numbers: Numbers) -> Iterator[Block]:
         caption = (
             "K_wet: dry distance over distance, mean and interval of 95 %; diamonds: least that the programme allows."
         )
-        drawn = means_with_intervals(list(stopping), _ends(stopping, "k_wet"), "K_wet [-]", limits=limits)
+        drawn = means_with_intervals(list(stopping), _means(stopping, "k_wet"), "K_wet [-]", limits=limits)
         yield Picture("k_wet", drawn, caption)
     shares: dict[str, dict[str, Array]] = {
         name: {on: np.mean([test.slip_shares for test in one.tests[on].tests], axis=0) for on in SUPPORTS}
@@ -400,12 +400,8 @@ def _pictures(results: Results, numbers: Numbers) -> Iterator[Block]:
     yield Picture("slip_histograms", slip_histograms(SLIP_EDGES, shares), caption)
 
 
-def _ends(stops: Mapping[str, Numbers], name: str) -> dict[str, list[Ends | None]]:
-    def three(one: Numbers) -> Ends | None:
-        low, high = (np.nan if one[end] is None else one[end] for end in ("low", "high"))
-        return None if one["mean"] is None else (one["mean"], low, high)
-
-    return {on: [three(one[on][name]) for one in stops.values()] for on in SUPPORTS}
+def _means(stops: Mapping[str, Numbers], name: str) -> dict[str, list[Numbers | None]]:
+    return {on: [one[on][name] for one in stops.values()] for on in SUPPORTS}
 
 
 def _stop_section(name: str, one: StopResult, own: Numbers) -> Section:

@@ -77,8 +77,8 @@ def test_families_change_what_they_say() -> None:
             changed = [case.with_changes(each.changes(case, curve, value)) for value in each.values]
             assert len({one.to_toml() for one in changed}) == len(each.values), (each.name, label)
         assert list(each.values) == sorted(each.values)
-        if each.base is not None:
-            assert each.values[0] <= each.base(case) <= each.values[-1], each.name
+        if (base := each.base(case)) is not None:
+            assert each.values[0] <= base <= each.values[-1], each.name
 
 
 def test_every_estimator_and_feedback_of_the_case_file_is_compared() -> None:

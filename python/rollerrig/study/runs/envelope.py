@@ -23,6 +23,7 @@ from rollerrig.analysis.rig_limits import LINES, NUMBERS, REGIONS, Record, RigLi
 from rollerrig.analysis.virtual_rail import Patch, grip_slip, patch_of, rail_shape
 from rollerrig.assembly.actuators import friction_brake
 from rollerrig.assembly.model import assemble
+from rollerrig.common.formatting import quantity
 from rollerrig.config import Brake, Case, ConfigError, ConfigProblem, Traction
 from rollerrig.results import variable
 from rollerrig.simulation.mechatronics import full_brake_torque
@@ -51,12 +52,6 @@ MOST_RUNS = 100_000
 MOST_REFINED = 4
 
 
-def torque_text(torque: float) -> str:
-    """A torque [N m] with its unit; the blanks do not break."""
-    scaled, unit = (1e-3 * torque, "kN\u00a0m") if abs(torque) >= 500.0 else (torque, "N\u00a0m")
-    return f"{scaled:.4g}\u00a0{unit}"
-
-
 class Point(NamedTuple):
     """A place on the map: axle load over the case's own [-], torque on each axle, positive forward [N m], adhesion [-]."""
 
@@ -67,7 +62,7 @@ class Point(NamedTuple):
     @property
     def label(self) -> str:
         """Label for a title."""
-        return f"{torque_text(self.torque)}, adhesion\u00a0{self.adhesion:.3g}, load\u00a0{self.load:.3g}"
+        return f"{quantity(self.torque, 'N m')}, adhesion {self.adhesion:.3g}, load {self.load:.3g}"
 
 
 def default_torques(case: Case) -> list[float]:
