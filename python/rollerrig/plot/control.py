@@ -190,17 +190,19 @@ def poles_and_zeros_figure(poles: Mapping[str, Complex], zeros: Mapping[str, Com
 
 
 @house_style()
-def front(points: Mapping[str, Sequence[Sequence[float]]], names: Sequence[str], shipped: str, chosen: str) -> Figure:
+def front(points: Mapping[str, Mapping[str, Any]], names: Sequence[str], shipped: str, chosen: str) -> Figure:
     """Torque ripple over tracking error of candidates, the front among them as a line.
 
     Args:
-        points: by name tracking RMS [-] and ripple [N m], each as mean, lower and upper end.
+        points: by name `tracking_rms` [-] and `ripple_nm` [N m], each with `mean`, `low` and `high`.
         names: of the front, by rising tracking error.
         shipped: name of the case as it is.
         chosen: name of the compromise.
     """
     figure, (axes,) = new_figure(height=4.2)
-    shown = {name: np.array(one) * [[100.0], [1.0]] for name, one in points.items()}
+    both, ends = (("tracking_rms", 100.0), ("ripple_nm", 1.0)), ("mean", "low", "high")
+    shown = {name: np.array([[factor * (one[of][end] or math.nan) for end in ends] for of, factor in both])
+             for name, one in points.items()}  # fmt: skip
     on_front = [shown[name][:, 0] for name in names]
     if on_front:
         axes.plot(*np.array(on_front).T, color=COLOURS[0], label="front")

@@ -81,6 +81,11 @@ class Quantity:
             return number(int(value))
         return number(self.in_shown_unit(value), self.digits)
 
+    def told(self, value: Any) -> str:
+        """The same with its unit, as sentences have it."""
+        unit = "" if self.shown_unit == "1" else self.shown_unit.replace("^2", "²")
+        return f"{self.cell(value)} {unit}".rstrip()
+
     def matches(self, path: Sequence[str]) -> bool:
         """Whether a place in summary.json is this quantity's."""
         pattern = self.key.split(".")

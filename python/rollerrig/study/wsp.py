@@ -13,7 +13,6 @@ import xarray as xr
 
 from rollerrig.analysis.slide_statistics import SLIP_EDGES, axle_columns, idle_valves, wheel_radius
 from rollerrig.common.arrays import Array
-from rollerrig.common.formatting import number
 from rollerrig.config import CRITERIA, Case, Programme
 from rollerrig.config.schema.programme import BrakedRun
 from rollerrig.config.write.toml import to_toml
@@ -286,25 +285,15 @@ def _findings(numbers: Numbers, limits: int) -> Iterator[str]:
             if verdict in ("not met", "not decided"):
                 yield f"{SHOWN[verdict]} on {ON[on]}{f', {why}' if why else ''}: {'; '.join(places)}."
     words = [one["rig_like_track"]["fidelity"] for _, one in stops]
-    differ = [
-        f"{stop} ({label(name)})"
-        for stop, name, one in criteria
-        if {one[on]["verdict"] for on in SUPPORTS if on in one} == {"met", "not met"}
-    ]
     met, against, open_ = (words.count(word) for word in WORDS)
     yield (
         f"The rig does as the track within the targets of the command adhesion in {met} of {len(words)} stops, not in {against}, "
-        f"not decided in {open_}: an outcome on the rig is one of the test on the rig. "
-        f"Opposite outcomes on track and rig: {', '.join(differ).replace('_', ' ') or 'none'}."
+        f"not decided in {open_}: an outcome on the rig is one of the test on the rig."
     )
+    sums = [quantity for quantity in QUANTITIES.below("sums.*") if "criteria" not in quantity.key]
     for on in SUPPORTS:
-        one = numbers["sums"][on]
-        flat = one["flat_length_m"]
-        yield (
-            f"All stops on {ON[on]}: {number(one['distance_m'])} m, {number(one['air_litres'])} l of "
-            f"air, {number(one['dump_cycles'])} dump cycles; longest lock {number(one['longest_lock_s'], 3)} s, longest flat "
-            f"{number(1e3 * flat, 2) if flat is not None else '–'} mm (an estimate)."
-        )
+        found = numbers["sums"][on]
+        yield f"All stops on {ON[on]}: {', '.join(f'{one.label} {one.told(found[one.name])}' for one in sums)}."
 
 
 def label(criterion: str) -> str:
@@ -321,9 +310,7 @@ def quantity_of(criterion: str) -> Quantity:
 
 def with_unit(criterion: str, value: object) -> str:
     """A value of a criterion, or a mean with its interval, with the unit of tables."""
-    quantity = quantity_of(criterion)
-    unit = "" if quantity.shown_unit == "1" else quantity.shown_unit.replace("^2", "²")
-    return f"{quantity.cell(value)} {unit}".rstrip()
+    return quantity_of(criterion).told(value)
 
 
 def value_text(name: str, one: Numbers) -> str:
