@@ -41,11 +41,8 @@ LEAST_SLIP = 0.03
 """Slip from which an axle counts as sliding [-]: at less it may as well adhere to a good rail as slide on a bad one, and the
 swing of its bogie and the errors of measured speeds are no small part of it."""
 
-LEAST_SAMPLES = 3
-"""Samples of a sliding axle that a piece of the way needs."""
-
-UNBRAKED = 1e4
-"""Pressure up to which no pad presses yet [Pa]."""
+LEAST_SAMPLES = 3  # samples of a sliding axle that a piece of the way needs
+UNBRAKED = 1e4  # pressure up to which no pad presses yet [Pa]
 
 RADIUS_ERROR = 0.01
 """Largest part by which axles may turn faster or slower than the train before they are braked [-]: their slip is wrong by it."""

@@ -39,11 +39,8 @@ from rollerrig.results.summary import resolved
 
 DIRECTIONS = ("lateral", "vertical")
 
-RIDE_BAND = (0.4, 10.0)
-"""Band pass of accelerations in the car body [Hz]."""
-
-FRAME_CUTOFF = 10.0
-"""Low pass of accelerations of a bogie frame [Hz]."""
+RIDE_BAND = (0.4, 10.0)  # band pass of accelerations in the car body [Hz]
+FRAME_CUTOFF = 10.0  # low pass of accelerations of a bogie frame [Hz]
 
 
 def accelerations(run: xr.Dataset, *, floor_height: float | None = None) -> xr.Dataset:
@@ -110,8 +107,7 @@ def ride(points: xr.Dataset) -> xr.Dataset:
 
     What was done to each point is the coordinate `filter`.
 
-    Raises:
-        ValueError: the run's output_step is too coarse, or the run too short.
+    A ValueError says that the run's output_step is too coarse, or the run too short.
     """
     values = points["acceleration"]
     framed = points["on_wheelsets"].to_numpy()
@@ -145,8 +141,7 @@ def weight(frequency: Array, direction: str) -> Array:
 def weighted_rms(points: xr.Dataset) -> xr.DataArray:
     """RMS over point and direction of the weighted, unfiltered accelerations (W_d, W_b), the run taken as periodic [m/s^2].
 
-    Raises:
-        ValueError: the run's output_step is too coarse, or the run too short.
+    A ValueError says that the run's output_step is too coarse, or the run too short.
     """
     values = points["acceleration"].transpose("time", "point", "direction")
     count, time = values.sizes["time"], points["time"].to_numpy()

@@ -38,27 +38,17 @@ from rollerrig.results import variable
 from rollerrig.results.run_info import ResultsError
 from rollerrig.simulation.mechatronics import estimator_response
 
-NORMAL = 1.96
-"""Half width of the interval of 95 % in standard deviations."""
-
-FORGOTTEN = 1e-4
-"""Part of an error at the start that no longer counts [-]."""
-
-LATE = 0.05
-"""Part of the largest force or torque by which an estimate may be off before it is named."""
-
-CLEAR = 6.0
-"""Standard deviations of noise beyond which a difference is not due to the sensors."""
+NORMAL = 1.96  # half width of the interval of 95 % in standard deviations
+FORGOTTEN = 1e-4  # part of an error at the start that no longer counts [-]
+LATE = 0.05  # part of the largest force or torque by which an estimate may be off before it is named
+CLEAR = 6.0  # standard deviations of noise beyond which a difference is not due to the sensors
 
 LEAST_TORQUE = 0.01
 """Least torque of an axle, known or found, over its load and wheel radius, from which signs of torques show [-]; not below the
 noise of the sensors either."""
 
-AT_LIMIT = 0.99
-"""Part of a limit from which on a drive is at it [-]."""
-
-JOINED = 0.1
-"""Pauses shorter than this do not part two episodes [s]."""
+AT_LIMIT = 0.99  # part of a limit from which on a drive is at it [-]
+JOINED = 0.1  # pauses shorter than this do not part two episodes [s]
 
 REASONS = {
     "start": "the estimator settles, or no later rows are left",

@@ -70,11 +70,7 @@ class DeadTime(Lags):
 
 
 def predicted_dead_time(case: Case) -> DeadTime | None:
-    """The equivalent dead time of a rig with [rig_control]; None for a user's controller, of which nothing is known.
-
-    Raises:
-        StartError: the vehicle has no equilibrium.
-    """
+    """The equivalent dead time of a rig with [rig_control]; None for a user's controller, of which nothing is known."""
     control = case.rig_control
     assert control is not None
     if not control.is_ours:
@@ -86,15 +82,10 @@ def predicted_dead_time(case: Case) -> DeadTime | None:
 
 
 def at_track_of(rig: float, track: dict[float, float]) -> tuple[float, float]:
-    """Where a curve of the track takes the rig's value.
+    """Where a number on track, by additional dead time [s], such as the distance, has the rig's value: dead time and slope there.
 
-    Args:
-        rig: a number of the rig, such as its distance.
-        track: additional dead time [s] -> the same number on track.
-
-    Returns:
-        Additional dead time [s], linear between the points, and the slope of the number there; the first crossing. On the
-        first line also as far before its begin, since a rig may be ahead; NaN where no line has the value.
+    Linear between the points, the first crossing; on the first line also as far before its begin, since a rig may be ahead. NaN
+    where no line has the value.
     """
     delays = sorted(track)
     for low, high in zip(delays[:-1], delays[1:], strict=True):

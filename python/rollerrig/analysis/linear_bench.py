@@ -36,8 +36,7 @@ MOTIONS = tuple(name for name, _, _ in _core.body_fields)[:12]
 """Coordinates and rates of a body, as the core orders them."""
 
 _SHORT = {"lateral_force": "Y", "vertical_force": "Q"}
-_LISTED = 12
-"""So many names a message lists."""
+_LISTED = 12  # so many names a message lists
 
 
 @dataclass(frozen=True)

@@ -115,11 +115,7 @@ class RigLimits:
 
 
 def rig_limits(case: Case) -> RigLimits:
-    """The closed forms of a case of a rig with [rig_control].
-
-    Raises:
-        StartError: the vehicle has no equilibrium on track.
-    """
+    """The closed forms of a case of a rig with [rig_control]; StartError: the vehicle has no equilibrium on track."""
     rig, control, model = case.support.data, case.rig_control, assemble(case)
     assert isinstance(rig, Rig)
     assert control is not None
@@ -152,9 +148,7 @@ def _per_force(per_acceleration: Sequence[float], mass: float) -> float:
 def closed_forms(case: Case, adhesion: Array) -> dict[str, Any]:
     """The closed forms of LINES by name where each of them applies, NaN elsewhere [N m], and `contact_adhesion` [-].
 
-    Args:
-        case: with the load; brakes if it has [brake], otherwise pulls: sets the slip of a slide.
-        adhesion: of the rail at no slip, ascending.
+    Over adhesions of the rail at no slip, ascending. The case has the load; whether it brakes or pulls sets the slip of a slide.
     """
     rig, patch = rig_limits(case), patch_of(assemble(case))
     peak = np.array([creep_peak(case, patch, float(mu))[1] for mu in adhesion])
@@ -184,11 +178,8 @@ def protection_slip(case: Case) -> float:
 
 Record = dict[str, Any]
 
-TRACKING_LIMIT = 0.01
-"""Tracking error, RMS over train speed, up to which the rig reproduces the rail [-]."""
-
-LEAST_DURATION = 0.03
-"""A limit counts where it persists for at least this time; the corner of a ramp is shorter [s]."""
+TRACKING_LIMIT = 0.01  # tracking error, RMS over train speed, up to which the rig reproduces the rail [-]
+LEAST_DURATION = 0.03  # a limit counts where it persists for at least this time; the corner of a ramp is shorter [s]
 
 REGIONS: Mapping[str, str] = {
     "grip": "reproduced, wheels grip",
@@ -287,14 +278,7 @@ def _recovery_margin(run: xr.Dataset, torque: float, sliding: Mask, rig: RigLimi
 
 
 def region(status: str, limits: Mapping[str, float], tracking_rms: float, kind: str) -> str:
-    """The region of a run: a key of REGIONS.
-
-    Args:
-        status: of the run.
-        limits: those reached, and when [s].
-        tracking_rms: error over train speed; NaN: not defined.
-        kind: of the run where no limit is reached: one of REPRODUCED.
-    """
+    """The region of a run, a key of REGIONS; its kind, of REPRODUCED, where none of the limits, by when [s], was reached."""
     if status not in (*COMPLETED, "rollers_protected"):
         return "failed"
     if limits:
@@ -305,12 +289,7 @@ def region(status: str, limits: Mapping[str, float], tracking_rms: float, kind: 
 
 
 def persists_since(times: Array, reached: Mask) -> float | None:
-    """When a condition began that persisted for LEAST_DURATION or longer on any axle [s]; None: never.
-
-    Args:
-        times: shape (time,) [s].
-        reached: shape (time, axle).
-    """
+    """When a condition, shape (time, axle), began to persist for LEAST_DURATION or longer on any axle [s]; None: never."""
     begins = []
     for column in reached.T:
         first, after = spells(column)

@@ -30,11 +30,8 @@ RADIUS_ERROR = 0.01
 ROWS_A_PERIOD = 10
 """Rows that a period of the estimator's bandwidth needs: what happens between two rows is a straight line."""
 
-LEAST_PERIODS = 10
-"""Periods of the estimator's bandwidth that a log needs."""
-
-LEAST_SPEED = 1.0
-"""Speed from which on wheels and rollers are compared [m/s]."""
+LEAST_PERIODS = 10  # periods of the estimator's bandwidth that a log needs
+LEAST_SPEED = 1.0  # speed from which on wheels and rollers are compared [m/s]
 
 MEAN_OVER = 0.5
 """Speeds, and torques, are compared by their means over this time, in which steps of encoders hardly count [s]."""

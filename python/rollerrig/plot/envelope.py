@@ -40,8 +40,7 @@ LINES: Mapping[str, tuple[str, Any]] = {
 }
 """Closed form -> colour, style."""
 
-ERRORS = (0.003, 0.01, 0.03)
-"""Contours of the tracking error."""
+ERRORS = (0.003, 0.01, 0.03)  # contours of the tracking error
 
 
 @house_style()

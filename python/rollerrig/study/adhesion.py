@@ -54,14 +54,9 @@ STARTS, QUICK_STARTS, FIRST_STARTS, MORE_STARTS, MOST_STARTS = 8, 2, 2, 2, 16
 """Tests of an ensemble; of a quick study; before the first page; so many more at a time while the error of a share is too large;
 and the most of an ensemble."""
 
-WHOLE = ("track", "rig", "rolling")
-"""Ensembles whose first test is kept as a whole, to be drawn."""
-
-FINE = ", finer steps"
-"""After the name of an ensemble: its first tests with finer steps and samples."""
-
-LATER = "track, later by "
-"""Before the additional dead time of the protection [s], in the name of an ensemble."""
+WHOLE = ("track", "rig", "rolling")  # ensembles whose first test is kept as a whole, to be drawn
+FINE = ", finer steps"  # after the name of an ensemble: its first tests with finer steps and samples
+LATER = "track, later by "  # before the additional dead time of the protection [s], in the name of an ensemble
 
 
 @dataclass(frozen=True)

@@ -26,10 +26,8 @@ from rollerrig.study.jobs import Done, Job, Progress, Round, whole_run
 DRAWN = tuple(name for name in Ensemble.model_fields if name != "distribution")
 SEED = 20260713
 CONFIDENCE = 0.95
-MANY = 1000
-"""Tests that nobody makes to decide one number."""
-FINER, FINER_STARTS = 0.25, 3
-"""Part of step and samples that the finer tests have, and how many of them are made."""
+MANY = 1000  # tests that nobody makes to decide one number
+FINER, FINER_STARTS = 0.25, 3  # part of step and samples that the finer tests have, and how many of them are made
 
 
 def starts(case: Case, count: int) -> list[Case]:
@@ -123,11 +121,7 @@ def finer(case: Case) -> Case:
 
 
 def recorded(case: Case, progress: Progress | None = None) -> TestRecord:
-    """Run a test and keep its record: a job.
-
-    Raises:
-        KeyboardInterrupt: Ctrl-C cut it short.
-    """
+    """Run a test and keep its record: a job, which a KeyboardInterrupt leaves without a result."""
     return test_record(whole_run(case, progress=progress), case)
 
 
@@ -228,11 +222,8 @@ def measure(records: Sequence[TestRecord], name: str) -> Estimate:
     return estimate(values_of(records, name))
 
 
-SHARES = (0.5, 1.0, 1.5)
-"""Shares of the predicted dead time, at which the track is run."""
-
-LEAST_STEP = 2e-3
-"""Between them at least [s]: less is not seen beside the scatter of the distance."""
+SHARES = (0.5, 1.0, 1.5)  # shares of the predicted dead time, at which the track is run
+LEAST_STEP = 2e-3  # between them at least [s]: less is not seen beside the scatter of the distance
 
 
 def protection_of(case: Case) -> str | None:

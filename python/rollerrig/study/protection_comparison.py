@@ -43,16 +43,14 @@ from rollerrig.study.wsp import ON, Results, WspStudy, label, with_unit
 Better = Literal["first", "second", "neither", "not decided"]
 System = Literal["first", "second"]
 SYSTEMS: tuple[System, ...] = ("first", "second")
-POWER = 0.8
-"""Probability with which the number of tests that would decide a difference decides it."""
+POWER = 0.8  # probability with which the number of tests that would decide a difference decides it
 MOST_TESTS = 10_000
 PROTECTION = (
     "slide_protection", "wheel_slip_control", "brake.air", "brake.volume", "brake.electrodynamic.on_slide", "brake_unit",
     "sensors.vehicle", "fault",
 )  # fmt: skip
 """What may differ: protection, its valves and sensors, and their faults; with any other difference tests are no pairs."""
-DRAWN = {"distance": "distance [%]", "air": "air [%]"}
-"""Criteria that have a figure -> what its axis shows."""
+DRAWN = {"distance": "distance [%]", "air": "air [%]"}  # criteria that have a figure -> what its axis shows
 
 
 @dataclass(frozen=True)
@@ -90,11 +88,7 @@ class Difference:
 
 
 def pairs_needed(effect: float) -> float:
-    """Least number of pairs with which a t-test of paired differences finds an effect of this size with POWER; NaN: too many.
-
-    Args:
-        effect: mean difference over standard deviation [-].
-    """
+    """Least number of pairs with which a t-test finds an effect, mean over standard deviation [-], with POWER; NaN: too many."""
     count = np.arange(2, MOST_TESTS + 1)
     critical = t.ppf(0.5 + 0.5 * CONFIDENCE, count - 1)
     enough = np.flatnonzero(nct.sf(critical, count - 1, abs(effect) * np.sqrt(count)) >= POWER)

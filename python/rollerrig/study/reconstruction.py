@@ -34,8 +34,7 @@ ASSUMED = (
 LARGEST_DIFFERENCE, LARGEST_APART = 0.02, 0.05
 """Deviation of the computed distance, and of the axles' frictions at a place: with more the map is doubted [-]."""
 
-BEGINS = 0.05
-"""Share of the largest mean pressure from which on the cylinders fill [-]."""
+BEGINS = 0.05  # share of the largest mean pressure from which on the cylinders fill [-]
 
 
 @dataclass(frozen=True)

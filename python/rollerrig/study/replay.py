@@ -32,8 +32,7 @@ OWN = {"force": ("force_at_once", "estimated_force"), "torque": ("torque_taken",
        "virtual_speed": ("virtual_axle_speed", "virtual_speed")}  # fmt: skip
 """Reported difference -> what the replay finds, what the rig itself logged."""
 
-LONGEST_TABLE = 30
-"""Episodes in the report; all of them are in the file."""
+LONGEST_TABLE = 30  # episodes in the report; all of them are in the file
 
 
 @dataclass(frozen=True)

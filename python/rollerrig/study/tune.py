@@ -37,8 +37,7 @@ from rollerrig.study.runs.sweep import Axis, Points
 
 TUNED = tuple(f"rig_control.{table}" for table in ("feedback", "estimator", "axle_torque", "drive_command"))
 """Tables that are the controller's own; others of [rig_control] are the rig."""
-HIGHEST = 1e3
-"""Factor on the gains up to which a margin is looked for."""
+HIGHEST = 1e3  # factor on the gains up to which a margin is looked for
 
 
 @dataclass(frozen=True)
@@ -119,11 +118,7 @@ def values_at(axes: Sequence[Axis], place: Sequence[float]) -> list[float]:
 
 
 def margins_of(case: Case, candidates: Mapping[str, Any], progress: Progress | None = None) -> dict[str, Any]:
-    """Candidates, each with the gain margin of vehicle and sampled loop, rolling or sliding, and phase margin of one axle.
-
-    Raises:
-        StartError: no rolling equilibrium was found.
-    """
+    """Candidates, each with the gain margin of vehicle and sampled loop, rolling or sliding, and phase margin of one axle."""
     creep, vehicle = creep_slope(case), vehicle_plant(case)
     found: dict[str, Any] = {}
     for name, one in candidates.items():
@@ -145,8 +140,7 @@ FREE: Mapping[str, Any] = {
 """Sought unless others are given: dotted key -> ends of the range [Hz]."""
 OBJECTIVES = {"tracking_rms": "tracking error", "ripple_nm": "torque ripple"}
 SHIPPED = "shipped"
-REACH = 0.1
-"""Standard deviation of a candidate about a point of the front, over the range."""
+REACH = 0.1  # standard deviation of a candidate about a point of the front, over the range
 
 
 @dataclass(frozen=True)

@@ -34,8 +34,7 @@ ON: Mapping[Support, str] = {"track": "track", "rig": "the rig"}
 FINE, FINE_STARTS = ", finer steps", 2
 """Ending of the jobs with finer steps and samples, and how many there are of each stop and support."""
 
-QUICK_STOPS, QUICK_STARTS = 2, 2
-"""Stops and starts of a quick study."""
+QUICK_STOPS, QUICK_STARTS = 2, 2  # stops and starts of a quick study
 
 QUANTITIES = Quantities("wsp")
 MEASURED = [

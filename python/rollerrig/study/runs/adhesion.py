@@ -38,8 +38,7 @@ VARIANTS = {
     "estimator": "and force and torque of the axles known exactly",
     "static_loads": "the rig as it is, its virtual train without load transfer",
 }
-FAST_MOTOR_HZ, NO_LIMIT = 400.0, 1e7
-"""More is not to be had with samples of 1 ms; [N m]."""
+FAST_MOTOR_HZ, NO_LIMIT = 400.0, 1e7  # more is not to be had with samples of 1 ms; [N m]
 
 
 def track_case(case: Case) -> Case:
@@ -129,8 +128,7 @@ GROUPS: Mapping[Group, str] = {
     "tracking": "Tracking, wheels of the rig against their virtual axles",
     "fidelity": "Fidelity, rig against track",
 }
-RESAMPLES = 400
-"""Resamples of the starts, for the scatter of the difference of two distributions."""
+RESAMPLES = 400  # resamples of the starts, for the scatter of the difference of two distributions
 
 
 @dataclass(frozen=True)

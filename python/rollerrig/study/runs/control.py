@@ -30,8 +30,7 @@ from rollerrig.study.jobs import Progress, Round, job, whole_run
 Changes = Mapping[str, object]
 Vary = Callable[[Case, float], Changes]
 
-BENCH_STEP = 1e-3
-"""Step of the plant under slow controllers [s]."""
+BENCH_STEP = 1e-3  # step of the plant under slow controllers [s]
 
 
 @dataclass(frozen=True)
@@ -103,8 +102,7 @@ FEEDBACKS: dict[str, Vary] = {
     "no feedback": _of_kind("feedback", schema.NoFeedback(kind="none")),
 }
 
-USER = "user's controller"
-"""Label of the user's own controller."""
+USER = "user's controller"  # label of the user's own controller
 
 
 def number_at(case: Case, key: str, otherwise: float) -> float:
@@ -145,8 +143,7 @@ def _wrong(name: str) -> Vary:
     return lambda case, percent: {f"rig_control.assumed.{name}": getattr(wheel_of(case), name) * (1.0 + 0.01 * percent)}
 
 
-COUNTS, WINDOW = 4096.0, 8
-"""Counts and window of an encoder where another property of it is varied."""
+COUNTS, WINDOW = 4096.0, 8  # counts and window of an encoder where another property of it is varied
 
 _PERCENT = (-5.0, -4.0, -3.0, -2.0, -1.0, -0.5, 0.0, 0.5, 1.0, 2.0, 3.0, 4.0, 5.0)
 _FAST_DRIVES = {"rig_control.motor.bandwidth": 400.0}
@@ -214,8 +211,7 @@ FAMILIES: tuple[Family, ...] = (
 """Everything that `rollerrig control` varies."""
 
 
-OUTPUT_STEP = 2e-3
-"""Output step of the runs compared [s]; ripple is seen up to its Nyquist frequency, 250 Hz."""
+OUTPUT_STEP = 2e-3  # output step of the runs compared [s]; ripple is seen up to its Nyquist frequency, 250 Hz
 
 KEPT = ["axle_speed", "virtual_speed", "train_speed", "train_distance", "real_sliding", "roller_torque", "valve"]
 

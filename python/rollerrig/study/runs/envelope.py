@@ -31,22 +31,19 @@ from rollerrig.simulation.starting_state import StartError
 from rollerrig.simulation.virtual_train import load_transfer
 from rollerrig.study.jobs import Progress, whole_run
 
-BEGIN, RISE = 0.1, 0.2
-"""The torque begins to act, and takes so long to its full value [s]."""
+BEGIN, RISE = 0.1, 0.2  # the torque begins to act, and takes so long to its full value [s]
 
 LEAST_DURATION = round(2.0 * (BEGIN + RISE), 9)
 """Duration of a run: the full torque acts for half of it [s]; rounded, since 0.1 + 0.2 is not quite 0.3."""
 
-FOLLOW = 200.0
-"""Rate of the test's control valve and cylinder [1/s]: the torque follows the ramp within a few ms."""
+FOLLOW = 200.0  # rate of the test's control valve and cylinder [1/s]: the torque follows the ramp within a few ms
 
 PAD_FRICTION = 0.35
 """Pad friction of the test's brake, constant over speed, so that its pressure gives the torque asked for [-]."""
 
 ADHESIONS = (0.02, 0.04, 0.06, 0.08, 0.12, 0.16, 0.20, 0.25, 0.30, 0.36)
 LOADS = (0.6, 1.0, 1.4)
-TORQUES = 12
-"""Torques of a default map."""
+TORQUES = 12  # torques of a default map
 
 MOST_RUNS = 100_000
 MOST_REFINED = 4

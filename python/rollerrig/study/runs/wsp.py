@@ -34,8 +34,7 @@ from rollerrig.study.ensemble import Estimate, check_ensemble, estimate, stepped
 from rollerrig.study.jobs import Progress, whole_run
 from rollerrig.study.runs.adhesion import GATES, is_whole, track_case, verdict_rows
 
-RISE = 0.1
-"""In which the demand rises; the brake is slower anyhow [s]."""
+RISE = 0.1  # in which the demand rises; the brake is slower anyhow [s]
 
 
 def check_case(case: Case, programme: Programme) -> None:
@@ -62,10 +61,7 @@ def check_case(case: Case, programme: Programme) -> None:
 def stop_case(case: Case, programme: Programme, stop: BrakedRun) -> Case:
     """A stop of the programme on the rig: the case with this speed, rail and demand, all else its own.
 
-    The demand begins at the start: the distance run is that since the demand.
-
-    Raises:
-        ConfigError: the case cannot be run so.
+    The demand begins at the start: the distance run is that since the demand. What cannot be run so is a ConfigError.
     """
     rail = _plain(stop.rail)
     pieces = [_plain(piece) for piece in stop.pieces()]
@@ -73,11 +69,7 @@ def stop_case(case: Case, programme: Programme, stop: BrakedRun) -> Case:
 
 
 def dry_case(case: Case, programme: Programme, stop: BrakedRun) -> Case:
-    """The same stop on a dry rail.
-
-    Raises:
-        ConfigError: the case cannot be run so.
-    """
+    """The same stop on a dry rail."""
     return _changed(case, programme, stop, f"{case.name}_{stop.name}_dry", "dry", [])
 
 
@@ -123,8 +115,7 @@ def _plain(table: Any) -> Any:
     return found
 
 
-LARGE_SLIP = 0.30
-"""Beyond it slip is large [-]."""
+LARGE_SLIP = 0.30  # beyond it slip is large [-]
 
 SIGNALS, SIGNAL_STEP = ("train_speed", "axle_speed", "cylinder_pressure"), 0.05
 """Signals that are kept, and their step [s]."""
@@ -140,17 +131,7 @@ class StopRecord:
 
 
 def stop_record(case: Case, flat: FlatWear, keep: bool, progress: Progress | None = None) -> StopRecord:
-    """Run a test and keep its record: a job.
-
-    Args:
-        case: of a stop.
-        flat: numbers of the estimate of wheel flats.
-        keep: also its signals.
-        progress: called with the fraction done and a short text.
-
-    Raises:
-        KeyboardInterrupt: Ctrl-C cut it short.
-    """
+    """Run a test of a stop and keep its record: a job; with numbers of the estimate of flats, and its signals if to `keep`."""
     begun = time.process_time()
     run = whole_run(case, progress=progress)
     record = slides.test_record(run, case)
