@@ -12,6 +12,7 @@ of the creep curve the force hardly depends on friction. docs/theory/adhesion.md
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
@@ -118,10 +119,8 @@ def check_case(case: Case) -> None:
         if getattr(case, name) is None:
             needed = f"needed: [{name}], of which a stop's pressures and slips are read"
             raise ConfigError.of(case.name, name, "missing", needed)
-    assert case.brake is not None
-    beside = (case.brake.electrodynamic, case.track_brake, case.sanding, case.traction)
-    for what, table in zip(BESIDE, beside, strict=True):
-        if table is not None:
+    for what in BESIDE:
+        if attrgetter(what)(case) is not None:
             allowed = "allowed: none; what it does to an axle does not show in its brake pressure"
             raise ConfigError.of(case.name, what, "there", allowed)
 

@@ -102,14 +102,15 @@ def _own_motion(run: xr.Dataset) -> xr.DataArray:
 
 
 @house_style()
-def cause_bars(shares: Mapping[str, tuple[float, float, bool]]) -> Figure:
+def cause_bars(causes: Mapping[str, Mapping[str, Any]]) -> Figure:
     """Bars of what each imperfection contributes to the difference in distance; the last one is all of them.
 
-    By name the part of the track's distance [-], its standard error, and whether it is inside its error: drawn hollow.
+    By name the part of the track's distance [-] as `mean` and `standard_error`; drawn hollow if `within_its_error`.
     """
     figure, (axes,) = new_figure(1, height=2.6)
-    for row, (share, error, hidden) in enumerate(shares.values()):
-        colour = COLOURS[1] if row == len(shares) - 1 else COLOURS[0]
+    for row, one in enumerate(causes.values()):
+        share, error, hidden = one["mean"], one["standard_error"] or 0.0, one["within_its_error"]
+        colour = COLOURS[1] if row == len(causes) - 1 else COLOURS[0]
         look: dict[str, Any] = (
             {"facecolor": "none", "edgecolor": colour, "linestyle": "--"} if hidden else {"color": colour}
         )
@@ -117,7 +118,7 @@ def cause_bars(shares: Mapping[str, tuple[float, float, bool]]) -> Figure:
         bar = axes.barh(row, 100.0 * share, height=0.55, xerr=100.0 * error, error_kw=whiskers, **look)
         text = f"{100.0 * share:+.2f} ± {100.0 * error:.2f}" + (", inside its error" if hidden else "")
         axes.bar_label(bar, [text], padding=5)
-    axes.set_yticks(range(len(shares)), list(shares))
+    axes.set_yticks(range(len(causes)), list(causes))
     axes.invert_yaxis()
     axes.axvline(0.0, color="black", linewidth=0.8)
     axes.margins(x=0.45)

@@ -309,7 +309,6 @@ def _findings(numbers: Numbers) -> Iterator[str]:
 
 def _causes(numbers: Numbers) -> Section:
     causes = {CAUSES.get(name, name): one for name, one in numbers["causes"].items()}
-    bars = {text: (one["mean"], one["standard_error"] or 0.0, one["within_its_error"]) for text, one in causes.items()}
     caption = (
         "Part of the difference in mean distance that goes away with each imperfection, one after the other; standard errors. "
         "Hollow: inside its error of 95 %, not distinguishable from zero."
@@ -319,7 +318,7 @@ def _causes(numbers: Numbers) -> Section:
     more = "Each of the lines after the first takes one more imperfection away; intervals of 95 %."
     shares = QUANTITIES.table(causes, "causes.*", "Shares of the distance on track.", "cause")
     variants = QUANTITIES.table(found, names, more, "run")
-    return Section("Why rig and track differ", [Picture("causes", cause_bars(bars), caption), shares, variants])
+    return Section("Why rig and track differ", [Picture("causes", cause_bars(causes), caption), shares, variants])
 
 
 def _dead_time(numbers: Numbers) -> Section:

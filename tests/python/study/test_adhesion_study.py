@@ -492,7 +492,7 @@ def test_a_size_is_within_its_target_also_where_starts_differ_by_more_than_their
     assert row.verdict == "met"
     assert row.value_text == "0.007 (0 … 0.019) %"
     assert replace(row, value=Estimate(7e-3, 5e-3, 7.0)).verdict == "not decided"
-    assert replace(row, value=Estimate(-0.03, 1e-3, 7.0), low=-0.02, high=0.02, signed=True).verdict == "not met"
+    assert replace(row, value=Estimate(-0.03, 1e-3, 7.0), low=-0.02, high=0.02).verdict == "not met"
 
 
 def test_the_force_of_an_axle_counts_once_it_has_slid() -> None:

@@ -22,10 +22,10 @@ import numpy as np
 
 from rollerrig.analysis.slide_statistics import OSCILLATES, TestRecord
 from rollerrig.cases import on_track
-from rollerrig.common.formatting import number
 from rollerrig.config import Case, ConfigError, Rig
 from rollerrig.config.schema.rig_control import EstimatedTorque, ExactEstimator, LeadCommand
 from rollerrig.results import summary
+from rollerrig.results.quantities import Quantity
 from rollerrig.simulation.run import ENERGY_WARNING
 from rollerrig.study.assessment import NOT_DECIDED, SHOWN, Outcome, outcome, overall
 from rollerrig.study.ensemble import SEED, Estimate, difference, distances, measure, relative, stepped, values_of
@@ -146,7 +146,6 @@ class Row:
     # unit, factor: in which it is shown
     unit: str = "%"
     factor: float = 100.0
-    signed: bool = False  # whether it is a difference, with a sign
     gate: bool = False  # whether nothing is met where this is not
     undecided: bool = False  # whether it is not decided in place of not met: what it lacks is no fault of the rig
     shown: str = ""  # the value in words, where it is no number
@@ -173,20 +172,19 @@ class Row:
             return self.shown or "not zero, against zero"
         if math.isnan(self.value.mean):
             return "no number in some tests"
-        interval, ends = self.value.interval, ""
-        least = interval.low if self.low else max(0.0, interval.low)
-        low, high = self._number(least), self._number(interval.high)
-        if interval.bounded and low != high:
-            ends = f" ({low} … {high})"
-        return f"{self._number(self.value.mean)}{ends} {self.unit}".strip()
+        found = self.value.as_dict() | ({} if self.low else {"low": max(0.0, self.value.interval.low)})
+        return self._shown.told(found)
 
     @property
     def target_text(self) -> str:
         """The target."""
         if self.shown:
             return "all"
-        word = "within" if self.low == -self.high else "at most"
-        return f"{word} {self._number(self.high).lstrip('+')} {self.unit}"
+        return f"{'within' if self.low == -self.high else 'at most'} {self._shown.told(self.high)}"
+
+    @property
+    def _shown(self) -> Quantity:
+        return Quantity("", "", self.unit, digits=2, shown=(self.unit, self.factor))
 
     @property
     def told(self) -> str:
@@ -194,10 +192,6 @@ class Row:
         count = self.starts_needed if self.verdict == NOT_DECIDED else math.inf
         more = f"; about {count:g} starts would decide" if count < math.inf else ""
         return f"{SHOWN[self.verdict]}: {self.text} {self.value_text}, target {self.target_text}{more}"
-
-    def _number(self, value: float) -> str:
-        text = number(self.factor * value, 2 if abs(self.factor * value) < 99.5 else 3)
-        return f"+{text}" if self.signed and value > 0.0 and text != "0" else text
 
     def as_dict(self) -> dict[str, Any]:
         """Dictionary for summary.json."""
@@ -345,12 +339,12 @@ def _fidelity(case: Case, track: Sequence[TestRecord], rig: Sequence[TestRecord]
         pair = distances(both) if key == "distance" else [values_of(one, key) for one in both]
         values = np.concatenate(pair)
         if not (np.isnan(values).all() or (values == 0.0).all()):
-            yield Row("fidelity", key, text, relative(*pair), -reach, reach, origin, signed=True)
+            yield Row("fidelity", key, text, relative(*pair), -reach, reach, origin)
     slips, lock = slip_difference(track, rig), difference(*(values_of(one, "longest_lock_s") for one in both))
     what, why = "shares of time up to each slip, largest difference", "ours: 5 % of the time at another slip"
     yield Row("fidelity", "slip_distribution", what, slips, 0.0, 0.05, why)
     what, why = "longest lock of a wheel", "ours: a flat grows with the length slid while locked"
-    yield Row("fidelity", "longest_lock_s", what, lock, -0.1, 0.1, why, unit="s", factor=1.0, signed=True)
+    yield Row("fidelity", "longest_lock_s", what, lock, -0.1, 0.1, why, unit="s", factor=1.0)
 
 
 def slip_difference(track: Sequence[TestRecord], rig: Sequence[TestRecord]) -> Estimate:
