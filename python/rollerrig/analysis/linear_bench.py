@@ -63,9 +63,6 @@ def steady_case(case: Case, speed: float | None = None) -> Case:
     """The case rolling steadily at a speed [m/s], by default its own: nothing disturbs it, nothing is demanded.
 
     Its drives and controllers stay. Wheelsets that no torque acts on get one of zero, so that there is an input.
-
-    Raises:
-        ConfigError: the case cannot be run at this speed.
     """
     if not case.sampled:
         steady = at_speed(case, speed) if case.motion.drive == "speed_controlled" else case
@@ -94,17 +91,7 @@ class LinearBench:
     """A case in steady rolling at one speed, linearised once; systems of any inputs and outputs are read off it."""
 
     def __init__(self, case: Case, speed: float | None = None, brake_pressure: float = 0.0) -> None:
-        """Assemble, find the equilibrium, linearise.
-
-        Args:
-            case: the case.
-            speed: running speed [m/s]; None: that of the case.
-            brake_pressure: of all brake cylinders, over the ambient [Pa].
-
-        Raises:
-            ConfigError: the case cannot be run at this speed, or has no brakes.
-            StartError: no rolling equilibrium was found.
-        """
+        """Assemble, find the equilibrium, linearise; arguments and errors as of `linearize`."""
         self.case = steady_case(case, speed)
         self.speed = self.case.motion.speed
         self.model = assemble_with_actuators(self.case, torque_on_all=True) if case.sampled else assemble(self.case)
@@ -134,11 +121,7 @@ class LinearBench:
         self._a, self._b = a[np.ix_(self._kept, self._kept)], b[self._kept]
 
     def _pressures(self, brake_pressure: float) -> list[float]:
-        """Pressure of each brake of the model [Pa]; empty: none is applied.
-
-        Raises:
-            ConfigError: it is none, or the case has no brakes.
-        """
+        """Pressure of each brake of the model [Pa], empty: none is applied; ConfigError: it is none, or there are no brakes."""
         brakes = [axle.brake for axle in self.model.axles if axle.brake >= 0]
         allowed = "" if np.isfinite(brake_pressure) and 0.0 <= brake_pressure <= 1e7 else "allowed: from 0 to 1e7 Pa"
         if brake_pressure and not brakes:
@@ -229,16 +212,9 @@ class LinearBench:
     # ------------------------------------------------------------------------------------------------------ systems
 
     def system(self, inputs: Sequence[str], outputs: Sequence[str], *, discrete: bool = False) -> LinearSystem:
-        """Linear system from some inputs to some outputs.
+        """Linear system from some inputs to some outputs, by name; ConfigError: there is none, or the case has no samples.
 
-        Args:
-            inputs: names of inputs.
-            outputs: names of outputs.
-            discrete: from sample to sample of the case, under commands held between; their delay is in it. Without, the
-                commands act without delay.
-
-        Raises:
-            ConfigError: there is no such name, or the case has no samples.
+        If `discrete` from sample to sample of the case, under commands held between, with their delay; else without it.
         """
         lags = [self.commands.get(name) for name in self._known("inputs", inputs, self.inputs)]
         signals = [self.outputs[name] for name in self._known("outputs", outputs, self.outputs)]

@@ -4,14 +4,11 @@ Case of a rig with [rig_control] -> [AdhesionStudy] -> ensembles on track and ri
 
 Tracking compares the rig's axles with the virtual train that they follow; fidelity compares the rig with the track, which also
 contains what the virtual train leaves out. Every compared number is that of an ensemble, with its error: the limit cycle of the
-slide protection has another phase in every test, and nobody knows adhesion, pads and load as exactly as a case states them. Some
-tests are made again with finer steps and samples, what they change belongs to the error. Equations:
-docs/theory/rig_control.md.
+slide protection has another phase in every test, and nobody knows adhesion, pads and load as exactly as a case states them. What
+finer steps and samples change belongs to the error. Equations: docs/theory/rig_control.md.
 
-The variants take one imperfection of the rig away after the other: pure rolling of the wheels on the rollers, then drives
-without lag and limit, then known force and torque. The differences between them, and what remains between the last and the
-track, add up to the whole within their errors: the causes. Tests on track with a later protection give the rig's equivalent
-dead time.
+The variants take one imperfection of the rig away after the other: their differences, and what remains between the last and the
+track, are the causes. Tests on track with a later protection give the rig's equivalent dead time.
 """
 
 import math

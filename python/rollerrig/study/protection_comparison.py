@@ -20,7 +20,7 @@ from scipy.stats import nct, t
 from rollerrig.analysis.slide_statistics import idle_valves
 from rollerrig.common.formatting import number
 from rollerrig.config import CRITERIA, Case, ConfigError, ConfigProblem, Programme
-from rollerrig.plot.wsp import means_with_intervals
+from rollerrig.plot.adhesion import means_with_intervals
 from rollerrig.study.ensemble import CONFIDENCE, Estimate, difference, stepped
 from rollerrig.study.frame import Content, Study
 from rollerrig.study.jobs import Done, Round

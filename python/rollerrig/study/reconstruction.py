@@ -17,9 +17,9 @@ import xarray as xr
 from rollerrig.analysis import adhesion_reconstruction
 from rollerrig.analysis.adhesion_reconstruction import StopLog
 from rollerrig.analysis.slide_statistics import rms, wheel_radius
-from rollerrig.common.formatting import number, percent
+from rollerrig.common.formatting import percent
 from rollerrig.config import Case, Rig
-from rollerrig.plot.reconstruction import friction_over_distance, pressures_over_time, stop_over_time
+from rollerrig.plot.logs import friction_over_distance, pressures_over_time, stop_over_time
 from rollerrig.study.frame import Content, Study
 from rollerrig.study.jobs import Done, Round, job, whole_run
 from rollerrig.study.quantities import Numbers
@@ -80,7 +80,8 @@ class ReconstructionStudy(Study[xr.Dataset]):
         return [results.attrs["status"]]
 
     def numbers(self, results: xr.Dataset) -> dict[str, Any]:
-        rail, log = self.rail, self.log
+        rail, log, pressure = self.rail, self.log, self.log.pressure.mean(axis=1)
+        assert self.case.brake is not None
         time = log.time - log.time[0]
         both = time <= float(results["time"][-1])
         computed = np.interp(time[both], results["time"], results["train_speed"])
@@ -99,43 +100,20 @@ class ReconstructionStudy(Study[xr.Dataset]):
             "distance_measured_m": measured_m,
             "distance_computed_m": computed_m,
             "distance_difference": computed_m / measured_m - 1.0,
-            "demand_begins_s": self._demand_begins,
-            "pressure_begins_s": self._pressure_begins,
+            "demand_begins_s": max((t for t, value in self.case.brake.demand if value == 0.0), default=0.0),
+            "pressure_begins_s": float(time[np.argmax(pressure > BEGINS * pressure.max())]),
             "speed_difference_rms_kmh": 3.6 * rms(computed - log.train_speed[both]),
             "status": results.attrs["status"],
         }
 
-    @property
-    def _demand_begins(self) -> float:
-        """Last instant of the case without a demand [s]."""
-        assert self.case.brake is not None
-        return max((t for t, value in self.case.brake.demand if value == 0.0), default=0.0)
-
-    @property
-    def _pressure_begins(self) -> float:
-        """Instant of the log at which the cylinders begin to fill [s]."""
-        mean = self.log.pressure.mean(axis=1)
-        return float(self.log.time[np.argmax(mean > BEGINS * mean.max())] - self.log.time[0])
-
     def summary(self, results: xr.Dataset, numbers: Numbers) -> list[str]:
-        unchecked = [] if len(adhesion_reconstruction.unbraked(self.log)) >= adhesion_reconstruction.LEAST_SAMPLES else [
+        unchecked = (
             "The log begins with the brake on: whether the wheels have the radius of the case could not be checked, and an error "
             "of it would be taken for slip."
-        ]  # fmt: skip
-        rail = self.rail["distance"].to_numpy() + np.array([-0.5, 0.5])[:, None] * self.piece
-        return [
-            f"The rail has a friction at no slip of {number(numbers['friction_mean'], 3)} on average, from "
-            f"{number(numbers['friction_least'], 3)} to {number(numbers['friction_largest'], 3)}, between {rail[0, 0]:.0f} and "
-            f"{rail[1, -1]:.0f} m; an axle slid in {numbers['pieces_measured']} of {numbers['pieces']} pieces of "
-            f"{self.piece:g} m.",
-            f"On it the case runs {number(numbers['distance_computed_m'])} m ({numbers['status'].replace('_', ' ')}), the log "
-            f"{number(numbers['distance_measured_m'])} m: {100 * numbers['distance_difference']:+.2g} %. The train's speeds "
-            f"differ by {number(numbers['speed_difference_rms_kmh'], 2)} km/h RMS.",
-            f"The brake's demand is that of the case, after {number(numbers['demand_begins_s'], 2)} s; in the log the cylinders "
-            f"begin to fill at {number(numbers['pressure_begins_s'], 2)} s.",
-            *_doubts(numbers),
-            *unchecked,
-        ]
+        )
+        checked = len(adhesion_reconstruction.unbraked(self.log)) >= adhesion_reconstruction.LEAST_SAMPLES
+        told = [f"{one.label}: {one.told(numbers[one.key])}." for one in self.quantities if one.label]
+        return [*told, *_doubts(numbers), *(() if checked else (unchecked,))]
 
     def files(self, results: xr.Dataset, numbers: Numbers) -> Mapping[str, Content]:
         rail = self.rail

@@ -17,7 +17,7 @@ from rollerrig.analysis.rig_log import check_case
 from rollerrig.analysis.slide_statistics import rms
 from rollerrig.common.formatting import number
 from rollerrig.config import Case
-from rollerrig.plot.replay import forces_over_time, speeds_over_time, torques_over_time
+from rollerrig.plot.logs import forces_over_time, speeds_over_time, torques_over_time
 from rollerrig.study.frame import Content, Study
 from rollerrig.study.jobs import Done, Round, job
 from rollerrig.study.quantities import Numbers

@@ -16,8 +16,7 @@ from rollerrig.common.arrays import Array
 from rollerrig.config import CRITERIA, Case, Programme
 from rollerrig.config.schema.programme import BrakedRun
 from rollerrig.config.write.toml import to_toml
-from rollerrig.plot.adhesion import PRESSURE, axles_over_time, slip_histograms, wheel_less_train
-from rollerrig.plot.wsp import means_with_intervals
+from rollerrig.plot.adhesion import PRESSURE, axles_over_time, means_with_intervals, slip_histograms, wheel_less_train
 from rollerrig.study.assessment import SHOWN, overall
 from rollerrig.study.ensemble import finer, start_jobs, start_name, started
 from rollerrig.study.frame import Content, Study
