@@ -20,7 +20,7 @@ from rollerrig.analysis.modes import Lineariser, eigensystem, energy_shares, osc
 from rollerrig.assembly.actuators import assemble_with_actuators
 from rollerrig.assembly.laws import angular, linear_coefficients
 from rollerrig.assembly.model import AssembledModel
-from rollerrig.cases import wheelsets, without_actuators
+from rollerrig.cases import rig_of, wheelsets, without_actuators
 from rollerrig.common.arrays import Array, Complex
 from rollerrig.config import Case, Rig
 from rollerrig.config.schema.rig_control import (
@@ -207,8 +207,7 @@ def loop_of(case: Case, creep: float, *, sliding: bool) -> Loop | None:
 
 def linear_loop(model: AssembledModel, creep: float, *, sliding: bool) -> Loop:
     """The loop of a model with [rig_control] of one of ESTIMATORS, whatever its torques are measured by; see `loop_of`."""
-    case, control = model.case, model.case.rig_control
-    assert control is not None
+    case, control = model.case, rig_of(model.case)[1]
     table, estimates = control.feedback, control.estimator
     assert isinstance(estimates, BandwidthEstimator)
     assumed = assumed_parameters(model)

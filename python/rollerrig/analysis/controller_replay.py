@@ -29,6 +29,7 @@ from rollerrig.analysis.control_loop import Loop, linear_loop
 from rollerrig.analysis.loop_stability import ESTIMATED, estimator_matrices
 from rollerrig.analysis.rig_log import means
 from rollerrig.assembly.actuators import assemble_with_actuators
+from rollerrig.cases import rig_of
 from rollerrig.common.arrays import Array, Mask
 from rollerrig.common.linear_algebra import one_blas_thread
 from rollerrig.config import Case
@@ -245,8 +246,7 @@ def _controller(part: _core.ControllerPart, log: xr.Dataset) -> dict[str, tuple]
 
 def _doubtful(case: Case, found: xr.Dataset, estimator: _Estimator) -> dict[str, Mask]:
     """Samples whose estimate is not to be relied on, by REASONS, shape (time, axle)."""
-    control, p, memory = case.rig_control, estimator.loop.assumed, estimator.memory
-    assert control is not None
+    control, p, memory = rig_of(case)[1], estimator.loop.assumed, estimator.memory
     wheel, roller = p.wheel_radius * found["axle_speed"].to_numpy(), p.roller_radius * found["roller_speed"].to_numpy()
 
     def off(one: str, other: str, noise: str) -> Mask:

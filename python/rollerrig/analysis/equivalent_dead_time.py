@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from rollerrig import _core
 from rollerrig.assembly.actuators import assemble_with_actuators
 from rollerrig.assembly.model import AssembledModel
+from rollerrig.cases import rig_of
 from rollerrig.config import Case
 from rollerrig.config.schema.rig_control import (
     EstimatedTorque,
@@ -41,8 +42,7 @@ class Lags:
 
 def lags(model: AssembledModel) -> Lags:
     """Lags that are left with the compensation of a case with [rig_control]."""
-    control = model.case.rig_control
-    assert control is not None
+    control = rig_of(model.case)[1]
     torque, command = control.axle_torque, control.drive_command
     late = 0.0
     if isinstance(torque, EstimatedTorque | ExtrapolatedTorque) and not isinstance(control.estimator, ExactEstimator):
@@ -71,9 +71,7 @@ class DeadTime(Lags):
 
 def predicted_dead_time(case: Case) -> DeadTime | None:
     """The equivalent dead time of a rig with [rig_control]; None for a user's controller, of which nothing is known."""
-    control = case.rig_control
-    assert control is not None
-    if not control.is_ours:
+    if not rig_of(case)[1].is_ours:
         return None
     model = assemble_with_actuators(case)
     axle, late = assumed_parameters(model), lags(model)

@@ -20,8 +20,9 @@ from rollerrig.analysis.slide_statistics import spells, tracking, under_test, vi
 from rollerrig.analysis.virtual_rail import FULL_SLIDING, creep_curve, creep_peak, patch_of
 from rollerrig.assembly.model import assemble
 from rollerrig.assembly.train_axles import train_mass
+from rollerrig.cases import rig_of
 from rollerrig.common.arrays import Array, Mask
-from rollerrig.config import Case, Rig, SlideProtection, WheelSlipControl
+from rollerrig.config import Case, SlideProtection, WheelSlipControl
 from rollerrig.results import COMPLETED
 from rollerrig.simulation.mechatronics import rotor_inertia, wheelset_inertia
 from rollerrig.simulation.virtual_train import load_transfer
@@ -116,9 +117,7 @@ class RigLimits:
 
 def rig_limits(case: Case) -> RigLimits:
     """The closed forms of a case of a rig with [rig_control]; StartError: the vehicle has no equilibrium on track."""
-    rig, control, model = case.support.data, case.rig_control, assemble(case)
-    assert isinstance(rig, Rig)
-    assert control is not None
+    (rig, control), model = rig_of(case), assemble(case)
     largest = control.feedback.largest if control.is_ours else np.inf
     if control.motor.envelope is not None:
         speeds, torques = np.array(control.motor.envelope).T
@@ -261,9 +260,7 @@ def failed(status: str, message: str) -> Record:
 
 def _held(run: xr.Dataset, case: Case) -> bool:
     """Whether a brake holds a wheel of the virtual train for LEAST_DURATION while that runs, (D15)."""
-    control = case.rig_control
-    assert control is not None
-    rolling = wheel_radius(run) * np.abs(run["virtual_speed"].to_numpy())
+    control, rolling = rig_of(case)[1], wheel_radius(run) * np.abs(run["virtual_speed"].to_numpy())
     runs = run["train_speed"].to_numpy()[:, None] - rolling > control.locked_speed
     return persists_since(run["time"].to_numpy(), (rolling < control.locked_speed) & runs) is not None
 
@@ -317,9 +314,7 @@ def _contact_limit(run: xr.Dataset, used: Array) -> dict[str, float]:
 
 def _drive_limits(run: xr.Dataset, case: Case, torque: float, sliding: Mask) -> dict[str, float]:
     """Where the command is the largest torque of a roller drive, and what it is needed for."""
-    control = case.rig_control
-    assert control is not None
-    command = run["roller_command"].to_numpy()
+    control, command = rig_of(case)[1], run["roller_command"].to_numpy()
     largest = control.feedback.largest if control.is_ours else np.inf
     available = np.full(command.shape, largest)
     weaker = np.zeros(command.shape, dtype=bool)

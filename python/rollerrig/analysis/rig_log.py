@@ -16,9 +16,9 @@ from scipy.integrate import cumulative_trapezoid
 from scipy.ndimage import uniform_filter1d
 
 from rollerrig.assembly.actuators import friction_brake
-from rollerrig.cases import wheelsets
+from rollerrig.cases import rig_of, wheelsets
 from rollerrig.common.arrays import Array
-from rollerrig.config import Case, ConfigError, Rig
+from rollerrig.config import Case, ConfigError
 from rollerrig.config.schema.rig_control import BandwidthEstimator
 from rollerrig.results import variable
 from rollerrig.results.logs import Log, column_of, log_quantity, read_log, time_problem
@@ -47,11 +47,7 @@ REFERENCES = {
 
 def check_case(case: Case) -> None:
     """Refuse with a ConfigError a case whose rig's controller cannot run on a log."""
-    control = case.rig_control
-    if control is None or not isinstance(case.support.data, Rig):
-        raise ConfigError.of(
-            case.name, "rig_control", "missing", "needed: [rig_control] of a rig, which runs on the log"
-        )
+    control = rig_of(case)[1]
     if not control.is_ours:
         allowed = "allowed: our own controller, whose estimator and virtual train are known"
         raise ConfigError.of(case.name, "rig_control", "a controller of your own", allowed)
@@ -84,7 +80,7 @@ def read_rig_log(path: str | Path, case: Case) -> xr.Dataset:
     log = read_log(path)
     time = log_quantity(log, "time", {"s": 1.0})
     _check_time(case, log, time)
-    axles, period = [body.name for body in wheelsets(case)], case.rig_control.sample_time  # type: ignore[union-attr]
+    axles, period = [body.name for body in wheelsets(case)], rig_of(case)[1].sample_time
     count = int(np.floor((time[-1] - time[0]) / period + 1e-6)) + 1
     at = time[0] + period * np.arange(count)
 
@@ -122,9 +118,7 @@ def _check_time(case: Case, log: Log, time: Array) -> None:
 
 def _measured(case: Case, log: Log, axles: list[str]) -> Iterator[tuple[str, str, str, Array]]:
     """Name, unit, meaning and values (row, axle) of what the controller measures, and of the references."""
-    rig, control, brake = case.support.data, case.rig_control, case.brake
-    assert isinstance(rig, Rig)
-    assert control is not None
+    (rig, control), brake = rig_of(case), case.brake
     turning = {"rad/s": 1.0, "m/s": 1.0 / case.vehicle.data.wheel.radius}
     speed = _per_axle(log, axles, "axle_speed", turning)
     yield "axle_speed", "rad/s", "measured speed of the axle", speed
@@ -187,8 +181,7 @@ def means(values: Array, period: float) -> Array:
 
 def _check_rolling(case: Case, data: xr.Dataset) -> None:
     """Refuse with a ResultsError wheels that do not roll on their rollers by the radii of the case."""
-    rig, radius = case.support.data, case.vehicle.data.wheel.radius
-    assert isinstance(rig, Rig)
+    rig, radius = rig_of(case)[0], case.vehicle.data.wheel.radius
     period = float(data["time"][1] - data["time"][0])
     for axle in data["axle"].to_numpy():
         own = data.sel(axle=axle)

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
+from rollerrig.cases import rig_of
 from rollerrig.common.formatting import number, percent
 from rollerrig.config import Case, ConfigError, ConfigProblem
 from rollerrig.config.errors import nearest, one_of
@@ -318,11 +319,11 @@ def study_case(case: Case, duration: float | None) -> Case:
         ConfigError: it has no rig controller, or nothing that it could follow.
     """
     track_case(case)
-    assert case.rig_control is not None
-    if not case.rig_control.is_ours:
+    control = rig_of(case)[1]
+    if not control.is_ours:
         needed = "needed: the built-in controller in the case; give your own class with --controller, beside it"
-        key = "user" if case.rig_control.user is not None else "fmu"
-        raise ConfigError.of(case.name, f"rig_control.{key}", repr(getattr(case.rig_control, key)), needed)
+        key = "user" if control.user is not None else "fmu"
+        raise ConfigError.of(case.name, f"rig_control.{key}", repr(getattr(control, key)), needed)
     length = case.time.duration if duration is None else min(duration, case.time.duration)
     step = max(runs.OUTPUT_STEP, case.time.sampling_step)
     return case.with_changes({"time.duration": length, "time.output_step": step})

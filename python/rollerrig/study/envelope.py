@@ -15,8 +15,9 @@ import xarray as xr
 
 from rollerrig.analysis.envelope_borders import Border, borders, slides
 from rollerrig.analysis.rig_limits import LEAST_DURATION, NUMBERS, REGIONS, REPRODUCED, TRACKING_LIMIT
+from rollerrig.cases import rig_of
 from rollerrig.common.formatting import quantity
-from rollerrig.config import Case, ConfigError, Rig
+from rollerrig.config import Case, ConfigError
 from rollerrig.config.validate.check_actuators import simulated_axles
 from rollerrig.plot import envelope as figures
 from rollerrig.study.frame import Study, dataset_rows
@@ -88,9 +89,7 @@ class EnvelopeStudy(Study[Envelope]):
 
     def __post_init__(self) -> None:
         """Fill in the torques, and refuse what cannot be run, with a ConfigError of all mistakes found."""
-        if not isinstance(self.case.support.data, Rig) or self.case.rig_control is None:
-            needed = "needed: a case on rollers with [rig_control], which reproduces a track; see adhesion_* of the catalogue"
-            raise ConfigError.of(self.case.name, "rig_control", "missing", needed)
+        rig_of(self.case)
         if others := simulated_axles(self.case, self.command):
             raise ConfigError(others)
         object.__setattr__(self, "torques", self.torques or tuple(computed.default_torques(self.case)))

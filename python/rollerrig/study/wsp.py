@@ -18,7 +18,7 @@ from rollerrig.config.schema.programme import BrakedRun
 from rollerrig.config.write.toml import to_toml
 from rollerrig.plot.adhesion import PRESSURE, axles_over_time, means_with_intervals, slip_histograms, wheel_less_train
 from rollerrig.study.assessment import SHOWN, overall
-from rollerrig.study.ensemble import finer, start_jobs, start_name, started
+from rollerrig.study.ensemble import finer, start_jobs, started
 from rollerrig.study.frame import Content, Study
 from rollerrig.study.jobs import Done, Job, Round, job
 from rollerrig.study.quantities import Numbers, Quantities, Quantity
@@ -129,8 +129,7 @@ class WspStudy(Study[Results]):
 
     def _result(self, stop: BrakedRun, done: Done) -> StopResult:
         made: dict[Support, list[StopRecord]] = {
-            on: [done[name] for k in range(self.count) if (name := start_name(f"{stop.name}, {on}", k)) in done]
-            for on in SUPPORTS
+            on: started(done, f"{stop.name}, {on}")[: self.count] for on in SUPPORTS
         }
         fine = {on: [one.test for one in started(done, f"{stop.name}, {on}{FINE}")] for on in SUPPORTS}
         needed, case = max(self.programme.starts, self.count), self.stop_cases[stop.name]

@@ -21,8 +21,8 @@ from typing import Any, Literal
 import numpy as np
 
 from rollerrig.analysis.slide_statistics import OSCILLATES, TestRecord
-from rollerrig.cases import on_track
-from rollerrig.config import Case, ConfigError, Rig
+from rollerrig.cases import on_track, rig_of
+from rollerrig.config import Case, ConfigError
 from rollerrig.config.schema.rig_control import EstimatedTorque, ExactEstimator, LeadCommand
 from rollerrig.results import summary
 from rollerrig.results.quantities import Quantity
@@ -47,9 +47,7 @@ def track_case(case: Case) -> Case:
     Raises:
         ConfigError: the case is not that of a rig with [rig_control].
     """
-    if not isinstance(case.support.data, Rig) or case.rig_control is None:
-        needed = "needed: a case on rollers with [rig_control], which reproduces a track"
-        raise ConfigError.of(case.name, "rig_control", "missing", needed)
+    rig_of(case)
     if case.brake is None and case.traction is None:
         needed = "needed: [brake] or [traction], the test that is done on rail and rig"
         raise ConfigError.of(case.name, "brake", "missing", needed)
@@ -58,14 +56,12 @@ def track_case(case: Case) -> Case:
 
 def variants_of(case: Case) -> tuple[str, ...]:
     """Names of the variants that say something about this case."""
-    assert case.rig_control is not None
-    return (*STEPS, "static_loads") if case.rig_control.load_transfer != "none" else STEPS
+    return (*STEPS, "static_loads") if rig_of(case)[1].load_transfer != "none" else STEPS
 
 
 def variant(case: Case, name: str) -> Case:
     """The rig without some of its imperfections; see VARIANTS."""
-    control = case.rig_control
-    assert control is not None
+    control = rig_of(case)[1]
     if name == "static_loads":
         return case.model_copy(update={"rig_control": control.model_copy(update={"load_transfer": "none"})})
     taken = STEPS[: STEPS.index(name) + 1]

@@ -20,7 +20,8 @@ from rollerrig.analysis import loop_stability
 from rollerrig.analysis.control_loop import Loop, Wheel, creep_slope, loop_of, margins, wheel_of
 from rollerrig.analysis.slide_statistics import following, largest, slip, under_test, unwanted_ripple
 from rollerrig.assembly.actuators import assemble_with_actuators
-from rollerrig.config import Case, Rig
+from rollerrig.cases import rig_of
+from rollerrig.config import Case
 from rollerrig.config.schema import rig_control as schema
 from rollerrig.results.dataset import COMPLETED
 from rollerrig.similitude.scale_case import factors_of, scaled_table
@@ -75,9 +76,7 @@ def _of_kind(part: Literal["estimator", "feedback"], table: schema.Estimator | s
     """An estimator or a feedback: the case's numbers where its own kind has them, for the rest the defaults at its scale."""
 
     def changes(case: Case, _value: float) -> Changes:
-        control = case.rig_control
-        assert control is not None
-        own = getattr(control, part)
+        own = getattr(rig_of(case)[1], part)
         usual = table if case.similitude is None else scaled_table(table, factors_of(case))
         more = {name: getattr(usual, name) for name in type(usual).model_fields if name not in type(own).model_fields}
         key = f"rig_control.{part}"
@@ -166,8 +165,7 @@ REFERENCES: dict[str, Changes] = {
 
 def references(case: Case) -> dict[str, Changes]:
     """REFERENCES of a case; without the bandwidth of its estimator where that has none."""
-    assert case.rig_control is not None
-    left_out = () if isinstance(case.rig_control.estimator, schema.BandwidthEstimator) else tuple(_FAST_ESTIMATOR)
+    left_out = () if isinstance(rig_of(case)[1].estimator, schema.BandwidthEstimator) else tuple(_FAST_ESTIMATOR)
     return {name: {k: v for k, v in changes.items() if k not in left_out} for name, changes in REFERENCES.items()}
 
 
@@ -219,9 +217,10 @@ KEPT = ["axle_speed", "virtual_speed", "train_speed", "train_distance", "real_sl
 def run_variant(case: Case, with_course: bool, progress: Progress | None = None) -> dict[str, Any]:
     """One run: its `numbers`, and where wanted its `course` over time."""
     run = whole_run(case, progress)
-    rig = case.support.data
-    assert isinstance(rig, Rig)
-    return {"numbers": run_numbers(run, rig.roller_radius), "course": run[KEPT].load() if with_course else None}
+    return {
+        "numbers": run_numbers(run, rig_of(case)[0].roller_radius),
+        "course": run[KEPT].load() if with_course else None,
+    }
 
 
 def run_numbers(run: xr.Dataset, roller_radius: float) -> dict[str, Any]:
