@@ -9,8 +9,6 @@ friction at no slip with which it takes that force at the measured slip (A23). O
 of the creep curve the force hardly depends on friction. docs/theory/adhesion.md
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
 from operator import attrgetter
 from pathlib import Path

@@ -12,8 +12,6 @@ What is left then is noise of the sensors and what the estimator filters away. T
 and the estimator's impulse responses; the latter is about what the estimator loses of its own result (Tukey's twicing).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass

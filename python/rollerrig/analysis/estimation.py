@@ -18,8 +18,6 @@ Source: G. A. F. Seber, C. J. Wild, Nonlinear Regression (1989), ch. 2, 5 and 6;
 (1954) 403, for a mean, here for p numbers.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass

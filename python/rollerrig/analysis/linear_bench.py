@@ -130,8 +130,6 @@ class LinearBench:
             raise ConfigError.of(self.case.name, "brake_pressure", f"{brake_pressure:g} Pa", allowed)
         return [brake_pressure] * len(brakes) if brake_pressure else []
 
-    # ------------------------------------------------------------------------------------------------ what there is
-
     @cached_property
     def torques(self) -> Mapping[str, int]:
         """Torque of the model by name -> its column."""
@@ -208,8 +206,6 @@ class LinearBench:
                 spin = by_name[f"{body}.pitch_rate"]
                 found.append(Signal(f"{wheelset}.{name}", spin.unit, sign * spin.row, sign * spin.through))
         return {signal.name: signal for signal in found}
-
-    # ------------------------------------------------------------------------------------------------------ systems
 
     def system(self, inputs: Sequence[str], outputs: Sequence[str], *, discrete: bool = False) -> LinearSystem:
         """Linear system from some inputs to some outputs, by name; ConfigError: there is none, or the case has no samples.

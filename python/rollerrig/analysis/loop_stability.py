@@ -80,9 +80,6 @@ def vehicle_plant(case: Case) -> Plant:
     return Plant(matrix, roller.T / rig.roller_inertia[1], wheel, roller, np.zeros_like(wheel))
 
 
-# ------------------------------------------------------------------------------------------------ the sampled loop
-
-
 def _observer(loop: Loop, z: dict[str, Array]) -> None:
     """Luenberger observer of roller speed and contact force, both poles at the bandwidth; filtered acceleration of the wheel."""
     p, h, w = loop.assumed, loop.sample, loop.bandwidth * loop.sample
@@ -262,9 +259,6 @@ def gain_limit(loop: Loop, plant: Plant, highest: float = 1e4) -> float:
         if rate(high) > 0.0:
             return math.exp(float(brentq(rate, low, high, xtol=1e-4)))
     return math.nan
-
-
-# -------------------------------------------------------------------------------------------------- measured in a run
 
 
 def measured_growth(error: xr.DataArray, begin: float) -> tuple[tuple[float, float], float]:

@@ -5,8 +5,6 @@ Log of a rig, Case -> [read_rig_log] -> Dataset: inputs of the controller, and w
 Signs   speeds positive in forward running; torques positive where they drive the wheel forward, so that of a brake is negative.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from pathlib import Path
 

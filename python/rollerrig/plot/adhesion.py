@@ -175,15 +175,14 @@ def means_with_intervals(
                  for end in ("low", "high")]  # fmt: skip
         look: dict[str, Any] = {"fmt": marker, "markersize": 4, "color": colour, "capsize": 2.5}
         axes.errorbar([one["mean"] for _, one in shown], [row for row, _ in shown], xerr=reach, label=label, **look)
-    marks: tuple[tuple[str, Sequence[float | None], dict[str, Any]], ...] = (
-        ("dry", dry, {"marker": "|", "color": GREY}),
-        ("limit", limits, {"marker": "D", "facecolors": "none", "edgecolors": "black"}),
-    )
-    for label, values, look in marks:
+    marks: Mapping[str, dict[str, Any]] = {
+        "dry": {"marker": "|", "color": GREY},
+        "limit": {"marker": "D", "facecolors": "none", "edgecolors": "black"},
+    }
+    for (label, look), values in zip(marks.items(), (dry, limits), strict=True):
         points = [(value, row) for row, value in enumerate(values) if value is not None]
         if points:
-            across, places = zip(*points, strict=True)
-            axes.scatter(across, places, s=34, label=label, zorder=4, **look)
+            axes.scatter(*zip(*points, strict=True), s=34, label=label, zorder=4, **look)
     if zero:
         axes.axvline(0.0, color=GREY, linewidth=0.8)
     axes.set_yticks(range(len(stops)), [name.replace("_", " ") for name in stops])

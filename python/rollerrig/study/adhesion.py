@@ -203,12 +203,7 @@ class AdhesionStudy(Study[Runs]):
             for group, title in GROUPS.items()
         ]
         worst_first = sorted(rows, key=lambda row: ("not met", "not decided", "met").index(row.verdict))
-        return [
-            *verdicts,
-            *(row.told for row in worst_first),
-            *slides.idle_valves(self.case),
-            *_findings(numbers),
-        ]
+        return [*verdicts, *(row.told for row in worst_first), *slides.idle_valves(self.case), *_findings(numbers)]
 
     def files(self, results: Runs, numbers: Numbers) -> Mapping[str, Any]:
         track, rig = results.whole["track"], results.whole["rig"]

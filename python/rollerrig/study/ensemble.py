@@ -276,11 +276,7 @@ def start_name(name: str, number: int) -> str:
 
 
 def start_jobs(
-    cases: Mapping[str, Case],
-    make: Callable[[Case, int], Job],
-    end: int,
-    begin: int = 0,
-    starting: Starting = starts,
+    cases: Mapping[str, Case], make: Callable[[Case, int], Job], end: int, begin: int = 0, starting: Starting = starts
 ) -> Round:
     """A job for each variant and start, made of its case and number; `begin` of the `end` starts are done already."""
     return {

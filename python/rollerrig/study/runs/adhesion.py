@@ -85,10 +85,7 @@ CAUSES = {
     "estimator": "lag of the estimated torque",
     "model": "simplifications of the virtual train, and sampling",
 }
-PAIRS = {
-    **dict(zip(CAUSES, pairwise(("rig", *STEPS, "track")), strict=True)),
-    TOGETHER: ("rig", "track"),
-}
+PAIRS = {**dict(zip(CAUSES, pairwise(("rig", *STEPS, "track")), strict=True)), TOGETHER: ("rig", "track")}
 """Ensembles whose difference in distance is the share of a cause."""
 LARGEST_ERROR = 5e-4
 """More starts of both are made until the standard error of a share is below this part of the distance."""
