@@ -215,16 +215,10 @@ NUMBERS = {
 def assess_limits(run: xr.Dataset, case: Case, torque: float, grip_slip: float, rig: RigLimits | None = None) -> Record:
     """Numbers and limits of a run of the operating envelope.
 
-    Args:
-        run: of `simulate`.
-        case: what was run.
-        torque: on each axle, positive forward [N m].
-        grip_slip: slip of a virtual wheel up to which it grips [-].
-        rig: closed forms, for the margin of (V6); None: that is left out.
-
-    Returns:
-        `region` of REGIONS: the limit reached first, or the kind of run where there is none; `limits`: all that were reached,
-        with their times [s]; the numbers of NUMBERS, None where not defined; `status` and `message` of the run.
+    Of a torque on each axle, positive forward [N m], the slip up to which a virtual wheel grips [-], and closed forms for the
+    margin of (V6); None: that is left out. The record has the `region` of REGIONS: the limit reached first, or the kind of run
+    where there is none; `limits`: all that were reached, with their times [s]; the numbers of NUMBERS, None where not defined;
+    `status` and `message` of the run.
     """
     slip = np.abs(virtual_slip(run).to_numpy())
     used = friction_used(run, case.contact.friction.mu_0)

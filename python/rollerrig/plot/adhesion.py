@@ -130,9 +130,7 @@ def cause_bars(causes: Mapping[str, Mapping[str, Any]]) -> Figure:
 def slip_histograms(edges: Array, shares: Mapping[str, Mapping[str, Array]]) -> Figure:
     """Part of the time at each slip: a panel per test, track beside rig.
 
-    Args:
-        edges: of the classes of |slip| [-], the last one infinite; shape (class + 1,).
-        shares: test -> support -> part of the time, shape (class,).
+    Edges of the classes of |slip| [-], the last one infinite, shape (class + 1,); test -> support -> shares, shape (class,).
     """
     columns = min(3, len(shares))
     rows = math.ceil(len(shares) / columns)
@@ -182,7 +180,8 @@ def means_with_intervals(
     for (label, look), values in zip(marks.items(), (dry, limits), strict=True):
         points = [(value, row) for row, value in enumerate(values) if value is not None]
         if points:
-            axes.scatter(*zip(*points, strict=True), s=34, label=label, zorder=4, **look)
+            across, places = zip(*points, strict=True)
+            axes.scatter(across, places, s=34, label=label, zorder=4, **look)
     if zero:
         axes.axvline(0.0, color=GREY, linewidth=0.8)
     axes.set_yticks(range(len(stops)), [name.replace("_", " ") for name in stops])

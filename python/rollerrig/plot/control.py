@@ -66,9 +66,8 @@ def over_parameter(
 def loop_growth(points: Mapping[str, Sequence[float]]) -> Figure:
     """Growth rate and frequency of the least damped motion over the factor on the gains.
 
-    Args:
-        points: `factor`, and rate [1/s] and frequency [Hz] as `rolling_rate`, `rolling_hz`, `vehicle_*`, `measured_*`; NaN
-            where nothing grew; `unstable`: 1 where a run did.
+    Points have `factor`, and rate [1/s] and frequency [Hz] as `rolling_rate`, `rolling_hz`, `vehicle_*`, `measured_*`, NaN where
+    nothing grew; `unstable`: 1 where a run did.
     """
     labels = ("growth rate [1/s]\nabove 0: unstable", "frequency [Hz]")
     with panels(labels, "factor on the gains of the PI feedback [-]", 4.8) as (figure, (rate, frequency)):
@@ -191,13 +190,10 @@ def poles_and_zeros_figure(poles: Mapping[str, Complex], zeros: Mapping[str, Com
 
 @house_style()
 def front(points: Mapping[str, Mapping[str, Any]], names: Sequence[str], shipped: str, chosen: str) -> Figure:
-    """Torque ripple over tracking error of candidates, the front among them as a line.
+    """Torque ripple over tracking error of candidates, as a line the names of the front, by rising tracking error.
 
-    Args:
-        points: by name `tracking_rms` [-] and `ripple_nm` [N m], each with `mean`, `low` and `high`.
-        names: of the front, by rising tracking error.
-        shipped: name of the case as it is.
-        chosen: name of the compromise.
+    Points have `tracking_rms` [-] and `ripple_nm` [N m] with `mean`, `low` and `high`; two names are those of the case as it is,
+    and of the compromise.
     """
     figure, (axes,) = new_figure(height=4.2)
     both, ends = (("tracking_rms", 100.0), ("ripple_nm", 1.0)), ("mean", "low", "high")

@@ -313,11 +313,7 @@ class ControlStudy(Study[Found]):
 
 
 def study_case(case: Case, duration: float | None) -> Case:
-    """The case as it is compared: shortened, and recorded finely enough to see ripple.
-
-    Raises:
-        ConfigError: it has no rig controller, or nothing that it could follow.
-    """
+    """The case as it is compared: shortened, and recorded finely enough to see ripple; ConfigError: nothing to compare."""
     track_case(case)
     control = rig_of(case)[1]
     if not control.is_ours:

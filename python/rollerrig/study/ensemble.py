@@ -42,11 +42,7 @@ def starts(case: Case, count: int) -> list[Case]:
 
 
 def drawn(case: Case, shares: Mapping[str, float]) -> Case:
-    """One test of an ensemble, by name in [ensemble] where in its distribution, 0 to 1; what is missing keeps its value.
-
-    Raises:
-        ConfigError: a value is none that the case may have.
-    """
+    """One test of an ensemble, by name in [ensemble] where in its distribution, 0 to 1; what is missing keeps its value."""
     spread, changes = case.ensemble, dict[str, object]()
     factors = {name: 1.0 + (2.0 * share - 1.0) * getattr(spread, name) for name, share in shares.items()}
     if case.adhesion is not None and "adhesion" in factors:

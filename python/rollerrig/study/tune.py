@@ -76,11 +76,7 @@ def compromise(errors: Array) -> int:
 
 
 def free_axes(case: Case, free: Mapping[str, Any]) -> list[Axis]:
-    """The free keys with their ranges, dotted key -> least and most, as a sweep takes them.
-
-    Raises:
-        ConfigError: a key is none of the controller's, or a range does not fit.
-    """
+    """The free keys, dotted key -> least and most, as a sweep takes them; ConfigError: none of the controller's, or no range."""
     keys, varied, problems = list(free), [], []
     for key, ends in free.items():
         if not key.startswith(tuple(f"{table}." for table in TUNED)):

@@ -67,6 +67,7 @@ class WspStudy(Study[Results]):
     quick: bool = False
 
     command = "wsp"
+    heading = "{case.name}: wheel slide protection, programme {programme.name}"
     quantities = QUANTITIES
     quick_means = (
         f"{QUICK_STARTS} starts of the first {QUICK_STOPS} stops, whose numbers only show that everything works"
@@ -77,10 +78,6 @@ class WspStudy(Study[Results]):
     def __post_init__(self) -> None:
         """Refuse a case that has no slide protection to be tested on a rig, and stops that it cannot do."""
         runs.check_case(self.case, self.programme)
-
-    @property
-    def title(self) -> str:
-        return f"{self.case.name}: wheel slide protection, programme {self.programme.name}"
 
     @property
     def count(self) -> int:

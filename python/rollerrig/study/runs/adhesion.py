@@ -42,11 +42,7 @@ FAST_MOTOR_HZ, NO_LIMIT = 400.0, 1e7  # more is not to be had with samples of 1 
 
 
 def track_case(case: Case) -> Case:
-    """The same test on straight track with the rig's rail head: what the rig is to reproduce.
-
-    Raises:
-        ConfigError: the case is not that of a rig with [rig_control].
-    """
+    """The same test on straight track with the rig's rail head, what the rig is to reproduce; ConfigError: there is none."""
     rig_of(case)
     if case.brake is None and case.traction is None:
         needed = "needed: [brake] or [traction], the test that is done on rail and rig"
