@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import xarray as xr
+from scipy.linalg import block_diag
 
 from rollerrig import _core
 from rollerrig.analysis.linear_system import LinearSystem
@@ -219,32 +220,22 @@ class LinearBench:
                 "allowed: false, of a case without sampled actuators or controllers; or .sampled(step) of the result"
             )
             raise ConfigError.of(self.case.name, "discrete", "true", allowed)
-        n, count = len(self._a), self._b.shape[1]
         columns = {**self.torques, **self.pressures}
-        # States x, then of each lag its torque (or pressure) and rate; on the model acts the sum.
-        sizes = [0 if lag is None else 2 if lag.damping > 0.0 else 1 for lag in lags]
-        total = n + sum(sizes)
-        acting = np.zeros((count, total))  # on the model, from the states
-        direct = np.zeros((count, len(inputs)))  # and from the inputs
-        a, b = np.zeros((total, total)), np.zeros((total, len(inputs)))
-        names, at = [self._names[i] for i in self._kept], n
-        for k, (name, lag, size) in enumerate(zip(inputs, lags, sizes, strict=True)):
-            if lag is None:
-                direct[columns[name], k] = 1.0
-                continue
-            acting[lag.column, at] = 1.0
-            own = slice(at, at + size)
-            a[own, own], b[own, k] = _torque_loop(lag)
-            names += [f"{name}.acting", f"{name}.acting_rate"][:size]
-            at += size
-        a[:n, :n] = self._a
-        a[:n] += self._b @ acting
-        b[:n] = self._b @ direct
+        places = [columns[name] if lag is None else lag.column for name, lag in zip(inputs, lags, strict=True)]
+        chosen = np.eye(self._b.shape[1])[:, places]
+        # States x, then of each lag its torque (or pressure) and rate; they act on the model, or the inputs without a lag do.
+        loops = [_torque_loop(lag) for lag in lags]
+        own, driven, read = (block_diag(*matrices) for matrices in zip(*loops, strict=True))
+        acting, direct = chosen @ read, chosen @ np.diag([float(lag is None) for lag in lags])
+        a = np.block([[self._a, self._b @ acting], [np.zeros((len(own), len(self._a))), own]])
+        b = np.vstack([self._b @ direct, driven])
+        names = [self._names[i] for i in self._kept]
+        for name, loop in zip(inputs, loops, strict=True):
+            names += [f"{name}.acting", f"{name}.acting_rate"][: len(loop[0])]
         through = np.array([signal.through for signal in signals])
-        c = np.zeros((len(signals), total))
-        c[:, :n] = [signal.row for signal in signals]
+        c, d = np.hstack([[signal.row for signal in signals], through @ acting]), through @ direct
         system = LinearSystem(
-            self.case.name, self.speed, 0.0, a, b, c + through @ acting, through @ direct,
+            self.case.name, self.speed, 0.0, a, b, c, d,
             tuple(names), tuple(inputs), tuple(outputs), tuple(map(self.unit_of, inputs)), tuple(s.unit for s in signals),
         )  # fmt: skip
         if not discrete:
@@ -294,12 +285,15 @@ def _lag(column: int, motor: Motor, steps: int) -> Lag:
     return Lag(column, angular(motor.bandwidth), motor.damping_ratio, steps)
 
 
-def _torque_loop(lag: Lag) -> tuple[Array, Array]:
-    """The linear torque loop of a drive, `Motor::rates` of the core without its limits: of torque (and rate), by its command."""
+def _torque_loop(lag: Lag | None) -> tuple[Array, Array, Array]:
+    """The linear torque loop of a drive, `Motor::rates` of the core without its limits: A and B of torque (and rate), and C."""
+    if lag is None:
+        return np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0))
     w = lag.bandwidth
     if lag.damping > 0.0:
-        return np.array([[0.0, 1.0], [-(w**2), -2.0 * lag.damping * w]]), np.array([0.0, w**2])
-    return np.array([[-w]]), np.array([w])
+        matrix = np.array([[0.0, 1.0], [-(w**2), -2.0 * lag.damping * w]])
+        return matrix, np.array([[0.0], [w**2]]), np.array([[1.0, 0.0]])
+    return np.array([[-w]]), np.array([[w]]), np.array([[1.0]])
 
 
 def _state_names(simulation: _core.Simulation, model: AssembledModel) -> list[str]:
