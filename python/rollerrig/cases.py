@@ -8,8 +8,9 @@ raises ConfigError.
 
 from pathlib import Path
 
-from rollerrig.config import Body, Case, Rig, Track, load_case, load_support
+from rollerrig.config import Body, Case, ConfigError, Rig, Track, load_case, load_support
 from rollerrig.config.schema.contact import Polach
+from rollerrig.config.schema.rig_control import RigControl
 from rollerrig.config.write.toml import plain
 
 ACTUATORS = (
@@ -60,6 +61,16 @@ def part_of(case: Case, cut: str) -> Case:
     if isinstance(support, Rig) and support.restraint is not None and case.vehicle.data.cut_named(cut).fixed:
         changes["support.restraint"] = None
     return restrained_along_track(case.with_changes({**changes, "vehicle.cut": cut}))
+
+
+def rig_of(case: Case) -> tuple[Rig, RigControl]:
+    """The rig of a case that reproduces a track, and its controller; a ConfigError where it has none."""
+    if not isinstance(case.support.data, Rig) or case.rig_control is None:
+        needed = (
+            "needed: a case on rollers with [rig_control], which reproduces a track; see adhesion_* of the catalogue"
+        )
+        raise ConfigError.of(case.name, "rig_control", "missing", needed)
+    return case.support.data, case.rig_control
 
 
 def restrained_along_track(case: Case) -> Case:

@@ -9,9 +9,8 @@ friction at no slip with which it takes that force at the measured slip (A23). O
 of the creep curve the force hardly depends on friction. docs/theory/adhesion.md
 """
 
-from __future__ import annotations
-
 from dataclasses import dataclass, replace
+from operator import attrgetter
 from pathlib import Path
 from typing import Any
 
@@ -41,11 +40,8 @@ LEAST_SLIP = 0.03
 """Slip from which an axle counts as sliding [-]: at less it may as well adhere to a good rail as slide on a bad one, and the
 swing of its bogie and the errors of measured speeds are no small part of it."""
 
-LEAST_SAMPLES = 3
-"""Samples of a sliding axle that a piece of the way needs."""
-
-UNBRAKED = 1e4
-"""Pressure up to which no pad presses yet [Pa]."""
+LEAST_SAMPLES = 3  # samples of a sliding axle that a piece of the way needs
+UNBRAKED = 1e4  # pressure up to which no pad presses yet [Pa]
 
 RADIUS_ERROR = 0.01
 """Largest part by which axles may turn faster or slower than the train before they are braked [-]: their slip is wrong by it."""
@@ -69,6 +65,14 @@ class StopLog:
     axles: tuple[str, ...]  # names of the wheelsets of the case
     axle_speed: Array  # [rad/s], shape (time, axle)
     pressure: Array  # of the brake cylinders over the ambient [Pa], shape (time, axle)
+
+    @property
+    def signals(self) -> xr.Dataset:
+        """The same over `time` since the first row, and `axle`."""
+        of_axles = {"axle_speed": self.axle_speed, "cylinder_pressure": self.pressure}
+        signals = {name: (("time", "axle"), values) for name, values in of_axles.items()}
+        coordinates = {"time": self.time - self.time[0], "axle": list(self.axles)}
+        return xr.Dataset({**signals, "train_speed": ("time", self.train_speed)}, coordinates)
 
     @property
     def distance(self) -> Array:
@@ -113,10 +117,8 @@ def check_case(case: Case) -> None:
         if getattr(case, name) is None:
             needed = f"needed: [{name}], of which a stop's pressures and slips are read"
             raise ConfigError.of(case.name, name, "missing", needed)
-    assert case.brake is not None
-    beside = (case.brake.electrodynamic, case.track_brake, case.sanding, case.traction)
-    for what, table in zip(BESIDE, beside, strict=True):
-        if table is not None:
+    for what in BESIDE:
+        if attrgetter(what)(case) is not None:
             allowed = "allowed: none; what it does to an axle does not show in its brake pressure"
             raise ConfigError.of(case.name, what, "there", allowed)
 

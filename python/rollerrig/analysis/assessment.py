@@ -39,11 +39,8 @@ from rollerrig.results.summary import resolved
 
 DIRECTIONS = ("lateral", "vertical")
 
-RIDE_BAND = (0.4, 10.0)
-"""Band pass of accelerations in the car body [Hz]."""
-
-FRAME_CUTOFF = 10.0
-"""Low pass of accelerations of a bogie frame [Hz]."""
+RIDE_BAND = (0.4, 10.0)  # band pass of accelerations in the car body [Hz]
+FRAME_CUTOFF = 10.0  # low pass of accelerations of a bogie frame [Hz]
 
 
 def accelerations(run: xr.Dataset, *, floor_height: float | None = None) -> xr.Dataset:
@@ -110,8 +107,7 @@ def ride(points: xr.Dataset) -> xr.Dataset:
 
     What was done to each point is the coordinate `filter`.
 
-    Raises:
-        ValueError: the run's output_step is too coarse, or the run too short.
+    A ValueError says that the run's output_step is too coarse, or the run too short.
     """
     values = points["acceleration"]
     framed = points["on_wheelsets"].to_numpy()
@@ -145,8 +141,7 @@ def weight(frequency: Array, direction: str) -> Array:
 def weighted_rms(points: xr.Dataset) -> xr.DataArray:
     """RMS over point and direction of the weighted, unfiltered accelerations (W_d, W_b), the run taken as periodic [m/s^2].
 
-    Raises:
-        ValueError: the run's output_step is too coarse, or the run too short.
+    A ValueError says that the run's output_step is too coarse, or the run too short.
     """
     values = points["acceleration"].transpose("time", "point", "direction")
     count, time = values.sizes["time"], points["time"].to_numpy()
@@ -172,53 +167,35 @@ QUANTITIES = (
 )
 """Quantities of wheels and wheelsets, in the order of the tables."""
 
-UNFILTERED = "none"
+UNFILTERED, STATIC = "none", list(STATISTICS).index("quasi_static")
 
 
 @dataclass(frozen=True)
 class Assessment:
-    """What was read off a run.
+    """What was read off a run."""
 
-    Attributes:
-        forces: what `wheel_forces` returns.
-        assessed: what `filtered` makes of it, or the unfiltered forces where the run cannot be filtered.
-        points: accelerations at points of the bodies, filtered where the run can be.
-        unfiltered: the same, unfiltered.
-        weighted: weighted r.m.s. accelerations; None where the run cannot be filtered.
-        sections: of the run, in their order.
-        notes: why something is not filtered, a sentence each.
-    """
-
-    forces: xr.Dataset
-    assessed: xr.Dataset
-    points: xr.Dataset
-    unfiltered: xr.Dataset
-    weighted: xr.DataArray | None
-    sections: tuple[TrackSection, ...]
-    notes: tuple[str, ...]
+    forces: xr.Dataset  # what `wheel_forces` returns
+    assessed: xr.Dataset  # what `filtered` makes of it, or the unfiltered forces where the run cannot be filtered
+    points: xr.Dataset  # accelerations at points of the bodies, filtered where the run can be
+    unfiltered: xr.Dataset  # the same, unfiltered
+    weighted: xr.DataArray | None  # weighted r.m.s. accelerations; None where the run cannot be filtered
+    sections: tuple[TrackSection, ...]  # of the run, in their order
+    notes: tuple[str, ...]  # why something is not filtered, a sentence each
 
 
 @dataclass(frozen=True)
 class Row:
-    """One quantity at one place, in a section of the run or in all of it.
+    """One quantity at one place, in a section of the run or in all of it."""
 
-    Attributes:
-        quantity: name of the variable; accelerations with their direction.
-        place: wheel, wheelset or point.
-        section: name of the section, or WHOLE_RUN where a run has several.
-        unit: of the statistics and the limit.
-        filter: what was done to the signal before.
-        statistics: by the names of STATISTICS; NaN where none exists, as the quasi-static value of what is not constant.
-        limit: of the quantity's magnitude; NaN if there is none.
-    """
-
-    quantity: str
-    place: str
-    section: str
-    unit: str
-    filter: str
-    statistics: dict[str, float]
-    limit: float = math.nan
+    quantity: str  # name of the variable; accelerations with their direction
+    place: str  # wheel, wheelset or point
+    section: str  # name of the section, or WHOLE_RUN where a run has several
+    unit: str  # of the statistics and the limit
+    filter: str  # what was done to the signal before
+    statistics: dict[
+        str, float
+    ]  # by STATISTICS; NaN where none exists, as the quasi-static value of what is not constant
+    limit: float = math.nan  # of the quantity's magnitude; NaN if there is none
 
     @property
     def part_of_limit(self) -> float:
@@ -262,34 +239,23 @@ def table(assessment: Assessment) -> list[Row]:
 
 
 def _rows(assessment: Assessment, section: TrackSection) -> list[Row]:
-    rows = []
-    within = {"time": section.within}
-    for name in (name for name in QUANTITIES if name in assessment.assessed):
-        values = assessment.assessed[name]
-        done = values.attrs.get("filter", UNFILTERED)
-        for place, numbers, limit in _places(values.isel(within), limits(assessment.assessed, name)):
-            numbers = numbers if section.constant else numbers | {"quasi_static": math.nan}
-            rows.append(Row(name, place, section.name, str(values.attrs["units"]), done, numbers, limit))
-    for direction in assessment.points["direction"].to_numpy():
-        rows += _acceleration_rows(assessment, str(direction), section)
-    return rows
-
-
-def _acceleration_rows(assessment: Assessment, direction: str, section: TrackSection) -> list[Row]:
-    """One direction at all points; a band pass takes the quasi-static value away, so that is the unfiltered signal's."""
-    values, unfiltered = (
-        points["acceleration"].sel(direction=direction, drop=True).isel(time=section.within)
-        for points in (assessment.points, assessment.unfiltered)
-    )
-    filters = values.coords["filter"].to_numpy() if "filter" in values.coords else None
-    rows = []
-    for k, ((place, numbers, limit), (_, before, _)) in enumerate(
-        zip(_places(values, {}), _places(unfiltered, {}), strict=True)
-    ):
-        done = UNFILTERED if filters is None else str(filters[k])
-        numbers = numbers | {"quasi_static": before["quasi_static"] if section.constant else math.nan}
-        unit = str(values.attrs["units"])
-        rows.append(Row(f"{direction}_acceleration", place, section.name, unit, done, numbers, limit))
+    """Rows of a section; a band pass takes the quasi-static value away, so that of an acceleration is the unfiltered signal's."""
+    assessed, rows = assessment.assessed, list[Row]()
+    signals = [(name, assessed[name], assessed[name]) for name in QUANTITIES if name in assessed]
+    for direction in DIRECTIONS:
+        both = (assessment.points, assessment.unfiltered)
+        one, raw = (points["acceleration"].sel(direction=direction, drop=True) for points in both)
+        signals.append((f"{direction}_acceleration", one, raw))
+    for name, values, unfiltered in signals:
+        unit, limit = str(values.attrs["units"]), limits(assessed, name)
+        numbers, before = (resolved(statistics(one.isel(time=section.within)), unit) for one in (values, unfiltered))
+        numbers[:, STATIC] = before[:, STATIC] if section.constant else math.nan
+        (dim,) = (d for d in values.dims if d != "time")
+        own = values.coords.get("filter")
+        done = [str(values.attrs.get("filter", UNFILTERED))] * len(numbers) if own is None else own.to_numpy().tolist()
+        for place, what, row in zip(map(str, values[dim].to_numpy()), done, numbers.tolist(), strict=True):
+            found = dict(zip(STATISTICS, row, strict=True))
+            rows.append(Row(name, place, section.name, unit, what, found, limit.get(place, math.nan)))
     return rows
 
 
@@ -306,14 +272,3 @@ def limits(assessed: xr.Dataset, name: str) -> dict[str, float]:
         lowest = float(np.fmin(assessed["nadal_limit"], QUOTIENT_LIMIT))
         return {str(w): lowest for w in assessed["wheel"].to_numpy()}
     return {}
-
-
-def _places(values: xr.DataArray, limit: dict[str, float]) -> list[tuple[str, dict[str, float], float]]:
-    """Place, statistics and limit of a quantity over time and one other dimension."""
-    numbers = resolved(statistics(values), str(values.attrs["units"]))
-    (dim,) = (d for d in values.dims if d != "time")
-    names = [str(name) for name in values[dim].to_numpy()]
-    return [
-        (name, dict(zip(STATISTICS, map(float, row), strict=True)), limit.get(name, math.nan))
-        for name, row in zip(names, numbers, strict=True)
-    ]

@@ -20,7 +20,7 @@ from rollerrig.analysis.modes import Lineariser, eigensystem, energy_shares, osc
 from rollerrig.assembly.actuators import assemble_with_actuators
 from rollerrig.assembly.laws import angular, linear_coefficients
 from rollerrig.assembly.model import AssembledModel
-from rollerrig.cases import wheelsets, without_actuators
+from rollerrig.cases import rig_of, wheelsets, without_actuators
 from rollerrig.common.arrays import Array, Complex
 from rollerrig.config import Case, Rig
 from rollerrig.config.schema.rig_control import (
@@ -45,11 +45,8 @@ from rollerrig.simulation.mechatronics import (
 )
 from rollerrig.simulation.starting_state import recorded_state
 
-SLOW = 5 / 3.6
-"""Speed at which the hunting mode is kinematic: inertia plays no part [m/s]."""
-
-REFERENCE_SPEED = 100 / 3.6
-"""Speed at which approach and creep stiffness are read; they hardly depend on it [m/s]."""
+SLOW = 5 / 3.6  # speed at which the hunting mode is kinematic: inertia plays no part [m/s]
+REFERENCE_SPEED = 100 / 3.6  # speed at which approach and creep stiffness are read; they hardly depend on it [m/s]
 
 
 @dataclass(frozen=True)
@@ -76,11 +73,7 @@ class RollingState:
 
 
 def rolling_state(case: Case | Lineariser, speed: float) -> RollingState:
-    """The equilibrium at a speed [m/s], recorded.
-
-    Raises:
-        StartError: no rolling equilibrium was found.
-    """
+    """The equilibrium at a speed [m/s], recorded; StartError: none was found."""
     lineariser = case if isinstance(case, Lineariser) else Lineariser(case)
     linear = lineariser.at(speed)
     wheels = recorded_state(lineariser.simulation_at(speed), lineariser.model, linear.equilibrium).isel(time=0)
@@ -95,11 +88,7 @@ def rolling_state(case: Case | Lineariser, speed: float) -> RollingState:
 
 
 def contact_state(case: Case) -> ContactState:
-    """The contact of the leading left wheel in steady rolling, and the wavelength of slow hunting.
-
-    Raises:
-        StartError: no rolling equilibrium was found.
-    """
+    """The contact of the leading left wheel in steady rolling, and the wavelength of slow hunting."""
     lineariser = Lineariser(case)
     state = rolling_state(lineariser, REFERENCE_SPEED)
     wheel = state.wheels.isel(wheel=0)
@@ -128,8 +117,7 @@ def slow_wavelength(lineariser: Lineariser, speed: float = SLOW) -> float:
     return 2 * math.pi * speed / float(weaving[np.argmax(weaving.real)].imag)
 
 
-ESTIMATORS = ("observer", "filtered_derivative", "kalman")
-"""Kinds of estimator that the linear loop has equations for."""
+ESTIMATORS = ("observer", "filtered_derivative", "kalman")  # kinds of estimator that the linear loop has equations for
 
 
 @dataclass(frozen=True)
@@ -194,27 +182,17 @@ def wheel_of(case: Case) -> Wheel:
 
 
 def creep_slope(case: Case) -> float:
-    """Slope of an axle's creep force over sliding at small creepage [N s/m]: sum of f11 over both wheels, over speed.
-
-    Raises:
-        StartError: no rolling equilibrium was found.
-    """
+    """Slope of an axle's creep force over sliding at small creepage [N s/m]: sum of f11 over both wheels, over speed."""
     stiffness = rolling_state(without_actuators(case), case.motion.speed).creep_stiffness
     return 2.0 * sum(stiffness.values()) / len(stiffness) / case.motion.speed
 
 
 def loop_of(case: Case, creep: float, *, sliding: bool) -> Loop | None:
-    """The loop of a case with [rig_control].
+    """The loop of a case of a rig with [rig_control], and the creep slope of its contact, see `creep_slope`.
 
-    Args:
-        case: of a rig.
-        creep: see `creep_slope`.
-        sliding: whether the virtual wheel slides; else it rolls, on the creep slope of the real one as far as the condition
-            of the virtual rail leaves it.
-
-    Returns:
-        The loop; None where the linear loop has no equations: a user's controller, another estimator or measurement of
-        torque, motors with rotors.
+    Where the virtual wheel does not slide it rolls, on the creep slope of the real one as far as the condition of the virtual
+    rail leaves it. None where the linear loop has no equations: a user's controller, another estimator or measurement of torque,
+    motors with rotors.
     """
     control = case.rig_control
     if control is None or not control.is_ours or control.estimator.kind not in ESTIMATORS:
@@ -229,8 +207,7 @@ def loop_of(case: Case, creep: float, *, sliding: bool) -> Loop | None:
 
 def linear_loop(model: AssembledModel, creep: float, *, sliding: bool) -> Loop:
     """The loop of a model with [rig_control] of one of ESTIMATORS, whatever its torques are measured by; see `loop_of`."""
-    case, control = model.case, model.case.rig_control
-    assert control is not None
+    case, control = model.case, rig_of(model.case)[1]
     table, estimates = control.feedback, control.estimator
     assert isinstance(estimates, BandwidthEstimator)
     assumed = assumed_parameters(model)

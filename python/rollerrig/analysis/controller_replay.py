@@ -12,8 +12,6 @@ What is left then is noise of the sensors and what the estimator filters away. T
 and the estimator's impulse responses; the latter is about what the estimator loses of its own result (Tukey's twicing).
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -29,6 +27,7 @@ from rollerrig.analysis.control_loop import Loop, linear_loop
 from rollerrig.analysis.loop_stability import ESTIMATED, estimator_matrices
 from rollerrig.analysis.rig_log import means
 from rollerrig.assembly.actuators import assemble_with_actuators
+from rollerrig.cases import rig_of
 from rollerrig.common.arrays import Array, Mask
 from rollerrig.common.linear_algebra import one_blas_thread
 from rollerrig.config import Case
@@ -38,27 +37,17 @@ from rollerrig.results import variable
 from rollerrig.results.run_info import ResultsError
 from rollerrig.simulation.mechatronics import estimator_response
 
-NORMAL = 1.96
-"""Half width of the interval of 95 % in standard deviations."""
-
-FORGOTTEN = 1e-4
-"""Part of an error at the start that no longer counts [-]."""
-
-LATE = 0.05
-"""Part of the largest force or torque by which an estimate may be off before it is named."""
-
-CLEAR = 6.0
-"""Standard deviations of noise beyond which a difference is not due to the sensors."""
+NORMAL = 1.96  # half width of the interval of 95 % in standard deviations
+FORGOTTEN = 1e-4  # part of an error at the start that no longer counts [-]
+LATE = 0.05  # part of the largest force or torque by which an estimate may be off before it is named
+CLEAR = 6.0  # standard deviations of noise beyond which a difference is not due to the sensors
 
 LEAST_TORQUE = 0.01
 """Least torque of an axle, known or found, over its load and wheel radius, from which signs of torques show [-]; not below the
 noise of the sensors either."""
 
-AT_LIMIT = 0.99
-"""Part of a limit from which on a drive is at it [-]."""
-
-JOINED = 0.1
-"""Pauses shorter than this do not part two episodes [s]."""
+AT_LIMIT = 0.99  # part of a limit from which on a drive is at it [-]
+JOINED = 0.1  # pauses shorter than this do not part two episodes [s]
 
 REASONS = {
     "start": "the estimator settles, or no later rows are left",
@@ -255,8 +244,7 @@ def _controller(part: _core.ControllerPart, log: xr.Dataset) -> dict[str, tuple]
 
 def _doubtful(case: Case, found: xr.Dataset, estimator: _Estimator) -> dict[str, Mask]:
     """Samples whose estimate is not to be relied on, by REASONS, shape (time, axle)."""
-    control, p, memory = case.rig_control, estimator.loop.assumed, estimator.memory
-    assert control is not None
+    control, p, memory = rig_of(case)[1], estimator.loop.assumed, estimator.memory
     wheel, roller = p.wheel_radius * found["axle_speed"].to_numpy(), p.roller_radius * found["roller_speed"].to_numpy()
 
     def off(one: str, other: str, noise: str) -> Mask:

@@ -21,14 +21,15 @@ class Border:
     side: str  # 'brake' or 'traction'
     load: float  # axle load over the case's own [-]
     adhesion: float  # of the rail [-]
-    reached: float  # largest torque up to which every run reproduces the rail; 0: none
-    beyond: float  # the next torque that was run; NaN: the map ends before a limit is reached
+    reproduced_up_to_nm: float  # largest torque up to which every run reproduces the rail; 0: none
+    beyond_nm: float  # the next torque that was run; NaN: the map ends before a limit is reached
     limit: str  # region there, or ""
-    predicted: float  # where the closed forms put the border, NaN where they do not say
-    # the torques of the runs on either side that the prediction is compared with: `reached` and `beyond`; of a recovery
-    # the torque that was left on the axles there over what (V6) asks for, of which 0 is the prediction
-    compared: tuple[float, float]
-    cell: float  # distance of torques on the map
+    predicted_nm: float  # where the closed forms put the border, NaN where they do not say
+    # the torques of the runs on either side, which the prediction is compared with; of a recovery the torque that was left on
+    # the axles there over what (V6) asks for, of which 0 is the prediction
+    compared_low_nm: float
+    compared_high_nm: float
+    cell_nm: float  # distance of torques on the map
 
     @property
     def agrees(self) -> bool | None:
@@ -37,10 +38,10 @@ class Border:
         None: no limit was reached on the map, and none is predicted on it. A limit of which the closed forms say nothing, and a
         predicted one that does not come, do not agree.
         """
-        low, high = min(self.compared), max(self.compared)
+        cell, at = self.cell_nm, self.predicted_nm
         if not self.limit:
-            return None if not self.predicted < self.reached - self.cell else False
-        return bool(low - self.cell <= self.predicted <= high + self.cell)
+            return None if not at < self.reproduced_up_to_nm - cell else False
+        return bool(self.compared_low_nm - cell <= at <= self.compared_high_nm + cell)
 
 
 def borders(found: xr.Dataset) -> list[Border]:
@@ -54,8 +55,9 @@ def borders(found: xr.Dataset) -> list[Border]:
         at, compared = predicted(found, side, load, adhesion), (reached, beyond)
         if limit == "drive_recovery":
             at = 0.0
-            compared = (_margin(found, side, load, adhesion, reached), _margin(found, side, load, adhesion, beyond))
-        rows.append(Border(side, load, adhesion, reached, beyond, limit, at, compared, _cell(runs, good)))
+            compared = (_margin(found, side, load, adhesion, beyond), _margin(found, side, load, adhesion, reached))
+        ends = min(compared), max(compared)
+        rows.append(Border(side, load, adhesion, reached, beyond, limit, at, *ends, _cell(runs, good)))
     return rows
 
 
@@ -67,7 +69,7 @@ def slides(found: xr.Dataset) -> list[Border]:
         first = next((k for k, (_, region) in enumerate(runs) if region != "grip"), len(runs))
         if 0 < first < len(runs) and runs[first][1] == "slide":
             (low, _), (high, _), line = runs[first - 1], runs[first], _line(found, "line_grip", side, load, adhesion)
-            rows.append(Border(side, load, adhesion, low, high, "slide", line, (low, high), _cell(runs, first)))
+            rows.append(Border(side, load, adhesion, low, high, "slide", line, low, high, _cell(runs, first)))
     return rows
 
 

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from rollerrig import _core
 from rollerrig.assembly.actuators import assemble_with_actuators
 from rollerrig.assembly.model import AssembledModel
+from rollerrig.cases import rig_of
 from rollerrig.config import Case
 from rollerrig.config.schema.rig_control import (
     EstimatedTorque,
@@ -41,8 +42,7 @@ class Lags:
 
 def lags(model: AssembledModel) -> Lags:
     """Lags that are left with the compensation of a case with [rig_control]."""
-    control = model.case.rig_control
-    assert control is not None
+    control = rig_of(model.case)[1]
     torque, command = control.axle_torque, control.drive_command
     late = 0.0
     if isinstance(torque, EstimatedTorque | ExtrapolatedTorque) and not isinstance(control.estimator, ExactEstimator):
@@ -70,14 +70,8 @@ class DeadTime(Lags):
 
 
 def predicted_dead_time(case: Case) -> DeadTime | None:
-    """The equivalent dead time of a rig with [rig_control]; None for a user's controller, of which nothing is known.
-
-    Raises:
-        StartError: the vehicle has no equilibrium.
-    """
-    control = case.rig_control
-    assert control is not None
-    if not control.is_ours:
+    """The equivalent dead time of a rig with [rig_control]; None for a user's controller, of which nothing is known."""
+    if not rig_of(case)[1].is_ours:
         return None
     model = assemble_with_actuators(case)
     axle, late = assumed_parameters(model), lags(model)
@@ -86,15 +80,10 @@ def predicted_dead_time(case: Case) -> DeadTime | None:
 
 
 def at_track_of(rig: float, track: dict[float, float]) -> tuple[float, float]:
-    """Where a curve of the track takes the rig's value.
+    """Where a number on track, by additional dead time [s], such as the distance, has the rig's value: dead time and slope there.
 
-    Args:
-        rig: a number of the rig, such as its distance.
-        track: additional dead time [s] -> the same number on track.
-
-    Returns:
-        Additional dead time [s], linear between the points, and the slope of the number there; the first crossing. On the
-        first line also as far before its begin, since a rig may be ahead; NaN where no line has the value.
+    Linear between the points, the first crossing; on the first line also as far before its begin, since a rig may be ahead. NaN
+    where no line has the value.
     """
     delays = sorted(track)
     for low, high in zip(delays[:-1], delays[1:], strict=True):

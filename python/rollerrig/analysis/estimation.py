@@ -18,8 +18,6 @@ Source: G. A. F. Seber, C. J. Wild, Nonlinear Regression (1989), ch. 2, 5 and 6;
 (1954) 403, for a mean, here for p numbers.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -37,16 +35,11 @@ Loss = Literal["linear", "soft_l1", "huber", "cauchy"]
 Function = Callable[[Array], Array]
 
 CONFIDENCE = 0.95
-UNKNOWN = 1.0 / math.sqrt(12.0)
-"""Standard deviation of what may be anywhere in a range, over that range."""
-PART = 0.3
-"""Numbers with less of a combination are not named with it."""
-CHANCE = 1e-3
-"""Probability below which given standard deviations do not fit what is left."""
-CLEAR = 2.0
-"""Standard deviations of a correlation by chance, 1/√n, from which residuals follow each other."""
-EDGE = 1e-3
-"""An estimate so near to an end of its range, over the range, is decided by it."""
+UNKNOWN = 1.0 / math.sqrt(12.0)  # standard deviation of what may be anywhere in a range, over that range
+PART = 0.3  # numbers with less of a combination are not named with it
+CHANCE = 1e-3  # probability below which given standard deviations do not fit what is left
+CLEAR = 2.0  # standard deviations of a correlation by chance, 1/√n, from which residuals follow each other
+EDGE = 1e-3  # an estimate so near to an end of its range, over the range, is decided by it
 
 
 @dataclass(frozen=True)

@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import xarray as xr
+from scipy.linalg import block_diag
 
 from rollerrig import _core
 from rollerrig.analysis.linear_system import LinearSystem
@@ -35,8 +36,7 @@ if TYPE_CHECKING:
 MOTIONS = tuple(name for name, _, _ in _core.body_fields)[:12]
 """Coordinates and rates of a body, as the core orders them."""
 
-_LISTED = 12
-"""So many names a message lists."""
+_LISTED = 12  # so many names a message lists
 
 
 @dataclass(frozen=True)
@@ -63,9 +63,6 @@ def steady_case(case: Case, speed: float | None = None) -> Case:
     """The case rolling steadily at a speed [m/s], by default its own: nothing disturbs it, nothing is demanded.
 
     Its drives and controllers stay. Wheelsets that no torque acts on get one of zero, so that there is an input.
-
-    Raises:
-        ConfigError: the case cannot be run at this speed.
     """
     if not case.sampled:
         steady = at_speed(case, speed) if case.motion.drive == "speed_controlled" else case
@@ -94,17 +91,7 @@ class LinearBench:
     """A case in steady rolling at one speed, linearised once; systems of any inputs and outputs are read off it."""
 
     def __init__(self, case: Case, speed: float | None = None, brake_pressure: float = 0.0) -> None:
-        """Assemble, find the equilibrium, linearise.
-
-        Args:
-            case: the case.
-            speed: running speed [m/s]; None: that of the case.
-            brake_pressure: of all brake cylinders, over the ambient [Pa].
-
-        Raises:
-            ConfigError: the case cannot be run at this speed, or has no brakes.
-            StartError: no rolling equilibrium was found.
-        """
+        """Assemble, find the equilibrium, linearise; arguments and errors as of `linearize`."""
         self.case = steady_case(case, speed)
         self.speed = self.case.motion.speed
         self.model = assemble_with_actuators(self.case, torque_on_all=True) if case.sampled else assemble(self.case)
@@ -134,11 +121,7 @@ class LinearBench:
         self._a, self._b = a[np.ix_(self._kept, self._kept)], b[self._kept]
 
     def _pressures(self, brake_pressure: float) -> list[float]:
-        """Pressure of each brake of the model [Pa]; empty: none is applied.
-
-        Raises:
-            ConfigError: it is none, or the case has no brakes.
-        """
+        """Pressure of each brake of the model [Pa], empty: none is applied; ConfigError: it is none, or there are no brakes."""
         brakes = [axle.brake for axle in self.model.axles if axle.brake >= 0]
         allowed = "" if np.isfinite(brake_pressure) and 0.0 <= brake_pressure <= 1e7 else "allowed: from 0 to 1e7 Pa"
         if brake_pressure and not brakes:
@@ -146,8 +129,6 @@ class LinearBench:
         if allowed:
             raise ConfigError.of(self.case.name, "brake_pressure", f"{brake_pressure:g} Pa", allowed)
         return [brake_pressure] * len(brakes) if brake_pressure else []
-
-    # ------------------------------------------------------------------------------------------------ what there is
 
     @cached_property
     def torques(self) -> Mapping[str, int]:
@@ -225,19 +206,10 @@ class LinearBench:
                 found.append(Signal(f"{wheelset}.{name}", spin.unit, sign * spin.row, sign * spin.through))
         return {signal.name: signal for signal in found}
 
-    # ------------------------------------------------------------------------------------------------------ systems
-
     def system(self, inputs: Sequence[str], outputs: Sequence[str], *, discrete: bool = False) -> LinearSystem:
-        """Linear system from some inputs to some outputs.
+        """Linear system from some inputs to some outputs, by name; ConfigError: there is none, or the case has no samples.
 
-        Args:
-            inputs: names of inputs.
-            outputs: names of outputs.
-            discrete: from sample to sample of the case, under commands held between; their delay is in it. Without, the
-                commands act without delay.
-
-        Raises:
-            ConfigError: there is no such name, or the case has no samples.
+        If `discrete` from sample to sample of the case, under commands held between, with their delay; else without it.
         """
         lags = [self.commands.get(name) for name in self._known("inputs", inputs, self.inputs)]
         signals = [self.outputs[name] for name in self._known("outputs", outputs, self.outputs)]
@@ -246,32 +218,22 @@ class LinearBench:
                 "allowed: false, of a case without sampled actuators or controllers; or .sampled(step) of the result"
             )
             raise ConfigError.of(self.case.name, "discrete", "true", allowed)
-        n, count = len(self._a), self._b.shape[1]
         columns = {**self.torques, **self.pressures}
-        # States x, then of each lag its torque (or pressure) and rate; on the model acts the sum.
-        sizes = [0 if lag is None else 2 if lag.damping > 0.0 else 1 for lag in lags]
-        total = n + sum(sizes)
-        acting = np.zeros((count, total))  # on the model, from the states
-        direct = np.zeros((count, len(inputs)))  # and from the inputs
-        a, b = np.zeros((total, total)), np.zeros((total, len(inputs)))
-        names, at = [self._names[i] for i in self._kept], n
-        for k, (name, lag, size) in enumerate(zip(inputs, lags, sizes, strict=True)):
-            if lag is None:
-                direct[columns[name], k] = 1.0
-                continue
-            acting[lag.column, at] = 1.0
-            own = slice(at, at + size)
-            a[own, own], b[own, k] = _torque_loop(lag)
-            names += [f"{name}.acting", f"{name}.acting_rate"][:size]
-            at += size
-        a[:n, :n] = self._a
-        a[:n] += self._b @ acting
-        b[:n] = self._b @ direct
+        places = [columns[name] if lag is None else lag.column for name, lag in zip(inputs, lags, strict=True)]
+        chosen = np.eye(self._b.shape[1])[:, places]
+        # States x, then of each lag its torque (or pressure) and rate; they act on the model, or the inputs without a lag do.
+        loops = [_torque_loop(lag) for lag in lags]
+        own, driven, read = (block_diag(*matrices) for matrices in zip(*loops, strict=True))
+        acting, direct = chosen @ read, chosen @ np.diag([float(lag is None) for lag in lags])
+        a = np.block([[self._a, self._b @ acting], [np.zeros((len(own), len(self._a))), own]])
+        b = np.vstack([self._b @ direct, driven])
+        names = [self._names[i] for i in self._kept]
+        for name, loop in zip(inputs, loops, strict=True):
+            names += [f"{name}.acting", f"{name}.acting_rate"][: len(loop[0])]
         through = np.array([signal.through for signal in signals])
-        c = np.zeros((len(signals), total))
-        c[:, :n] = [signal.row for signal in signals]
+        c, d = np.hstack([[signal.row for signal in signals], through @ acting]), through @ direct
         system = LinearSystem(
-            self.case.name, self.speed, 0.0, a, b, c + through @ acting, through @ direct,
+            self.case.name, self.speed, 0.0, a, b, c, d,
             tuple(names), tuple(inputs), tuple(outputs), tuple(map(self.unit_of, inputs)), tuple(s.unit for s in signals),
         )  # fmt: skip
         if not discrete:
@@ -321,12 +283,15 @@ def _lag(column: int, motor: Motor, steps: int) -> Lag:
     return Lag(column, angular(motor.bandwidth), motor.damping_ratio, steps)
 
 
-def _torque_loop(lag: Lag) -> tuple[Array, Array]:
-    """The linear torque loop of a drive, `Motor::rates` of the core without its limits: of torque (and rate), by its command."""
+def _torque_loop(lag: Lag | None) -> tuple[Array, Array, Array]:
+    """The linear torque loop of a drive, `Motor::rates` of the core without its limits: A and B of torque (and rate), and C."""
+    if lag is None:
+        return np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0))
     w = lag.bandwidth
     if lag.damping > 0.0:
-        return np.array([[0.0, 1.0], [-(w**2), -2.0 * lag.damping * w]]), np.array([0.0, w**2])
-    return np.array([[-w]]), np.array([w])
+        matrix = np.array([[0.0, 1.0], [-(w**2), -2.0 * lag.damping * w]])
+        return matrix, np.array([[0.0], [w**2]]), np.array([[1.0, 0.0]])
+    return np.array([[-w]]), np.array([[w]]), np.array([[1.0]])
 
 
 def _state_names(simulation: _core.Simulation, model: AssembledModel) -> list[str]:

@@ -30,8 +30,7 @@ from rollerrig.simulation.starting_state import starting_state
 NEUTRAL = 1e-6
 """Eigenvalues so near to 1 are neutral: double ones, as of an angle and its speed, are found to the root of rounding."""
 
-ABOVE = 10.0
-"""The slow motions of bogie and loop, which are damped, stay below this frequency [Hz]."""
+ABOVE = 10.0  # the slow motions of bogie and loop, which are damped, stay below this frequency [Hz]
 
 WINDOW = 0.1
 """Window of the RMS values from which a growth rate is measured [s], and how many of them it takes at least:"""
@@ -55,12 +54,9 @@ class Plant:
 
 
 def rolling_plant(wheel: Wheel, creep: float, brake: float = 0.0) -> Plant:
-    """One axle with its roller, (D1) and (D2), between them creep.
+    """One axle with its roller, (D1) and (D2), between them creep of a slope of force over sliding [N s/m].
 
-    Args:
-        wheel: inertias and radii.
-        creep: slope of its force over sliding [N s/m].
-        brake: slope of the brake's torque over the axle's speed, of one that holds a locked wheel [N m s/rad].
+    Of a brake that holds a locked wheel, the slope of its torque over the axle's speed [N m s/rad].
     """
     r, R = wheel.wheel_radius, wheel.roller_radius
     force = creep * np.array([r, -R])  # T over (w, W)
@@ -71,11 +67,7 @@ def rolling_plant(wheel: Wheel, creep: float, brake: float = 0.0) -> Plant:
 
 
 def vehicle_plant(case: Case) -> Plant:
-    """The whole vehicle on its rollers, which turn freely: the core's exact linearisation at the start.
-
-    Raises:
-        StartError: no rolling equilibrium was found.
-    """
+    """The whole vehicle on its rollers, which turn freely: the core's exact linearisation at the start; StartError: none."""
     model = assemble(without_actuators(case))
     simulation = _core.Simulation(model.core)
     matrix = np.array(simulation.jacobian(0.0, np.asarray(starting_state(model)))[0])
@@ -86,9 +78,6 @@ def vehicle_plant(case: Case) -> Plant:
     rig = case.support.data
     assert isinstance(rig, Rig)
     return Plant(matrix, roller.T / rig.roller_inertia[1], wheel, roller, np.zeros_like(wheel))
-
-
-# ------------------------------------------------------------------------------------------------ the sampled loop
 
 
 def _observer(loop: Loop, z: dict[str, Array]) -> None:
@@ -143,8 +132,7 @@ _ESTIMATORS: dict[str, Callable[[Loop, dict[str, Array]], None]] = {
 
 _OF_ESTIMATOR = ("roller_estimate", "wheel_estimate", "force", "axle_torque", "wheel_rate", "late", "correction",
                  "last_torque", "slope")  # fmt: skip
-ESTIMATED = (*_OF_ESTIMATOR, "taken")
-"""States of `estimator_matrices`."""
+ESTIMATED = (*_OF_ESTIMATOR, "taken")  # states of `estimator_matrices`
 _STATES = (*_OF_ESTIMATOR, "virtual", "sum", "feed_forward")
 
 
@@ -243,13 +231,8 @@ def sampled_matrix(loop: Loop, plant: Plant) -> Array:
 def growth(loop: Loop, plant: Plant, above: float = 0.0) -> tuple[float, float]:
     """Rate [1/s] and frequency [Hz] of the least damped motion; a rate above zero: the loop is unstable.
 
-    Motions that neither grow nor decay are left out: angles turned, the common speed of train and wheels, an integral without
-    a gain.
-
-    Args:
-        loop: the controller.
-        plant: what it controls.
-        above: only motions of a higher frequency count [Hz]; NaN where there is none.
+    Only motions of a frequency `above` count [Hz]; NaN where there is none. Those that neither grow nor decay are left out:
+    angles turned, the common speed of train and wheels, an integral without a gain.
     """
     values = np.linalg.eigvals(sampled_matrix(loop, plant))
     values = values[(np.abs(values - 1.0) > NEUTRAL) & (np.abs(values) > 1e-12)]
@@ -278,18 +261,11 @@ def gain_limit(loop: Loop, plant: Plant, highest: float = 1e4) -> float:
     return math.nan
 
 
-# -------------------------------------------------------------------------------------------------- measured in a run
-
-
 def measured_growth(error: xr.DataArray, begin: float) -> tuple[tuple[float, float], float]:
     """Rate [1/s] and frequency [Hz] at which the tracking error of a run grows above ABOVE, and its RMS at the end [rad/s].
 
-    Args:
-        error: virtual less real speed of each axle [rad/s], over evenly spaced `time` [s], then axle.
-        begin: time from which on it is looked at [s].
-
-    Returns:
-        Rate and frequency, NaN where nothing grew within LINEAR_RANGE; RMS of the fast part at the end.
+    Of virtual less real speeds [rad/s] over evenly spaced `time` [s], then axle, from `begin` [s] on; rate and frequency are NaN
+    where nothing grew within LINEAR_RANGE.
     """
     from scipy.signal import butter, sosfiltfilt  # slow to load, and seldom needed
 

@@ -20,19 +20,20 @@ from rollerrig.analysis.slide_statistics import spells, tracking, under_test, vi
 from rollerrig.analysis.virtual_rail import FULL_SLIDING, creep_curve, creep_peak, patch_of
 from rollerrig.assembly.model import assemble
 from rollerrig.assembly.train_axles import train_mass
+from rollerrig.cases import rig_of
 from rollerrig.common.arrays import Array, Mask
-from rollerrig.config import Case, Rig, SlideProtection, WheelSlipControl
+from rollerrig.config import Case, SlideProtection, WheelSlipControl
 from rollerrig.results import COMPLETED
 from rollerrig.simulation.mechatronics import rotor_inertia, wheelset_inertia
 from rollerrig.simulation.virtual_train import load_transfer
 
 LINES = {
-    "line_grip": "the wheel on the degraded rail begins to slide, (V2)",
-    "line_contact": "a wheel that grips on the rail slides on its roller, (V3)",
-    "line_drive_grip": "largest force of the rail that the roller drive can reproduce, (V4)",
-    "line_drive_slide": "the roller drive follows no further into the slide, (V5)",
-    "line_drive_recovery": "torque that must remain for the roller drive to follow out of the slide, (V6)",
-    "line_vehicle": "largest torque of the vehicle's own brake or motor",
+    "line_grip": "rail: wheel begins to slide (V2)",
+    "line_contact": "roller: wheel begins to slide (V3)",
+    "line_drive_grip": "drive carries the rail's force (V4)",
+    "line_drive_slide": "drive follows into the slide (V5)",
+    "line_drive_recovery": "torque to be left for recovery (V6)",
+    "line_vehicle": "vehicle's own brake or motor",
 }
 """Closed form -> meaning; magnitudes [N m]."""
 
@@ -115,14 +116,8 @@ class RigLimits:
 
 
 def rig_limits(case: Case) -> RigLimits:
-    """The closed forms of a case of a rig with [rig_control].
-
-    Raises:
-        StartError: the vehicle has no equilibrium on track.
-    """
-    rig, control, model = case.support.data, case.rig_control, assemble(case)
-    assert isinstance(rig, Rig)
-    assert control is not None
+    """The closed forms of a case of a rig with [rig_control]; StartError: the vehicle has no equilibrium on track."""
+    (rig, control), model = rig_of(case), assemble(case)
     largest = control.feedback.largest if control.is_ours else np.inf
     if control.motor.envelope is not None:
         speeds, torques = np.array(control.motor.envelope).T
@@ -152,9 +147,7 @@ def _per_force(per_acceleration: Sequence[float], mass: float) -> float:
 def closed_forms(case: Case, adhesion: Array) -> dict[str, Any]:
     """The closed forms of LINES by name where each of them applies, NaN elsewhere [N m], and `contact_adhesion` [-].
 
-    Args:
-        case: with the load; brakes if it has [brake], otherwise pulls: sets the slip of a slide.
-        adhesion: of the rail at no slip, ascending.
+    Over adhesions of the rail at no slip, ascending. The case has the load; whether it brakes or pulls sets the slip of a slide.
     """
     rig, patch = rig_limits(case), patch_of(assemble(case))
     peak = np.array([creep_peak(case, patch, float(mu))[1] for mu in adhesion])
@@ -184,11 +177,8 @@ def protection_slip(case: Case) -> float:
 
 Record = dict[str, Any]
 
-TRACKING_LIMIT = 0.01
-"""Tracking error, RMS over train speed, up to which the rig reproduces the rail [-]."""
-
-LEAST_DURATION = 0.03
-"""A limit counts where it persists for at least this time; the corner of a ramp is shorter [s]."""
+TRACKING_LIMIT = 0.01  # tracking error, RMS over train speed, up to which the rig reproduces the rail [-]
+LEAST_DURATION = 0.03  # a limit counts where it persists for at least this time; the corner of a ramp is shorter [s]
 
 REGIONS: Mapping[str, str] = {
     "grip": "reproduced, wheels grip",
@@ -225,16 +215,10 @@ NUMBERS = {
 def assess_limits(run: xr.Dataset, case: Case, torque: float, grip_slip: float, rig: RigLimits | None = None) -> Record:
     """Numbers and limits of a run of the operating envelope.
 
-    Args:
-        run: of `simulate`.
-        case: what was run.
-        torque: on each axle, positive forward [N m].
-        grip_slip: slip of a virtual wheel up to which it grips [-].
-        rig: closed forms, for the margin of (V6); None: that is left out.
-
-    Returns:
-        `region` of REGIONS: the limit reached first, or the kind of run where there is none; `limits`: all that were reached,
-        with their times [s]; the numbers of NUMBERS, None where not defined; `status` and `message` of the run.
+    Of a torque on each axle, positive forward [N m], the slip up to which a virtual wheel grips [-], and closed forms for the
+    margin of (V6); None: that is left out. The record has the `region` of REGIONS: the limit reached first, or the kind of run
+    where there is none; `limits`: all that were reached, with their times [s]; the numbers of NUMBERS, None where not defined;
+    `status` and `message` of the run.
     """
     slip = np.abs(virtual_slip(run).to_numpy())
     used = friction_used(run, case.contact.friction.mu_0)
@@ -270,9 +254,7 @@ def failed(status: str, message: str) -> Record:
 
 def _held(run: xr.Dataset, case: Case) -> bool:
     """Whether a brake holds a wheel of the virtual train for LEAST_DURATION while that runs, (D15)."""
-    control = case.rig_control
-    assert control is not None
-    rolling = wheel_radius(run) * np.abs(run["virtual_speed"].to_numpy())
+    control, rolling = rig_of(case)[1], wheel_radius(run) * np.abs(run["virtual_speed"].to_numpy())
     runs = run["train_speed"].to_numpy()[:, None] - rolling > control.locked_speed
     return persists_since(run["time"].to_numpy(), (rolling < control.locked_speed) & runs) is not None
 
@@ -287,14 +269,7 @@ def _recovery_margin(run: xr.Dataset, torque: float, sliding: Mask, rig: RigLimi
 
 
 def region(status: str, limits: Mapping[str, float], tracking_rms: float, kind: str) -> str:
-    """The region of a run: a key of REGIONS.
-
-    Args:
-        status: of the run.
-        limits: those reached, and when [s].
-        tracking_rms: error over train speed; NaN: not defined.
-        kind: of the run where no limit is reached: one of REPRODUCED.
-    """
+    """The region of a run, a key of REGIONS; its kind, of REPRODUCED, where none of the limits, by when [s], was reached."""
     if status not in (*COMPLETED, "rollers_protected"):
         return "failed"
     if limits:
@@ -305,12 +280,7 @@ def region(status: str, limits: Mapping[str, float], tracking_rms: float, kind: 
 
 
 def persists_since(times: Array, reached: Mask) -> float | None:
-    """When a condition began that persisted for LEAST_DURATION or longer on any axle [s]; None: never.
-
-    Args:
-        times: shape (time,) [s].
-        reached: shape (time, axle).
-    """
+    """When a condition, shape (time, axle), began to persist for LEAST_DURATION or longer on any axle [s]; None: never."""
     begins = []
     for column in reached.T:
         first, after = spells(column)
@@ -338,9 +308,7 @@ def _contact_limit(run: xr.Dataset, used: Array) -> dict[str, float]:
 
 def _drive_limits(run: xr.Dataset, case: Case, torque: float, sliding: Mask) -> dict[str, float]:
     """Where the command is the largest torque of a roller drive, and what it is needed for."""
-    control = case.rig_control
-    assert control is not None
-    command = run["roller_command"].to_numpy()
+    control, command = rig_of(case)[1], run["roller_command"].to_numpy()
     largest = control.feedback.largest if control.is_ours else np.inf
     available = np.full(command.shape, largest)
     weaker = np.zeros(command.shape, dtype=bool)

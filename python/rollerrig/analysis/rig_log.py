@@ -5,8 +5,6 @@ Log of a rig, Case -> [read_rig_log] -> Dataset: inputs of the controller, and w
 Signs   speeds positive in forward running; torques positive where they drive the wheel forward, so that of a brake is negative.
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -16,9 +14,9 @@ from scipy.integrate import cumulative_trapezoid
 from scipy.ndimage import uniform_filter1d
 
 from rollerrig.assembly.actuators import friction_brake
-from rollerrig.cases import wheelsets
+from rollerrig.cases import rig_of, wheelsets
 from rollerrig.common.arrays import Array
-from rollerrig.config import Case, ConfigError, Rig
+from rollerrig.config import Case, ConfigError
 from rollerrig.config.schema.rig_control import BandwidthEstimator
 from rollerrig.results import variable
 from rollerrig.results.logs import Log, column_of, log_quantity, read_log, time_problem
@@ -30,11 +28,8 @@ RADIUS_ERROR = 0.01
 ROWS_A_PERIOD = 10
 """Rows that a period of the estimator's bandwidth needs: what happens between two rows is a straight line."""
 
-LEAST_PERIODS = 10
-"""Periods of the estimator's bandwidth that a log needs."""
-
-LEAST_SPEED = 1.0
-"""Speed from which on wheels and rollers are compared [m/s]."""
+LEAST_PERIODS = 10  # periods of the estimator's bandwidth that a log needs
+LEAST_SPEED = 1.0  # speed from which on wheels and rollers are compared [m/s]
 
 MEAN_OVER = 0.5
 """Speeds, and torques, are compared by their means over this time, in which steps of encoders hardly count [s]."""
@@ -50,11 +45,7 @@ REFERENCES = {
 
 def check_case(case: Case) -> None:
     """Refuse with a ConfigError a case whose rig's controller cannot run on a log."""
-    control = case.rig_control
-    if control is None or not isinstance(case.support.data, Rig):
-        raise ConfigError.of(
-            case.name, "rig_control", "missing", "needed: [rig_control] of a rig, which runs on the log"
-        )
+    control = rig_of(case)[1]
     if not control.is_ours:
         allowed = "allowed: our own controller, whose estimator and virtual train are known"
         raise ConfigError.of(case.name, "rig_control", "a controller of your own", allowed)
@@ -87,7 +78,7 @@ def read_rig_log(path: str | Path, case: Case) -> xr.Dataset:
     log = read_log(path)
     time = log_quantity(log, "time", {"s": 1.0})
     _check_time(case, log, time)
-    axles, period = [body.name for body in wheelsets(case)], case.rig_control.sample_time  # type: ignore[union-attr]
+    axles, period = [body.name for body in wheelsets(case)], rig_of(case)[1].sample_time
     count = int(np.floor((time[-1] - time[0]) / period + 1e-6)) + 1
     at = time[0] + period * np.arange(count)
 
@@ -125,9 +116,7 @@ def _check_time(case: Case, log: Log, time: Array) -> None:
 
 def _measured(case: Case, log: Log, axles: list[str]) -> Iterator[tuple[str, str, str, Array]]:
     """Name, unit, meaning and values (row, axle) of what the controller measures, and of the references."""
-    rig, control, brake = case.support.data, case.rig_control, case.brake
-    assert isinstance(rig, Rig)
-    assert control is not None
+    (rig, control), brake = rig_of(case), case.brake
     turning = {"rad/s": 1.0, "m/s": 1.0 / case.vehicle.data.wheel.radius}
     speed = _per_axle(log, axles, "axle_speed", turning)
     yield "axle_speed", "rad/s", "measured speed of the axle", speed
@@ -141,17 +130,15 @@ def _measured(case: Case, log: Log, axles: list[str]) -> Iterator[tuple[str, str
         yield "brake_torque", "N m", "of the axle's friction brake", _brake_torque(case, log, axles, speed)
     if case.traction is not None or (brake is not None and (brake.electrodynamic or brake.motors_stand_in)):
         yield "motor_torque", "N m", "of the axle's motor", _motor_torque(log, axles)
-    if control.loads == "measured":
-        yield "axle_load", "N", "vertical force under the axle", _per_axle(log, axles, "axle_load", {"N": 1.0})
-    if case.sanding is not None:
-        yield "sand_flow", "kg/s", "of sand on each rail", _per_axle(log, axles, "sand_flow", {"kg/s": 1.0})
-    if case.track_brake is not None:
-        force = _per_axle(log, axles, "track_brake_force", {"N": 1.0})
-        yield "track_brake_force", "N", "of all track brakes against running", force
-    if case.train.axles is not None and case.train.axles.simulated:
-        yield "force_of_others", "N", "of simulated axles", _per_axle(log, axles, "force_of_others", {"N": 1.0})
-    for name, (unit, meaning) in REFERENCES.items():
-        if column_of(log, f"{axles[0]}.{name}"):
+    others = {
+        "axle_load": ("N", "vertical force under the axle", control.loads == "measured"),
+        "sand_flow": ("kg/s", "of sand on each rail", case.sanding is not None),
+        "track_brake_force": ("N", "of all track brakes against running", case.track_brake is not None),
+        "force_of_others": ("N", "of simulated axles", case.train.axles is not None and case.train.axles.simulated),
+        **{name: (*about, column_of(log, f"{axles[0]}.{name}")) for name, about in REFERENCES.items()},
+    }
+    for name, (unit, meaning, there) in others.items():
+        if there:
             yield name, unit, meaning, _per_axle(log, axles, name, {unit: 1.0})
 
 
@@ -192,8 +179,7 @@ def means(values: Array, period: float) -> Array:
 
 def _check_rolling(case: Case, data: xr.Dataset) -> None:
     """Refuse with a ResultsError wheels that do not roll on their rollers by the radii of the case."""
-    rig, radius = case.support.data, case.vehicle.data.wheel.radius
-    assert isinstance(rig, Rig)
+    rig, radius = rig_of(case)[0], case.vehicle.data.wheel.radius
     period = float(data["time"][1] - data["time"][0])
     for axle in data["axle"].to_numpy():
         own = data.sel(axle=axle)

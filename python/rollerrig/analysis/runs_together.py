@@ -14,8 +14,7 @@ import xarray as xr
 from rollerrig.config.errors import nearest
 from rollerrig.results import RunInfo
 
-STEADY = 1e-3
-"""A speed that changes by no more than this part is not shown unless asked for."""
+STEADY = 1e-3  # a speed that changes by no more than this part is not shown unless asked for
 
 
 def compare_runs(runs: Mapping[str, xr.Dataset], signals: Sequence[str] = ()) -> xr.Dataset:

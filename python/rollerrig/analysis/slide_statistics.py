@@ -13,7 +13,7 @@ flat's ends are left out. On the rig no wheel slides so: the estimate is what th
 """
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -30,8 +30,7 @@ from rollerrig.results import COMPLETED
 from rollerrig.results.run_info import RunInfo
 from rollerrig.results.summary import contact_losses
 
-LEAST_SPEED = 2.0
-"""Below this a train is too slow for errors relative to its speed [m/s]."""
+LEAST_SPEED = 2.0  # below this a train is too slow for errors relative to its speed [m/s]
 
 
 def wheel_radius(run: xr.Dataset) -> float:
@@ -45,6 +44,18 @@ def under_test(run: xr.Dataset) -> xr.Dataset:
     names = run["axle"].to_numpy().tolist()
     tested = [name for name in names if name in bodies]
     return run if len(tested) == len(names) else run.sel(axle=tested)
+
+
+def axle_columns(runs: Mapping[str, xr.Dataset], names: Sequence[str]) -> dict[str, Array]:
+    """Columns `NAME_AXLE_RUN` of signals of the axles, `NAME_RUN` of the train's, over `time_s` as long as all runs go."""
+    count = min(run.sizes["time"] for run in runs.values())
+    columns = {"time_s": next(iter(runs.values()))["time"]}
+    for name in names:
+        for label, run in ((label, run) for label, run in runs.items() if name in run):
+            own = run[name]
+            axles = own["axle"].to_numpy() if "axle" in own.dims else ()
+            columns |= {f"{name}_{axle}_{label}": own.sel(axle=axle) for axle in axles} or {f"{name}_{label}": own}
+    return {name: column.to_numpy()[:count] for name, column in columns.items()}
 
 
 def slip(run: xr.Dataset) -> xr.DataArray:
@@ -102,8 +113,7 @@ def _relative(run: xr.Dataset, speed: xr.DataArray) -> xr.DataArray:
     return (speed / train).where(train > LEAST_SPEED)
 
 
-RIPPLE_ABOVE = 10.0
-"""Slide protection acts at a few hertz; what is faster is the loop or its noise [Hz]."""
+RIPPLE_ABOVE = 10.0  # slide protection acts at a few hertz; what is faster is the loop or its noise [Hz]
 
 WINDOW = 0.25  # [s]
 PERCENTILE = 95.0
@@ -118,46 +128,28 @@ class Ripple(NamedTuple):
 
 
 def torque_ripple(time: Array, torque: Array, limit: float = math.inf) -> Ripple:
-    """Ripple above RIPPLE_ABOVE, in windows of a quarter of a second.
+    """Ripple above RIPPLE_ABOVE, in windows of a quarter of a second, of torques [N m], shape (time, axle), at even times [s].
 
-    Args:
-        time: evenly spaced [s], shape (time,).
-        torque: [N m], shape (time, axle).
-        limit: RMS of a window above which a spell lasts [N m].
-
-    Returns:
-        NaN where the run is shorter than two windows or has no torque at some time.
-    """
-    found = ripple_windows(time, torque)
-    if found is None:
-        return Ripple(math.nan, math.nan, math.nan)
-    from scipy.signal import welch  # slow to load, and seldom needed
-
-    windows, high = found
-    spell = longest = np.zeros(windows.shape[1])
-    for above in windows > limit:
-        spell = np.where(above, spell + WINDOW, 0.0)
-        longest = np.maximum(longest, spell)
-    sizes, step = np.percentile(windows, PERCENTILE, axis=0), float(time[1] - time[0])
-    worst = int(np.argmax(sizes))
-    frequency, power = welch(high[:, worst], fs=1.0 / step, nperseg=min(len(high), 4 * round(WINDOW / step)))
-    return Ripple(float(sizes[worst]), float(longest.max()), float(frequency[np.argmax(power)]))
-
-
-def ripple_windows(time: Array, torque: Array) -> tuple[Array, Array] | None:
-    """RMS above RIPPLE_ABOVE in each window, shape (window, axle), and the filtered torque, shape (time, axle).
-
-    None where the run is shorter than two windows or has no torque at some time.
+    A spell lasts while the RMS of a window is above a limit [N m]. NaN where the run is shorter than two windows or has no torque
+    at some time.
     """
     if time.size < 2 or time[-1] - time[0] < 2.0 * WINDOW or not np.isfinite(torque).all():
-        return None
-    from scipy.signal import butter, sosfiltfilt  # slow to load, and seldom needed
+        return Ripple(math.nan, math.nan, math.nan)
+    from scipy.signal import butter, sosfiltfilt, welch  # slow to load, and seldom needed
 
     step = float(time[1] - time[0])
     window = round(WINDOW / step)
     high = sosfiltfilt(butter(4, RIPPLE_ABOVE, "highpass", fs=1.0 / step, output="sos"), torque, axis=0)
     count = len(high) // window
-    return np.sqrt(np.mean(high[: count * window].reshape(count, window, -1) ** 2, axis=1)), high
+    windows = np.sqrt(np.mean(high[: count * window].reshape(count, window, -1) ** 2, axis=1))  # of window and axle
+    spell = longest = np.zeros(windows.shape[1])
+    for above in windows > limit:
+        spell = np.where(above, spell + WINDOW, 0.0)
+        longest = np.maximum(longest, spell)
+    sizes = np.percentile(windows, PERCENTILE, axis=0)
+    worst = int(np.argmax(sizes))
+    frequency, power = welch(high[:, worst], fs=1.0 / step, nperseg=min(len(high), 4 * window))
+    return Ripple(float(sizes[worst]), float(longest.max()), float(frequency[np.argmax(power)]))
 
 
 def by_own_motion(run: xr.Dataset) -> float | None:
@@ -171,23 +163,15 @@ def by_own_motion(run: xr.Dataset) -> float | None:
     return float(np.corrcoef(error, own)[0, 1] ** 2)
 
 
-SLIP_EDGES = np.append(np.linspace(0.0, 1.0, 51), np.inf)
-"""Edges of the classes of |slip| [-]; the last one is open."""
-
-SLIDES = 0.10
-"""An axle that has slid by more than this regains adhesion some time [-]."""
-
-LOCKED = 0.05
-"""An axle slower than this part of the train's speed is locked [-]."""
+SLIP_EDGES = np.append(np.linspace(0.0, 1.0, 51), np.inf)  # edges of the classes of |slip| [-]; the last one is open
+SLIDES = 0.10  # an axle that has slid by more than this regains adhesion some time [-]
+LOCKED = 0.05  # an axle slower than this part of the train's speed is locked [-]
 
 OSCILLATES = 100.0
 """Torque of a drive from which its ripple counts as an oscillation [N m]: 1 % of the torque that brakes an axle."""
 
-LIMITED = 0.999
-"""Part of the largest torque from which a command is at its limit."""
-
-SERIES_STEP = 0.1
-"""Step of the distance over time that is kept [s]."""
+LIMITED = 0.999  # part of the largest torque from which a command is at its limit
+SERIES_STEP = 0.1  # step of the distance over time that is kept [s]
 
 
 @dataclass(frozen=True)
@@ -342,14 +326,9 @@ def spells(flags: Mask) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
 
 
 def regrip_adhesion(slips: Array, used: Array) -> float:
-    """Largest force of an axle over its load once it has slid: what acts on it at its readhesion [-].
+    """Largest force of an axle over its load once it has slid by more than SLIDES, at its readhesion [-]; NaN: none has.
 
-    Args:
-        slips: |slip|, shape (time, axle); NaN: the train is too slow.
-        used: |creep force| over static axle load, same shape.
-
-    Returns:
-        The largest of all axles; NaN where none slid by more than SLIDES.
+    Of |slip|, NaN where the train is too slow, and |creep force| over static axle load, both of shape (time, axle).
     """
     has_slid = np.logical_or.accumulate(np.nan_to_num(slips) > SLIDES, axis=0)
     return float(used[has_slid].max()) if has_slid.any() else math.nan
@@ -403,11 +382,8 @@ def flat_length(energy: float, radius: float, wear: float, width: float) -> floa
         V = k E        (H1)
         L = (12 r V / b)^(1/3)        (H2)
 
-    Args:
-        energy: E, dissipated under one wheel while it did not turn [J].
-        radius: r of the wheel [m].
-        wear: k, volume worn off per energy [m^3/J].
-        width: b of the flat across the tread [m].
+    Of the energy E dissipated under one wheel while it did not turn [J], its radius r [m], the volume k worn off per energy
+    [m^3/J] and the width b of the flat across the tread [m].
 
     Example:
         >>> round(1e3 * flat_length(165e3, radius=0.46, wear=7e-13, width=0.012), 1)

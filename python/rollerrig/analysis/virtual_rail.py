@@ -20,8 +20,7 @@ from rollerrig.simulation.virtual_train import rail_patch
 SLIDES = (1.2, 0.005)
 """A wheel slides on the virtual rail beyond so many times the slip at which the adhesion is used up, plus so much [-]."""
 
-FULL_SLIDING = 0.98
-"""Share of the friction limit from which a contact counts as sliding [-]."""
+FULL_SLIDING = 0.98  # share of the friction limit from which a contact counts as sliding [-]
 
 _SLIPS = np.geomspace(1e-4, 0.5, 160)
 
@@ -36,11 +35,7 @@ class Patch:
 
 
 def patch_of(model: AssembledModel) -> Patch:
-    """The patch of the virtual train's wheels.
-
-    Raises:
-        StartError: the vehicle has no equilibrium on track.
-    """
+    """The patch of the virtual train's wheels; StartError: the vehicle has no equilibrium on track."""
     found = rail_patch(model)
     return Patch(found.a, found.b, found.load)
 
@@ -54,11 +49,7 @@ def rail_shape(case: Case) -> Condition:
 def creep_curve(case: Case, patch: Patch, adhesion: float, slip: Array) -> tuple[Array, Array]:
     """Friction (A1) and longitudinal force over load of a wheel on the virtual rail, both [-], as the core computes them.
 
-    Args:
-        case: whose rail, creep law and speed it is.
-        patch: of a wheel.
-        adhesion: at no slip [-].
-        slip: over the train's speed [-].
+    Of rail, creep law and speed of the case, adhesion at no slip [-], and slips over the train's speed [-].
     """
     rail, contact, slip = rail_shape(case), case.contact, np.asarray(slip, dtype=np.float64)
     friction = _core.friction_at(
@@ -82,14 +73,7 @@ def creep_peak(case: Case, patch: Patch, adhesion: float) -> tuple[float, float]
 
 
 def rail_peak(case: Case, patch: Patch, rail: Condition, speed: float) -> tuple[float, float]:
-    """Peak of the creep curve of a rail: slip and force over load there [-].
-
-    Args:
-        case: with [adhesion], whose creep law it is.
-        patch: of a wheel.
-        rail: its condition.
-        speed: of the train [m/s].
-    """
+    """Peak of the creep curve of a rail, by its condition, at a speed of the train [m/s]: slip and force over load there [-]."""
     assert case.adhesion is not None
     motion = case.motion.model_copy(update={"speed": speed})
     own = case.model_copy(update={"motion": motion, "adhesion": case.adhesion.model_copy(update={"rail": rail})})
@@ -103,13 +87,7 @@ def rail_peak(case: Case, patch: Patch, rail: Condition, speed: float) -> tuple[
 
 
 def slipperiest_peak(case: Case, patch: Patch, speed: float) -> tuple[float, float]:
-    """Peak of the creep curve of the most slippery rail of a test: slip and force over load there [-].
-
-    Args:
-        case: whose [adhesion] may have several rails along the way.
-        patch: of a wheel.
-        speed: of the train [m/s].
-    """
+    """The same of the most slippery rail of a test, whose [adhesion] may have several along the way."""
     if case.adhesion is None:
         return math.inf, math.nan
     rails = {str(r): r for r in (case.adhesion.rail, *(piece.rail for piece in case.adhesion.piece))}
@@ -122,11 +100,7 @@ def available_adhesion(case: Case, patch: Patch, places: Array, speeds: Array) -
     Friction at no slip is that of each place, where conditions blend, too; the height of the peak over it is that of the
     condition whose piece the place is in, at six speeds and linear between.
 
-    Args:
-        case: with [adhesion].
-        patch: of a wheel.
-        places: of the axle [m], or times [s] where the pieces of the rail begin at times.
-        speeds: of the train at the same instants [m/s].
+    At places of the axle [m], or times [s] where the pieces of the rail begin at times, and speeds of the train there [m/s].
     """
     adhesion = case.adhesion
     assert adhesion is not None

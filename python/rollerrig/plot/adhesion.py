@@ -4,6 +4,7 @@ Signals of the axles of one or more runs over time: a colour per axle, a line st
 Of ensembles: bars of causes with their errors, distributions of slip, distance over dead time.
 """
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
@@ -38,32 +39,45 @@ def axles_over_time(runs: Mapping[str, xr.Dataset], signals: Sequence[Signal], h
         return figure
 
 
-def speeds(track: xr.Dataset, rig: xr.Dataset, radius: float) -> Figure:
-    """Speeds of train and wheels: one panel per axle with rig, virtual train and track."""
-    axles = [str(axle) for axle in rig["axle"].to_numpy()]
-    labels = [f"{axle.replace('_', ' ')}\nspeed [km/h]" for axle in axles]
-    with panels(labels, "time [s]", 2.3 + 2.2 * len(axles)) as (figure, found):
+AxleCurve = tuple[xr.DataArray, int, Any, str]
+"""Values over time, of each axle or the train, number of the colour, style, label."""
+
+
+def per_axle(what: str, curves: Sequence[AxleCurve]) -> Figure:
+    """A panel per axle of the first curve, with all of them; `{}` in what it shows stands for the axle."""
+    axles = [str(axle) for axle in curves[0][0]["axle"].to_numpy()]
+    labels = [what.format(axle.replace("_", " ")) for axle in axles]
+    with panels(labels, "time [s]", 1.0 + 1.7 * len(axles)) as (figure, found):
         for axes, axle in zip(found, axles, strict=True):
-            for run, name, factor, colour, look, label in (
-                (track, "train_speed", 3.6, 5, {"style": "--"}, "train, track"),
-                (rig, "train_speed", 3.6, 4, {}, "train, virtual"),
-                (track, "axle_speed", 3.6 * radius, 1, {"style": "--"}, "wheel, track"),
-                (rig, "virtual_speed", 3.6 * radius, 2, {"linewidth": 3.2, "alpha": 0.45}, "wheel, virtual"),
-                (rig, "axle_speed", 3.6 * radius, 0, {}, "wheel, rig"),
-            ):  # the virtual wheel is a broad band, since the rig's lies on it
-                values = run[name].sel(axle=axle) if "axle" in run[name].dims else run[name]
-                line(axes, run["time"], factor * values, colour, label=label, **look)
+            for values, *look in curves:
+                line(axes, values["time"], values.sel(axle=axle) if "axle" in values.dims else values, *look)
         return figure
 
 
-def first_slide(track: xr.Dataset, rig: xr.Dataset, radius: float) -> Figure:
+def speeds(track: xr.Dataset, rig: xr.Dataset, radius: float) -> Figure:
+    """Speeds of train and wheels: one panel per axle with rig, virtual train and track."""
+    wheel = 3.6 * radius
+    return per_axle("{}\nspeed [km/h]", (
+        (wheel * rig["virtual_speed"], 2, ":", "wheel, virtual"),
+        (3.6 * track["train_speed"], 5, "--", "train, track"),
+        (3.6 * rig["train_speed"], 4, "-", "train, virtual"),
+        (wheel * track["axle_speed"], 1, "--", "wheel, track"),
+        (wheel * rig["axle_speed"], 0, "-", "wheel, rig"),
+    ))  # fmt: skip
+
+
+def first_slide(runs: Mapping[str, xr.Dataset], radius: float) -> Figure:
     """Slip of the wheels over some seconds of sliding, and what wheel slide protection or wheel-slip control does."""
-    start = _first_slide(track, radius)
-    cut = {label: run.sel(time=slice(start, start + 8.0)) for label, run in (("rig", rig), ("track", track))}
-    braked = float(track["dump_cycles"][-1].sum()) > 0
+    start = _first_slide(runs["track"], radius)
+    cut = {label: run.sel(time=slice(start, start + 8.0)) for label, run in runs.items()}
+    braked = float(runs["track"]["dump_cycles"][-1].sum()) > 0
     response: Signal = PRESSURE if braked else ("part of\nthe demand", "torque_factor", 1.0)
-    slip = ("wheel less\ntrain [m/s]", lambda run: radius * run["axle_speed"] - run["train_speed"], 1.0)
-    return axles_over_time(cut, (slip, response), 4.6)
+    return axles_over_time(cut, (wheel_less_train(radius), response), 4.6)
+
+
+def wheel_less_train(radius: float) -> Signal:
+    """Sliding of the wheels on rail, or on the virtual one; radius of the wheels [m]."""
+    return "wheel less\ntrain [m/s]", lambda run: radius * run["axle_speed"] - run["train_speed"], 1.0
 
 
 def _first_slide(run: xr.Dataset, radius: float) -> float:
@@ -88,14 +102,15 @@ def _own_motion(run: xr.Dataset) -> xr.DataArray:
 
 
 @house_style()
-def cause_bars(shares: Mapping[str, tuple[float, float, bool]]) -> Figure:
+def cause_bars(causes: Mapping[str, Mapping[str, Any]]) -> Figure:
     """Bars of what each imperfection contributes to the difference in distance; the last one is all of them.
 
-    By name the part of the track's distance [-], its standard error, and whether it is inside its error: drawn hollow.
+    By name the part of the track's distance [-] as `mean` and `standard_error`; drawn hollow if `within_its_error`.
     """
     figure, (axes,) = new_figure(1, height=2.6)
-    for row, (share, error, hidden) in enumerate(shares.values()):
-        colour = COLOURS[1] if row == len(shares) - 1 else COLOURS[0]
+    for row, one in enumerate(causes.values()):
+        share, error, hidden = one["mean"], one["standard_error"] or 0.0, one["within_its_error"]
+        colour = COLOURS[1] if row == len(causes) - 1 else COLOURS[0]
         look: dict[str, Any] = (
             {"facecolor": "none", "edgecolor": colour, "linestyle": "--"} if hidden else {"color": colour}
         )
@@ -103,7 +118,7 @@ def cause_bars(shares: Mapping[str, tuple[float, float, bool]]) -> Figure:
         bar = axes.barh(row, 100.0 * share, height=0.55, xerr=100.0 * error, error_kw=whiskers, **look)
         text = f"{100.0 * share:+.2f} ± {100.0 * error:.2f}" + (", inside its error" if hidden else "")
         axes.bar_label(bar, [text], padding=5)
-    axes.set_yticks(range(len(shares)), list(shares))
+    axes.set_yticks(range(len(causes)), list(causes))
     axes.invert_yaxis()
     axes.axvline(0.0, color="black", linewidth=0.8)
     axes.margins(x=0.45)
@@ -112,41 +127,83 @@ def cause_bars(shares: Mapping[str, tuple[float, float, bool]]) -> Figure:
 
 
 @house_style()
-def slip_histogram(edges: Array, shares: Mapping[str, Array]) -> Figure:
-    """Part of the time at each slip, and the sums.
+def slip_histograms(edges: Array, shares: Mapping[str, Mapping[str, Array]]) -> Figure:
+    """Part of the time at each slip: a panel per test, track beside rig.
 
-    Args:
-        edges: of the classes of |slip| [-], the last one infinite; shape (class + 1,).
-        shares: run -> part of the time, shape (class,).
+    Edges of the classes of |slip| [-], the last one infinite, shape (class + 1,); test -> support -> shares, shape (class,).
     """
-    figure, (parts, sums) = new_figure(2, height=4.4, sharex=True)
-    used = max((int(np.flatnonzero(one > 1e-4)[-1]) + 1 for one in shares.values() if (one > 1e-4).any()), default=1)
-    ends = 100.0 * np.where(np.isfinite(edges), edges, 2.0 * edges[-2] - edges[-3])[: used + 1]
-    for number, (label, one) in enumerate(shares.items()):
-        style = "--" if label == "track" else "-"
-        look: dict[str, Any] = {"color": COLOURS[1 - number % 2], "linestyle": style, "linewidth": 1.3}
-        parts.stairs(100.0 * one[:used], ends, label=label, **look)
-        sums.plot(ends[1:], 100.0 * np.cumsum(one)[:used], label=label, **look)
-    parts.set_ylabel("part of the time [%]")
-    sums.set(ylabel="at most this slip\n[% of the time]", xlabel="|wheel speed - train speed| over train speed [%]")
-    parts.legend()
+    columns = min(3, len(shares))
+    rows = math.ceil(len(shares) / columns)
+    figure, grid = new_grid(rows, columns, height=max(2.8, 0.6 + 1.7 * rows), sharex=True, sharey=True)
+    ends = 100.0 * np.where(np.isfinite(edges), edges, 2.0 * edges[-2] - edges[-3])
+    for axes, (name, own) in zip(grid.flat, shares.items(), strict=False):
+        for label, one in own.items():
+            colour, style = (COLOURS[1], "--") if label == "track" else (COLOURS[0], "-")
+            axes.stairs(np.maximum(100.0 * one, 1e-3), ends, label=label, color=colour, linestyle=style, linewidth=1.2)
+        axes.set_title(name.replace("_", " "))
+        logarithmic(axes, "y")
+        axes.set_ylim(0.05, 120.0)
+    for axes in grid.flat[len(shares) :]:
+        axes.set_visible(False)
+    grid[0, 0].legend()
+    figure.supxlabel("|wheel speed - train speed| over train speed [%]", fontsize=9.0)
+    figure.supylabel("part of the time [%]", fontsize=9.0)
+    return figure
+
+
+@house_style()
+def means_with_intervals(
+    stops: Sequence[str],
+    found: Mapping[str, Sequence[Mapping[str, Any] | None]],
+    xlabel: str,
+    *,
+    dry: Sequence[float | None] = (),
+    limits: Sequence[float | None] = (),
+    zero: bool = False,
+) -> Figure:
+    """A line per stop, track and rig beside each other: means with their ends, values of the dry stop, limits; None: none.
+
+    With a line at `zero` for differences.
+    """
+    figure, (axes,) = new_figure(1, height=1.1 + 0.32 * len(stops))
+    for label, ends in found.items():
+        shift, colour, marker = (-0.14, COLOURS[1], "s") if label == "track" else (0.14, COLOURS[0], "o")
+        shown = [(row + shift, one) for row, one in enumerate(ends) if one is not None and one["mean"] is not None]
+        reach = [[abs(one["mean"] - (one["mean"] if one[end] is None else one[end])) for _, one in shown]
+                 for end in ("low", "high")]  # fmt: skip
+        look: dict[str, Any] = {"fmt": marker, "markersize": 4, "color": colour, "capsize": 2.5}
+        axes.errorbar([one["mean"] for _, one in shown], [row for row, _ in shown], xerr=reach, label=label, **look)
+    marks: Mapping[str, dict[str, Any]] = {
+        "dry": {"marker": "|", "color": GREY},
+        "limit": {"marker": "D", "facecolors": "none", "edgecolors": "black"},
+    }
+    for (label, look), values in zip(marks.items(), (dry, limits), strict=True):
+        points = [(value, row) for row, value in enumerate(values) if value is not None]
+        if points:
+            across, places = zip(*points, strict=True)
+            axes.scatter(across, places, s=34, label=label, zorder=4, **look)
+    if zero:
+        axes.axvline(0.0, color=GREY, linewidth=0.8)
+    axes.set_yticks(range(len(stops)), [name.replace("_", " ") for name in stops])
+    axes.set(ylim=(len(stops) - 0.5, -0.5), xlabel=xlabel)
+    axes.legend(loc="best")
     return figure
 
 
 @house_style()
 def dead_time_curve(
-    track: Mapping[float, tuple[float, float]], rig: tuple[float, float], predicted: tuple[float, float]
+    track: Mapping[float, Mapping[str, Any]], rig: Mapping[str, Any], predicted: tuple[float, float]
 ) -> Figure:
-    """Distance on track [m], with its standard error, over additional dead time [ms]; that of the rig.
+    """Distance on track [m] over additional dead time [ms], that of the rig, each as mean and standard error.
 
     Vertical lines: equivalent dead time in closed form, and the least [ms].
     """
     figure, (axes,) = new_figure(1, height=2.8)
-    delays = sorted(track)
-    means, errors = zip(*(track[delay] for delay in delays), strict=True)
+    delays, mean, reach = sorted(track), rig["mean"], rig["standard_error"] or 0.0
+    means, errors = zip(*((track[d]["mean"], track[d]["standard_error"] or 0.0) for d in delays), strict=True)
     axes.errorbar(delays, means, errors, color=COLOURS[1], marker="o", markersize=4, capsize=3.0, label="track")
-    axes.axhline(rig[0], color=COLOURS[0], linewidth=1.3, label="rig")
-    axes.axhspan(rig[0] - rig[1], rig[0] + rig[1], color=COLOURS[0], alpha=0.2, linewidth=0.0)
+    axes.axhline(mean, color=COLOURS[0], linewidth=1.3, label="rig")
+    axes.axhspan(mean - reach, mean + reach, color=COLOURS[0], alpha=0.2, linewidth=0.0)
     for value, style in zip(predicted, ("--", ":"), strict=True):
         axes.axvline(value, color=GREY, linestyle=style, linewidth=1.0)
     axes.set(xlabel="additional dead time of the protection on track [ms]", ylabel="mean distance [m]")

@@ -1,8 +1,9 @@
 """Figures of the rig's control: comparisons of controllers, and frequency responses."""
 
 import math
-from collections.abc import Mapping, Sequence
-from typing import Any, Literal, NamedTuple
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from textwrap import wrap
+from typing import Any, Literal
 
 import numpy as np
 import xarray as xr
@@ -24,25 +25,13 @@ from rollerrig.plot.style import (
     panels,
 )
 
-
-class Errors(NamedTuple):
-    """Tracking RMS [% of train speed] and ripple of the roller torque [N m], and whether the test ended before its time.
-
-    Of one curve along an axis each has a value per test, or both ends of its range; NaN where it is not known.
-    """
-
-    tracking: Sequence[float]
-    ripple: Sequence[float]
-    ended: Sequence[bool]
-
-
 LIMIT: dict[str, Any] = {"color": "#b00020", "linewidth": 1.0, "linestyle": (0, (5, 2))}
 SHIPPED: dict[str, Any] = {"color": GREY, "linewidth": 1.0, "linestyle": ":"}
 """Looks of a failure limit, and of the case as it is."""
 
 
 def over_parameter(
-    curves: Mapping[str, tuple[Sequence[float], Errors]],
+    curves: Mapping[str, Array],
     label: str,
     scale: Literal["log", "linear"],
     base: float | None,
@@ -50,67 +39,35 @@ def over_parameter(
 ) -> Figure:
     """Tracking error and ripple over what is varied, a line per curve; a vertical line at the base, the value of the case.
 
-    Curves are values along the axis with their errors, by label.
-    Limits: tracking RMS [%] and ripple [N m] from which on a variant fails.
+    Curves by label: a row of value, tracking RMS [-] and ripple [N m] per test, NaN where it ended early.
+    Limits: the same two numbers from which on a variant fails.
     """
-    with panels(("tracking error\nRMS [%]", "torque ripple\nRMS [N m]"), label, 4.6) as (figure, (tracking, ripple)):
-        for number, (name, (value, errors)) in enumerate(curves.items()):
+    with panels(("tracking error\nRMS [%]", "torque ripple\nRMS [N m]"), label, 4.6) as (figure, both):
+        for number, (name, points) in enumerate(curves.items()):
             style = {**look(number), "marker": MARKERS[number % len(MARKERS)], "markersize": 4.0}
-            x, over = np.array(value), np.array(errors.ended)
-            for axes, values in ((tracking, errors.tracking), (ripple, errors.ripple)):
-                axes.plot(x, np.where(over, np.nan, values), label=name, **style)
-            if over.any():
-                y, top = np.full(over.sum(), 0.94 - 0.08 * number), tracking.get_xaxis_transform()
-                early = f"{name}: test ended early"
-                tracking.plot(x[over], y, "x", color=colour(number), markersize=7.0, transform=top, label=early)
-        for axes, limit in zip((tracking, ripple), limits, strict=True):
+            for axes, values, factor in zip(both, points.T[1:], (100.0, 1.0), strict=True):
+                axes.plot(points[:, 0], factor * values, label=name, **style)
+            early = points[np.isnan(points[:, 1]), 0]
+            if early.size:
+                y, top = np.full(early.size, 0.94 - 0.08 * number), both[0].get_xaxis_transform()
+                options: dict[str, Any] = {"color": colour(number), "markersize": 7.0, "transform": top}
+                both[0].plot(early, y, "x", label=f"{name}: test ended early", **options)
+        for axes, limit, least in zip(both, (100.0 * limits[0], limits[1]), (0.0, 1e-2), strict=True):
             logarithmic(axes, "y")
             axes.axhline(limit, **LIMIT)
-            axes.set_ylim(bottom=max(axes.get_ylim()[0], 1e-2 * limit if axes is ripple else 0.0))
+            axes.set_ylim(bottom=max(axes.get_ylim()[0], least * limit))
             if base is not None:
                 axes.axvline(base, **SHIPPED)
         if scale == "log":
-            logarithmic(ripple)
-    return figure
-
-
-@house_style()
-def ranges(bars: Mapping[str, Errors], base: tuple[float, float], limits: tuple[float, float]) -> Figure:
-    """Range of tracking error and ripple of every curve, the worst on top; those of the case as it is, limits of failure."""
-    figure, axes = new_grid(1, 2, height=1.4 + 0.24 * len(bars), sharey=True, width_ratios=(3, 2))
-    tracking, ripple = axes[0]
-    rows = np.arange(len(bars))
-    for axes, values, limit, shipped in (
-        (tracking, [bar.tracking for bar in bars.values()], limits[0], base[0]),
-        (ripple, [bar.ripple for bar in bars.values()], limits[1], base[1]),
-    ):
-        low, high = np.array(values).T
-        colours = [COLOURS[1] if h > limit else COLOURS[0] for h in high]
-        axes.barh(rows, high - low, left=low, height=0.62, color=colours)
-        for end in (low, high):
-            axes.plot(end, rows, "|", color="black", markersize=6)
-        logarithmic(axes)
-        axes.set_xlim(0.5 * max(low.min(), 3e-3 * limit), 2.0 * high.max())
-        axes.margins(y=0.01)
-        axes.axvline(limit, **LIMIT)
-        axes.axvline(shipped, **SHIPPED)
-    right = tracking.get_xlim()[1]
-    for row in (row for row, bar in enumerate(bars.values()) if any(bar.ended)):
-        tracking.annotate("test ended early ✕", (right, row), ha="right", va="center", fontsize=7.5, color=COLOURS[1],
-                          bbox={"boxstyle": "square,pad=0.1", "facecolor": "white", "edgecolor": "none"})  # fmt: skip
-    tracking.set_yticks(rows, list(bars), fontsize=7.5)
-    tracking.invert_yaxis()
-    tracking.set_xlabel("tracking error RMS [%]")
-    ripple.set_xlabel("torque ripple RMS [N m]")
+            logarithmic(both[1])
     return figure
 
 
 def loop_growth(points: Mapping[str, Sequence[float]]) -> Figure:
     """Growth rate and frequency of the least damped motion over the factor on the gains.
 
-    Args:
-        points: `factor`, and rate [1/s] and frequency [Hz] as `rolling_rate`, `rolling_hz`, `vehicle_*`, `measured_*`; NaN
-            where nothing grew; `unstable`: 1 where a run did.
+    Points have `factor`, and rate [1/s] and frequency [Hz] as `rolling_rate`, `rolling_hz`, `vehicle_*`, `measured_*`, NaN where
+    nothing grew; `unstable`: 1 where a run did.
     """
     labels = ("growth rate [1/s]\nabove 0: unstable", "frequency [Hz]")
     with panels(labels, "factor on the gains of the PI feedback [-]", 4.8) as (figure, (rate, frequency)):
@@ -131,28 +88,51 @@ def loop_growth(points: Mapping[str, Sequence[float]]) -> Figure:
     return figure
 
 
-@house_style()
-def courses(runs: Mapping[str, xr.Dataset], radius: float) -> Figure:
-    """Leading axle of some runs over time: wheel and virtual wheel, tracking error, roller torque; a column with own scales each.
+Curve = tuple[Any, int, str, str]
+"""Values over time, number of the colour, style, label."""
+Rows = Mapping[str, Callable[[xr.Dataset], Iterable[Curve]]]
+"""Label of the ordinate -> curves of a run."""
 
-    Args:
-        runs: label -> Dataset with `axle_speed`, `virtual_speed`, `train_speed`, `roller_torque`.
-        radius: of the wheels [m].
-    """
-    figure, grid = new_grid(3, len(runs), height=5.6, sharex=True)
-    for (speed, error, torque), (label, run) in zip(grid.T, runs.items(), strict=True):
-        axle, time = run.isel(axle=0), run["time"]
-        line(speed, time, 3.6 * axle["train_speed"], 5, "--", "virtual train")
-        line(speed, time, 3.6 * radius * axle["axle_speed"], 0, "-", "wheel")
-        line(speed, time, 3.6 * radius * axle["virtual_speed"], 1, ":", "virtual wheel")
-        line(error, time, 100.0 * radius * (axle["axle_speed"] - axle["virtual_speed"]) / axle["train_speed"])
-        line(torque, time, 1e-3 * axle["roller_torque"])
-        speed.set_title(label, fontsize=8.0)
-        torque.set_xlabel("time [s]")
-    for axes, text in zip(grid[:, 0], ("speed [km/h]", "tracking error [%]", "roller torque [kN m]"), strict=True):
-        axes.set_ylabel(text)
-    legend_above(figure, grid[0, 0])
+
+@house_style()
+def runs_beside(runs: Mapping[str, xr.Dataset], rows: Rows, height: float, **options: Any) -> Figure:
+    """Some runs over time: a column for each, a row of panels for each of `rows`."""
+    figure, grid = new_grid(len(rows), len(runs), height=height, **{"sharex": "col", **options})
+    for column, (title, run) in zip(grid.T, runs.items(), strict=True):
+        for axes, curves in zip(column, rows.values(), strict=True):
+            for curve in curves(run):
+                line(axes, run["time"], *curve)
+        column[0].set_title("\n".join(wrap(title, 34)), fontsize=8.0, loc="left")
+        column[-1].set_xlabel("time [s]")
+    for axes, label in zip(grid[:, 0], rows, strict=True):
+        axes.set_ylabel(label)
+        if axes.get_legend_handles_labels()[0]:
+            axes.legend(fontsize=7.0)
     return figure
+
+
+def speed_curves(run: xr.Dataset, radius: float) -> list[Curve]:
+    """Speeds of train and wheel, virtual and on the rig [km/h], of a run of one axle; radius of the wheels [m]."""
+    return [
+        (3.6 * run["train_speed"], 5, "-", "train, virtual"),
+        (3.6 * radius * run["virtual_speed"], 1, "--", "wheel, virtual"),
+        (3.6 * radius * run["axle_speed"], 0, "-", "wheel, rig"),
+    ]
+
+
+def error_curves(run: xr.Dataset, radius: float) -> list[Curve]:
+    """Tracking error [% of train speed], of a train that is not too slow for it."""
+    fast = run["train_speed"].where(run["train_speed"] > 2.0)
+    return [(100.0 * radius * (run["axle_speed"] - run["virtual_speed"]) / fast, 0, "-", "")]
+
+
+def course_rows(radius: float) -> Rows:
+    """Speeds, tracking error and torque of the leading axle."""
+    return {
+        "speed [km/h]": lambda run: speed_curves(run.isel(axle=0), radius),
+        "tracking error\n[% of train speed]": lambda run: error_curves(run.isel(axle=0), radius),
+        "roller torque\n[kN m]": lambda run: [(1e-3 * run.isel(axle=0)["roller_torque"], 0, "-", "")],
+    }
 
 
 Response = tuple[Array, Complex]
@@ -209,17 +189,16 @@ def poles_and_zeros_figure(poles: Mapping[str, Complex], zeros: Mapping[str, Com
 
 
 @house_style()
-def front(points: Mapping[str, Sequence[Sequence[float]]], names: Sequence[str], shipped: str, chosen: str) -> Figure:
-    """Torque ripple over tracking error of candidates, the front among them as a line.
+def front(points: Mapping[str, Mapping[str, Any]], names: Sequence[str], shipped: str, chosen: str) -> Figure:
+    """Torque ripple over tracking error of candidates, as a line the names of the front, by rising tracking error.
 
-    Args:
-        points: by name tracking RMS [-] and ripple [N m], each as mean, lower and upper end.
-        names: of the front, by rising tracking error.
-        shipped: name of the case as it is.
-        chosen: name of the compromise.
+    Points have `tracking_rms` [-] and `ripple_nm` [N m] with `mean`, `low` and `high`; two names are those of the case as it is,
+    and of the compromise.
     """
     figure, (axes,) = new_figure(height=4.2)
-    shown = {name: np.array(one) * [[100.0], [1.0]] for name, one in points.items()}
+    both, ends = (("tracking_rms", 100.0), ("ripple_nm", 1.0)), ("mean", "low", "high")
+    shown = {name: np.array([[factor * (one[of][end] or math.nan) for end in ends] for of, factor in both])
+             for name, one in points.items()}  # fmt: skip
     on_front = [shown[name][:, 0] for name in names]
     if on_front:
         axes.plot(*np.array(on_front).T, color=COLOURS[0], label="front")

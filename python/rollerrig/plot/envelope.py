@@ -1,7 +1,6 @@
 """Figures of an envelope map: regions over torque and adhesion with the closed forms on them, and runs of each over time."""
 
-from collections.abc import Mapping, Sequence
-from textwrap import wrap
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -14,7 +13,8 @@ from matplotlib.tri import Triangulation
 from numpy.typing import NDArray
 
 from rollerrig.common.arrays import Array
-from rollerrig.plot.style import cell_edges, house_style, line, new_figure, new_grid
+from rollerrig.plot.control import Curve, Rows, error_curves, runs_beside, speed_curves
+from rollerrig.plot.style import cell_edges, house_style, new_figure
 
 FILLS: Mapping[str, tuple[str, str]] = {
     "grip": ("#e3f1e3", ""),
@@ -30,25 +30,17 @@ FILLS: Mapping[str, tuple[str, str]] = {
 }
 """Region -> colour and hatching: distinguished without colour too."""
 
-LINES: Mapping[str, tuple[str, Any, str]] = {
-    "line_grip": ("#1b5e20", "-", "rail: wheel begins to slide (V2)"),
-    "line_contact": ("#7f0000", "-", "roller: wheel begins to slide (V3)"),
-    "line_drive_grip": ("#8a4500", "-.", "drive carries the rail's force (V4)"),
-    "line_drive_slide": ("#8a4500", "--", "drive follows into the slide (V5)"),
-    "line_drive_recovery": ("#6b5b00", ":", "torque to be left for recovery (V6)"),
-    "line_vehicle": ("#000000", (0, (1, 1)), "vehicle's own brake or motor"),
+LINES: Mapping[str, tuple[str, Any]] = {
+    "line_grip": ("#1b5e20", "-"),
+    "line_contact": ("#7f0000", "-"),
+    "line_drive_grip": ("#8a4500", "-."),
+    "line_drive_slide": ("#8a4500", "--"),
+    "line_drive_recovery": ("#6b5b00", ":"),
+    "line_vehicle": ("#000000", (0, (1, 1))),
 }
-"""Closed form -> colour, style, name."""
+"""Closed form -> colour, style."""
 
-ERRORS = (0.003, 0.01, 0.03)
-"""Contours of the tracking error."""
-
-_PANELS = (
-    "speed [km/h]",
-    "torque [{unit}]",
-    "contact force over\nfriction limit [-]",
-    "tracking error\n[% of train speed]",
-)
+ERRORS = (0.003, 0.01, 0.03)  # contours of the tracking error
 
 
 @house_style()
@@ -65,7 +57,7 @@ def region_map(found: xr.Dataset, load: float, names: Mapping[str, str]) -> Figu
     look: dict[str, Any] = {"edgecolor": "#444444", "linewidth": 0.4}
     handles: list[Any] = [
         *(Patch(facecolor=FILLS[n][0], hatch=FILLS[n][1], label=names[n], **look) for n in FILLS if n in shown),
-        *(Line2D([], [], color=LINES[n][0], linestyle=LINES[n][1], linewidth=1.6, label=LINES[n][2]) for n in lines),
+        *lines,
         Line2D([], [], color="#0b3d91", linewidth=0.9, label="tracking error, RMS of train speed"),
         Line2D([], [], color="#333333", marker=".", markersize=3, linestyle="", label="a run"),
     ]
@@ -133,8 +125,8 @@ def _errors(axes: Axes, here: xr.Dataset) -> None:
     axes.clabel(drawn, fmt={level: f"{100 * 10**level:.2g} %" for level in levels}, fontsize=7.5)
 
 
-def _closed_forms(axes: Axes, here: xr.Dataset) -> list[str]:
-    shown = []
+def _closed_forms(axes: Axes, here: xr.Dataset) -> list[Line2D]:
+    shown: dict[str, Line2D] = {}
     low, high = sorted(axes.get_xlim())
     adhesion, scale = here["line_adhesion"].to_numpy(), _map_unit(here)[1]
     for side in here["side"].to_numpy():
@@ -142,40 +134,49 @@ def _closed_forms(axes: Axes, here: xr.Dataset) -> list[str]:
         for name in LINES:
             torque = sign * scale * here[name].sel(side=side).to_numpy()
             if np.any(np.isfinite(torque) & (torque > low) & (torque < high)):
-                _highlighted(axes, torque, adhesion, name)
-                shown.append(name)
+                shown[name] = _highlighted(axes, torque, adhesion, name, here[name].attrs["long_name"])
         contact = scale * here["line_contact"].sel(side=side).to_numpy()
         end = max(abs(limit) for limit in axes.get_xlim())
         if np.isfinite(contact).any() and end > np.nanmin(contact):
             # Where the wheel slides on the rail, sliding on the roller begins at a level of adhesion.
             level = float(here["contact_adhesion"].sel(side=side))
             _highlighted(axes, sign * np.array([np.nanmin(contact), end]), np.array([level, level]), "line_contact")
-    return [name for name in LINES if name in shown]
+    return [shown[name] for name in LINES if name in shown]
 
 
-def _highlighted(axes: Axes, x: Array, y: Array, name: str) -> None:
+def _highlighted(axes: Axes, x: Array, y: Array, name: str, label: str = "") -> Line2D:
     """A line of LINES on a light ground, to stand out from the regions."""
     axes.plot(x, y, color="white", linewidth=3.0, alpha=0.8)
-    axes.plot(x, y, color=LINES[name][0], linestyle=LINES[name][1], linewidth=1.6)
+    return axes.plot(x, y, color=LINES[name][0], linestyle=LINES[name][1], linewidth=1.6, label=label)[0]
 
 
-@house_style()
-def runs_over_time(runs: Sequence[tuple[str, xr.Dataset]], radius: float, friction: float) -> Figure:
+def runs_over_time(runs: Mapping[str, xr.Dataset], radius: float, friction: float) -> Figure:
     """Up to three runs beside each other: speeds, torques, friction used and tracking error of the axle that uses most of it.
 
     Radius of the wheels [m]; friction between wheel and roller [-].
     """
-    unit, scale = _unit(max(float(np.abs(run["roller_torque"]).max()) for _, run in runs))
-    figure, grid = new_grid(4, len(runs), height=7.0, sharex="col", sharey="row")
-    for column, (title, run) in zip(grid.T, runs, strict=True):
-        _one_run(column, _one_axle(run), radius, friction, scale)
-        column[0].set_title("\n".join(wrap(title, 34)), fontsize=8.0, loc="left")
-        column[-1].set_xlabel("time [s]")
-    for axes, label in zip(grid[:, 0], _PANELS, strict=True):
-        axes.set_ylabel(label.format(unit=unit))
-    handles, labels = zip(*(panel.get_legend_handles_labels() for panel in grid[:2, 0]), strict=True)
-    figure.legend([*handles[0], *handles[1]], [*labels[0], *labels[1]], loc="outside upper center", ncols=3)
-    return figure
+    unit, scale = _unit(max(float(np.abs(run["roller_torque"]).max()) for run in runs.values()))
+
+    def torques(run: xr.Dataset) -> list[Curve]:
+        return [
+            (scale * (run["brake_torque"] + run["traction_torque"]), 4, "-", "torque on the axle"),
+            (scale * run["roller_torque"], 3, "-", "of the roller drive"),
+            (scale * run["roller_command"], 2, ":", "its command"),
+        ]
+
+    def used(run: xr.Dataset) -> list[Curve]:
+        normal, force = (run[name].sum(("wheel", "patch")) for name in ("patch_normal", "patch_creep_force_x"))
+        one = xr.ones_like(run["time"])
+        limits = [(limit * one, 5, "--", "") for limit in (-1.0, 1.0)]
+        return [(force / np.maximum(friction * normal, 1.0), 0, "-", ""), *limits]
+
+    rows: Rows = {
+        "speed [km/h]": lambda run: speed_curves(run, radius),
+        f"torque [{unit}]": torques,
+        "contact force over\nfriction limit [-]": used,
+        "tracking error\n[% of train speed]": lambda run: error_curves(run, radius),
+    }
+    return runs_beside({title: _one_axle(run) for title, run in runs.items()}, rows, 7.0, sharey="row")
 
 
 def _one_axle(run: xr.Dataset) -> xr.Dataset:
@@ -185,19 +186,3 @@ def _one_axle(run: xr.Dataset) -> xr.Dataset:
     used = (np.abs(force) / np.maximum(normal, 1.0)).max(axis=0)
     axle = int(np.argmax(used)) // wheels
     return run.isel(axle=axle, wheel=slice(axle * wheels, (axle + 1) * wheels))
-
-
-def _one_run(column: Any, run: xr.Dataset, radius: float, friction: float, scale: float) -> None:
-    time, (speed, torque, used, error) = run["time"], column
-    line(speed, time, 3.6 * run["train_speed"], 5, "-", "train, virtual")
-    line(speed, time, 3.6 * radius * run["virtual_speed"], 1, "--", "wheel, virtual")
-    line(speed, time, 3.6 * radius * run["axle_speed"], 0, "-", "wheel, rig")
-    line(torque, time, scale * (run["brake_torque"] + run["traction_torque"]), 4, "-", "torque on the axle")
-    line(torque, time, scale * run["roller_torque"], 3, "-", "of the roller drive")
-    line(torque, time, scale * run["roller_command"], 2, ":", "its command")
-    normal, force = (run[name].sum(("wheel", "patch")) for name in ("patch_normal", "patch_creep_force_x"))
-    line(used, time, force / np.maximum(friction * normal, 1.0))
-    for limit in (-1.0, 1.0):
-        used.axhline(limit, color="#777777", linewidth=0.8, linestyle="--")
-    fast = np.where(run["train_speed"] > 2.0, run["train_speed"], np.nan)
-    line(error, time, 100 * radius * (run["axle_speed"] - run["virtual_speed"]) / fast)

@@ -65,9 +65,14 @@ class Quantity:
         return (self.shown[1] if self.shown else 1.0) * (0.0 if abs(value) < self.least else float(value))
 
     def cell(self, value: Any) -> object:
-        """A value as tables show it; a dash where there is none."""
+        """A value, or a mean with its interval, as tables show it; a dash where there is none."""
         if value is None:
             return "–"
+        if isinstance(
+            value, Mapping
+        ):  # of an ensemble: mean, and both ends of its interval where they are known and differ
+            mean, low, high = (self.cell(value[end]) for end in ("mean", "low", "high"))
+            return mean if "–" in (mean, low, high) or low == high else f"{mean} ({low} … {high})"
         if isinstance(value, bool | np.bool_):
             return "yes" if value else "no"
         if isinstance(value, str):
@@ -75,6 +80,11 @@ class Quantity:
         if isinstance(value, int | np.integer) and self.shown is None:
             return number(int(value))
         return number(self.in_shown_unit(value), self.digits)
+
+    def told(self, value: Any) -> str:
+        """The same with its unit, as sentences have it."""
+        unit = "" if self.shown_unit == "1" else self.shown_unit.replace("^2", "²")
+        return f"{self.cell(value)} {unit}".rstrip()
 
     def matches(self, path: Sequence[str]) -> bool:
         """Whether a place in summary.json is this quantity's."""

@@ -13,8 +13,10 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
+import numpy as np
 import xarray as xr
 
+from rollerrig.cases import rig_of
 from rollerrig.common.formatting import number, percent
 from rollerrig.config import Case, ConfigError, ConfigProblem
 from rollerrig.config.errors import nearest, one_of
@@ -23,7 +25,7 @@ from rollerrig.simulation.controllers import users_controllers
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Round, job
 from rollerrig.study.quantities import Numbers, Quantities
-from rollerrig.study.report import Block, Picture, Section, Table, Text
+from rollerrig.study.report import Block, Picture, Section, Table
 from rollerrig.study.runs import control as runs
 from rollerrig.study.runs.adhesion import track_case
 from rollerrig.study.runs.control import FAMILIES, MEASURED, RIPPLE_LIMIT, TRACKING_LIMIT, Family, Result, run_variant
@@ -37,26 +39,15 @@ REFERENCE_COLUMNS = ("status", "tracking_rms", "tracking_largest", "real_sliding
 
 @dataclass(frozen=True)
 class Failure:
-    """A part of a curve in which every value tried fails of one cause.
+    """A part of a curve in which every value tried fails of one cause."""
 
-    Attributes:
-        cause: as of Result.
-        begin, end: of the part, ascending; where a value without a failure is next to it, interpolated to where tracking or
-            ripple passes its limit. NaN: it goes on to the end of the values tried.
-        largest: tracking RMS [-] or ripple [N m], the largest there; NaN where the tests ended early.
-        largest_at: value that has it, or whose test ended first.
-    """
-
-    cause: str
+    cause: str  # as of Result
+    # begin, end: of the part, ascending; where a value without a failure is next to it, interpolated to where tracking or
+    # ripple passes its limit; NaN: it goes on to the end of the values tried
     begin: float
     end: float
-    largest: float
-    largest_at: float
-
-    @property
-    def throughout(self) -> bool:
-        """Whether it goes on to both ends of the values tried."""
-        return math.isnan(self.begin) and math.isnan(self.end)
+    largest: float  # tracking RMS [-] or ripple [N m], the largest there; NaN where the tests ended early
+    largest_at: float  # value that has it, or whose test ended first
 
 
 @dataclass(frozen=True)
@@ -68,30 +59,20 @@ class Rank:
     worst: Result
     failures: list[Failure]
 
-    @property
-    def curve(self) -> str:
-        """Its label."""
-        return self.worst.curve
-
 
 def failures(family: Family, points: Sequence[Result]) -> list[Failure]:
     """All parts of a curve that fail, its points in the order of the axis: a curve may pass again beyond one."""
-    found, last = [], len(points) - 1
-    for cause, group in itertools.groupby(range(len(points)), key=lambda k: points[k].cause):
-        if not cause:
-            continue
-        places = list(group)
-        worst = points[max(places, key=lambda k: points[k].severity)]
-        largest = float(worst.numbers[MEASURED[cause][0]]) if cause in MEASURED else math.nan
-        low, high = places[0], places[-1]
-        begin = _border(family, points[low], points[low - 1]) if low > 0 else math.nan
-        end = _border(family, points[high], points[high + 1]) if high < last else math.nan
-        found.append(Failure(cause, begin, end, largest, worst.value))
+    found = []
+    for cause, group in itertools.groupby(enumerate(points), key=lambda place: place[1].cause):
+        if cause:
+            places = list(group)
+            (low, first), (high, last) = places[0], places[-1]
+            worst = max((one for _, one in places), key=lambda r: r.severity)
+            largest = float(worst.numbers[MEASURED[cause][0]]) if cause in MEASURED else math.nan
+            begin = _border(family, first, points[low - 1]) if low > 0 else math.nan
+            end = _border(family, last, points[high + 1]) if high + 1 < len(points) else math.nan
+            found.append(Failure(cause, begin, end, largest, worst.value))
     return found
-
-
-def _along(family: Family, value: float) -> float:
-    return math.log(value) if family.scale == "log" else value
 
 
 def _border(family: Family, bad: Result, other: Result) -> float:
@@ -100,7 +81,7 @@ def _border(family: Family, bad: Result, other: Result) -> float:
         return bad.value
     key, limit = MEASURED[bad.cause]
     low, high = (math.log(r.numbers[key]) for r in (other, bad))
-    a, b = _along(family, other.value), _along(family, bad.value)
+    a, b = (math.log(r.value) if family.scale == "log" else r.value for r in (other, bad))
     value = a + (math.log(limit) - low) / (high - low) * (b - a)
     return math.exp(value) if family.scale == "log" else value
 
@@ -123,41 +104,16 @@ def ranking(families: Sequence[Family], results: Sequence[Result]) -> list[Rank]
 
 
 def failures_text(rank: Rank) -> str:
-    """All parts of a curve that fail, where, and the largest error there; empty where none does."""
+    """All parts of a curve that fail, from where to where ('…': the end of the values tried), and the largest error there."""
+    known = {"tracking": runs.TRACKING_CRITERION, "ripple": runs.RIPPLE_CRITERION}
     text, parts = rank.family.text, []
     for one in rank.failures:
-        known = {"tracking": runs.TRACKING_CRITERION, "ripple": runs.RIPPLE_CRITERION}
         cause = known.get(one.cause, f"{one.cause.replace('_', ' ')}, test ends early,")
-        if one.throughout:
-            where = f"throughout, {text(rank.points[0].value)} to {text(rank.points[-1].value)}"
-        elif math.isnan(one.begin) or math.isnan(one.end):
-            where = f"up to {text(one.end)}" if math.isnan(one.begin) else f"from {text(one.begin)} on"
-        else:
-            where = f"at {text(one.begin)}" if one.begin == one.end else f"from {text(one.begin)} to {text(one.end)}"
+        begin, end = ("…" if math.isnan(value) else text(value) for value in (one.begin, one.end))
         scale, unit = (100.0, "%") if one.cause == "tracking" else (1.0, "N m")
         largest = f" (largest {number(scale * one.largest, 3)} {unit} at {text(one.largest_at)})"
-        parts.append(f"{cause} {where}{'' if math.isnan(one.largest) else largest}")
+        parts.append(f"{cause} from {begin} to {end}{'' if math.isnan(one.largest) else largest}")
     return " and ".join(parts)
-
-
-LIMITS = f"limits of failure, {100 * TRACKING_LIMIT:g} % and {RIPPLE_LIMIT:g} N m"
-
-
-def range_chart(ranked: Sequence[Rank], shipped: Result) -> Picture:
-    """Range of the errors of every curve beside the limits."""
-    bars = {}
-    for rank in ranked:
-        points = [p.numbers for p in rank.points if p.completed] or [rank.worst.numbers]
-        error = [max(100.0 * n["tracking_rms"], 1e-4) for n in points]
-        ripple = [max(n["ripple_nm"], 0.1) for n in points if math.isfinite(n["ripple_nm"])] or [math.nan]
-        label = f"{rank.family.name.replace('_', ' ')}, {rank.curve}"
-        ends = (min(error), max(error)), (min(ripple), max(ripple))
-        bars[label] = figures.Errors(*ends, [not rank.worst.completed])
-    base = (100.0 * shipped.numbers["tracking_rms"], shipped.numbers["ripple_nm"])
-    caption = (
-        f"Range of the errors along each axis, the worst on top. Dashed: {LIMITS}; red: above it; dotted: shipped."
-    )
-    return Picture("ranges", figures.ranges(bars, base, (100.0 * TRACKING_LIMIT, RIPPLE_LIMIT)), caption)
 
 
 def ranking_table(case: Case, ranked: Sequence[Rank]) -> Table:
@@ -165,45 +121,44 @@ def ranking_table(case: Case, ranked: Sequence[Rank]) -> Table:
     rows = []
     for rank in ranked:
         worst, family = rank.worst, rank.family
-        shipped = family.text(family.base(case)) if family.base is not None else "–"
+        base = family.base(case)
+        shipped = "–" if base is None else family.text(base)
         cells = [QUANTITIES[name].cell(worst.numbers[name]) for name in ("tracking_rms", "ripple_nm")]
         error = cells[0] if worst.completed else "ended early"
         fails = failures_text(rank) or "no failure"
-        rows.append([family.title, rank.curve, fails, shipped, family.text(worst.value), error, cells[1]])
+        rows.append([family.title, worst.curve, fails, shipped, family.text(worst.value), error, cells[1]])
     header = ("varied", "curve", "fails", "shipped", "worst at", "tracking RMS [%]", "ripple [N m]")
-    return Table(header, rows, "every curve, the worst first")
+    return Table(header, rows, "every curve, the worst first; …: to the end of the values tried")
 
 
 def family_picture(case: Case, family: Family, results: Sequence[Result]) -> Picture:
     """Errors over the axis of a family, a line per curve."""
     curves = {}
     for label, points in curves_of(family, results).items():
-        errors, ripples = ([p.numbers[key] for p in points] for key in ("tracking_rms", "ripple_nm"))
-        measured = figures.Errors([100.0 * e for e in errors], ripples, [not p.completed for p in points])
-        curves[label] = [p.value for p in points], measured
-    base = family.base(case) if family.base is not None else None
-    limits = (100.0 * TRACKING_LIMIT, RIPPLE_LIMIT)
-    picture = figures.over_parameter(curves, family.axis, family.scale, base, limits)
-    return Picture(family.name, picture, f"{family.title}. Dashed: {LIMITS}; dotted: the case as shipped.")
+        both = ("tracking_rms", "ripple_nm")
+        curves[label] = np.array(
+            [(p.value, *(p.numbers[k] if p.completed else math.nan for k in both)) for p in points]
+        )
+    limits = (TRACKING_LIMIT, RIPPLE_LIMIT)
+    picture = figures.over_parameter(curves, family.axis, family.scale, family.base(case), limits)
+    caption = (
+        f"Dashed: limits of failure, {100 * TRACKING_LIMIT:g} % and {RIPPLE_LIMIT:g} N m; dotted: the case as shipped."
+    )
+    return Picture(family.name, picture, f"{family.title}. {caption}")
 
 
 def loop_blocks(loop: Numbers, points: list[dict[str, float]]) -> list[Block]:
-    """Text and figure of the report."""
-    shown = {key: number(value, 3) if isinstance(value, float) else "–" for key, value in loop.items()}
-    text = (
-        f"The feedback of one axle alone, in closed form, crosses over at {shown['crossover_hz']} Hz with a phase margin of "
-        f"{shown['phase_margin_deg']}°; its gains could be {shown['gain_margin']} times as large. As it is sampled, with "
-        "estimator and feed-forward, wheel and roller alone are unstable from "
-        f"{shown['unstable_from_factor_alone']} times on. In the vehicle the wheelsets oscillate on their springs along the "
-        f"track, and this decides: unstable from {shown['unstable_from_factor']} times on while the virtual wheel rolls on a dry "
-        f"rail, from {shown['unstable_from_factor_sliding']} times while it slides."
+    """Margins and limits of the gains, and figure, of the report."""
+    names = [q.key for q in QUANTITIES.below("loop") if "points" not in q.key]
+    table = QUANTITIES.list_table(
+        {"": loop}, names, "The feedback in closed form, and from which factor on its gains on it is unstable."
     )
     picture = figures.loop_growth({key: [point[key] for point in points] for key in points[0]})
     caption = (
         "Growth rate and frequency of the least damped motion above 10 Hz over the gains: computed with and without the vehicle, "
         f"and measured in lightly excited runs on a dry rail. A failure is the size alone: {runs.RIPPLE_CRITERION}."
     )
-    return [Text(text), Picture("loop_growth", picture, caption)]
+    return [table, Picture("loop_growth", picture, caption)]
 
 
 @dataclass(frozen=True)
@@ -310,7 +265,7 @@ class ControlStudy(Study[Found]):
             "ranking": [
                 {
                     "family": rank.family.name,
-                    "curve": rank.curve,
+                    "curve": rank.worst.curve,
                     "worst_value": rank.worst.value,
                     "worst_tracking_rms": rank.worst.numbers["tracking_rms"],
                     "worst_ripple_nm": rank.worst.numbers["ripple_nm"],
@@ -327,17 +282,9 @@ class ControlStudy(Study[Found]):
             f"As shipped the wheels follow the virtual train within {shipped} RMS of its speed. A variant fails with a "
             f"{runs.TRACKING_CRITERION}, with a {runs.RIPPLE_CRITERION}, or where the test ends early."
         ]
-        failing: dict[str, list[Rank]] = {}
-        for rank in (rank for rank in ranking(self.chosen, results.results) if rank.failures):
-            failing.setdefault(rank.family.name, []).append(rank)
+        failing = [rank for rank in ranking(self.chosen, results.results) if rank.failures]
         lines.append("Where variants fail, worst first:" if failing else "No variant failed within the ranges run.")
-        return lines + [f"– {self._sentence(ranks)}" for ranks in failing.values()]
-
-    def _sentence(self, ranks: Sequence[Rank]) -> str:
-        """Where the curves of one family fail."""
-        family = ranks[0].family
-        base = f" (shipped: {family.text(family.base(self.case))})" if family.base is not None else ""
-        return f"{family.title}{base} – {'; '.join(f'{rank.curve}: {failures_text(rank)}' for rank in ranks)}."
+        return lines + [f"– {one.family.title}, {one.worst.curve}: {failures_text(one)}." for one in failing]
 
     def files(self, results: Found, numbers: Numbers) -> Mapping[str, Any]:
         names = ("family", "curve", "value", "cause", *(q.key for q in QUANTITIES.below("*.*")))
@@ -348,11 +295,10 @@ class ControlStudy(Study[Found]):
     def sections(self, results: Found, numbers: Numbers) -> list[Section]:
         ranked = ranking(self.chosen, results.results)
         references = {r.curve: r.numbers for r in results.references}
-        courses = figures.courses(results.courses, self.case.vehicle.data.wheel.radius)
+        courses = figures.runs_beside(results.courses, figures.course_rows(self.case.vehicle.data.wheel.radius), 5.6)
         caption = "Leading axle over time: the case as shipped, and the worst runs of each kind that came to their end."
         sections = [
-            *([Section("Where variants fail", [range_chart(ranked, results.references[0]), ranking_table(self.case, ranked)])]
-              if ranked else []),
+            *([Section("Where variants fail", [ranking_table(self.case, ranked)])] if ranked else []),
             Section("Where the error comes from", [
                 QUANTITIES.table(references, REFERENCE_COLUMNS, "the case, and where its error comes from", "run"),
                 Picture("courses", courses, caption)]),
@@ -367,17 +313,13 @@ class ControlStudy(Study[Found]):
 
 
 def study_case(case: Case, duration: float | None) -> Case:
-    """The case as it is compared: shortened, and recorded finely enough to see ripple.
-
-    Raises:
-        ConfigError: it has no rig controller, or nothing that it could follow.
-    """
+    """The case as it is compared: shortened, and recorded finely enough to see ripple; ConfigError: nothing to compare."""
     track_case(case)
-    assert case.rig_control is not None
-    if not case.rig_control.is_ours:
+    control = rig_of(case)[1]
+    if not control.is_ours:
         needed = "needed: the built-in controller in the case; give your own class with --controller, beside it"
-        key = "user" if case.rig_control.user is not None else "fmu"
-        raise ConfigError.of(case.name, f"rig_control.{key}", repr(getattr(case.rig_control, key)), needed)
+        key = "user" if control.user is not None else "fmu"
+        raise ConfigError.of(case.name, f"rig_control.{key}", repr(getattr(control, key)), needed)
     length = case.time.duration if duration is None else min(duration, case.time.duration)
     step = max(runs.OUTPUT_STEP, case.time.sampling_step)
     return case.with_changes({"time.duration": length, "time.output_step": step})

@@ -18,7 +18,6 @@ from scipy.special import ndtr, ndtri, stdtrit
 
 from rollerrig.analysis.equivalent_dead_time import DeadTime, at_track_of
 from rollerrig.analysis.slide_statistics import TestRecord, test_record
-from rollerrig.common.formatting import number
 from rollerrig.config import Case, ConfigError, ConfigProblem
 from rollerrig.config.schema.ensemble import Ensemble
 from rollerrig.study.assessment import Interval
@@ -27,10 +26,8 @@ from rollerrig.study.jobs import Done, Job, Progress, Round, whole_run
 DRAWN = tuple(name for name in Ensemble.model_fields if name != "distribution")
 SEED = 20260713
 CONFIDENCE = 0.95
-MANY = 1000
-"""Tests that nobody makes to decide one number."""
-FINER, FINER_STARTS = 0.25, 3
-"""Part of step and samples that the finer tests have, and how many of them are made."""
+MANY = 1000  # tests that nobody makes to decide one number
+FINER, FINER_STARTS = 0.25, 3  # part of step and samples that the finer tests have, and how many of them are made
 
 
 def starts(case: Case, count: int) -> list[Case]:
@@ -45,11 +42,7 @@ def starts(case: Case, count: int) -> list[Case]:
 
 
 def drawn(case: Case, shares: Mapping[str, float]) -> Case:
-    """One test of an ensemble, by name in [ensemble] where in its distribution, 0 to 1; what is missing keeps its value.
-
-    Raises:
-        ConfigError: a value is none that the case may have.
-    """
+    """One test of an ensemble, by name in [ensemble] where in its distribution, 0 to 1; what is missing keeps its value."""
     spread, changes = case.ensemble, dict[str, object]()
     factors = {name: 1.0 + (2.0 * share - 1.0) * getattr(spread, name) for name, share in shares.items()}
     if case.adhesion is not None and "adhesion" in factors:
@@ -124,27 +117,20 @@ def finer(case: Case) -> Case:
 
 
 def recorded(case: Case, progress: Progress | None = None) -> TestRecord:
-    """Run a test and keep its record: a job.
-
-    Raises:
-        KeyboardInterrupt: Ctrl-C cut it short.
-    """
+    """Run a test and keep its record: a job, which a KeyboardInterrupt leaves without a result."""
     return test_record(whole_run(case, progress=progress), case)
 
 
 @dataclass(frozen=True)
 class Estimate:
-    """Mean over the tests of an ensemble, NaN where one of them has no such number, with its standard error.
-
-    Attributes:
-        freedom: degrees of freedom of the error; 0: unknown.
-        systematic: by how much the mean may be off beside that, however many tests are made: step and samples.
-    """
+    """Mean over the tests of an ensemble, NaN where one of them has no such number, with its standard error."""
 
     mean: float
     standard_error: float
-    freedom: float
-    systematic: float = 0.0
+    freedom: float  # degrees of freedom of the error; 0: unknown
+    systematic: float = (
+        0.0  # by how much the mean may be off beside that, however many tests are made: step and samples
+    )
 
     @property
     def interval(self) -> Interval:
@@ -170,7 +156,7 @@ class Estimate:
 
     def as_dict(self) -> dict[str, float]:
         """Dictionary for summary.json."""
-        return {"mean": self.mean, "standard_error": self.standard_error}
+        return {"mean": self.mean, "standard_error": self.standard_error, **vars(self.interval)}
 
 
 def estimate(values: Sequence[float]) -> Estimate:
@@ -188,25 +174,6 @@ def stepped(found: Estimate, coarse: Estimate | None, fine: Estimate | None) -> 
     a, b = (math.nan if one is None else one.mean for one in (coarse, fine))
     change = 0.0 if a == b else abs(b - a)  # also where both are infinite: not zero, against zero
     return replace(found, systematic=math.inf if math.isnan(change) else change)
-
-
-def with_error(one: Mapping[str, float | None], factor: float = 1.0) -> str:
-    """A mean of `as_dict` and its standard error as tables show them, times a factor; a dash where there is none."""
-    mean, error = one["mean"], one["standard_error"]
-    if mean is None or math.isnan(mean):
-        return "–"
-    known = error is not None and not math.isnan(error)
-    return number(factor * mean) + (f" ± {number(factor * (error or 0.0), 2)}" if known else "")
-
-
-def with_interval(one: Mapping[str, Any], factor: float = 1.0) -> str:
-    """A mean with the ends `low` and `high` of its interval, times a factor, likewise."""
-    if one["mean"] is None:
-        return "–"
-    mean = number(factor * one["mean"])
-    if one["low"] is None or one["high"] is None or one["low"] == one["high"]:
-        return mean
-    return f"{mean} ({number(factor * one['low'])} … {number(factor * one['high'])})"
 
 
 def difference(a: Sequence[float], b: Sequence[float]) -> Estimate:
@@ -251,11 +218,8 @@ def measure(records: Sequence[TestRecord], name: str) -> Estimate:
     return estimate(values_of(records, name))
 
 
-SHARES = (0.5, 1.0, 1.5)
-"""Shares of the predicted dead time, at which the track is run."""
-
-LEAST_STEP = 2e-3
-"""Between them at least [s]: less is not seen beside the scatter of the distance."""
+SHARES = (0.5, 1.0, 1.5)  # shares of the predicted dead time, at which the track is run
+LEAST_STEP = 2e-3  # between them at least [s]: less is not seen beside the scatter of the distance
 
 
 def protection_of(case: Case) -> str | None:
@@ -308,11 +272,7 @@ def start_name(name: str, number: int) -> str:
 
 
 def start_jobs(
-    cases: Mapping[str, Case],
-    make: Callable[[Case, int], Job],
-    end: int,
-    begin: int = 0,
-    starting: Starting = starts,
+    cases: Mapping[str, Case], make: Callable[[Case, int], Job], end: int, begin: int = 0, starting: Starting = starts
 ) -> Round:
     """A job for each variant and start, made of its case and number; `begin` of the `end` starts are done already."""
     return {

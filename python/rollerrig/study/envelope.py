@@ -5,7 +5,6 @@ Case of a rig with [rig_control] -> runs over torque, adhesion and load, refined
 """
 
 import itertools
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
@@ -15,17 +14,18 @@ import numpy as np
 import xarray as xr
 
 from rollerrig.analysis.envelope_borders import Border, borders, slides
-from rollerrig.analysis.rig_limits import LEAST_DURATION, LINES, NUMBERS, REGIONS, REPRODUCED, TRACKING_LIMIT
-from rollerrig.common.formatting import number
-from rollerrig.config import Case, ConfigError, Rig
+from rollerrig.analysis.rig_limits import LEAST_DURATION, NUMBERS, REGIONS, REPRODUCED, TRACKING_LIMIT
+from rollerrig.cases import rig_of
+from rollerrig.common.formatting import quantity
+from rollerrig.config import Case, ConfigError
 from rollerrig.config.validate.check_actuators import simulated_axles
 from rollerrig.plot import envelope as figures
 from rollerrig.study.frame import Study, dataset_rows
 from rollerrig.study.jobs import Done, Round, job, whole_run
 from rollerrig.study.quantities import Numbers, Quantities, Quantity
-from rollerrig.study.report import Block, Picture, Section, Table, Text
+from rollerrig.study.report import Block, Picture, Section, Text
 from rollerrig.study.runs import envelope as computed
-from rollerrig.study.runs.envelope import BEGIN, RISE, Point, torque_text
+from rollerrig.study.runs.envelope import BEGIN, RISE, Point
 
 
 def run_rows(found: xr.Dataset) -> list[list[object]]:
@@ -35,42 +35,6 @@ def run_rows(found: xr.Dataset) -> list[list[object]]:
     return [row for row in dataset_rows(found, columns, *computed.DIMENSIONS) if row[list(columns).index("region")]]
 
 
-def reach_table(found: xr.Dataset) -> Table:
-    """Largest reproduced torque over adhesion, a column per side and load."""
-    rows = borders(found)
-    columns = list(dict.fromkeys((row.side, row.load) for row in rows))
-    cells = {(row.side, row.load, row.adhesion): f"{torque_text(row.reached)}; {REGIONS.get(row.limit, 'the whole map')}"
-             for row in rows}  # fmt: skip
-    table = [
-        [number(adhesion), *(cells.get((side, load, adhesion), "–") for side, load in columns)]
-        for adhesion in sorted({row.adhesion for row in rows})
-    ]
-    names = dict(zip(found["load"].to_numpy().tolist(), 1e-3 * found["axle_load"].to_numpy(), strict=True))
-    header = ("adhesion", *(f"{side}, axle load {names[load]:.4g} kN" for side, load in columns))
-    caption = "largest torque on an axle up to which every run reproduces the rail, and the limit of the next"
-    return Table(header, table, caption)
-
-
-def deviations_table(found: xr.Dataset) -> Table:
-    """Closed form against the two runs on either side of each border."""
-    kinds = [(REGIONS.get(row.limit, ""), row) for row in borders(found)]
-    kinds += [("slide, (V2)", row) for row in slides(found)]
-    rows = [
-        [row.side, row.load, row.adhesion, name, f"{torque_text(row.reached)} … {torque_text(row.beyond)}", _compared(row),
-         torque_text(row.predicted), "✔" if row.agrees else "✘"]
-        for name, row in kinds if row.agrees is not None
-    ]  # fmt: skip
-    head = ("side", "load", "adhesion", "border of", "runs on either side", "left on the axles", "closed form", "agree")
-    return Table(head, rows)
-
-
-def _compared(row: Border) -> str:
-    """The torque left in the two runs, where that is what is compared."""
-    if row.compared == (row.reached, row.beyond):
-        return ""
-    return " … ".join(torque_text(t) if math.isfinite(t) else "–" for t in row.compared)
-
-
 METHOD = (
     f"Each point is a run of the whole rig, {{duration:g}} s long, from {{speed:.4g}} km/h; its torque rises from {BEGIN:g} s to "
     f"{BEGIN + RISE:g} s. A region is named after the limit that is reached first for at least {1e3 * LEAST_DURATION:g} ms; "
@@ -78,7 +42,8 @@ METHOD = (
     "of the nearest one."
 )
 CLOSED_FORMS = (
-    "Lines are the closed forms of docs/theory/envelope.md, not fits. A border agrees if the predicted torque lies between the "
+    "Up to which torque every run reproduces the rail, and the limit of the next; then where wheels begin to slide, (V2). "
+    "Closed forms are those of docs/theory/envelope.md, not fits. A border agrees if the predicted torque lies between the "
     "runs on either side, give or take one step of torque; at a border of recovery the torque left on the axles in these "
     "two runs lies above and below what (V6) asks for. All borders count."
 )
@@ -124,9 +89,7 @@ class EnvelopeStudy(Study[Envelope]):
 
     def __post_init__(self) -> None:
         """Fill in the torques, and refuse what cannot be run, with a ConfigError of all mistakes found."""
-        if not isinstance(self.case.support.data, Rig) or self.case.rig_control is None:
-            needed = "needed: a case on rollers with [rig_control], which reproduces a track; see adhesion_* of the catalogue"
-            raise ConfigError.of(self.case.name, "rig_control", "missing", needed)
+        rig_of(self.case)
         if others := simulated_axles(self.case, self.command):
             raise ConfigError(others)
         object.__setattr__(self, "torques", self.torques or tuple(computed.default_torques(self.case)))
@@ -201,7 +164,7 @@ class EnvelopeStudy(Study[Envelope]):
             "vehicle_torque_nm": own,
             "vehicle_reproduced": {side: _vehicle_reproduced(found, side, torque) for side, torque in own.items()},
             "agreement": {"borders": _agreement(reach), "slides": _agreement(begin)},
-            "borders": [_border_numbers(border) for border in reach],
+            "borders": [{**vars(border), "agrees": border.agrees} for border in (*reach, *begin)],
         }
 
     def summary(self, results: Envelope, numbers: Numbers) -> list[str]:
@@ -214,7 +177,7 @@ class EnvelopeStudy(Study[Envelope]):
             lines.append(f"Limits reached first in the others: {'; '.join(listed)}.")
         for side, torque in numbers["vehicle_torque_nm"].items():
             if torque is not None:
-                machine, most = "brake" if side == "brake" else "motor", torque_text(float(f"{torque:.3g}"))
+                machine, most = "brake" if side == "brake" else "motor", quantity(torque, "N m")
                 assessment = {True: "reproduced on every rail and load", None: "below the map"}
                 found = assessment.get(numbers["vehicle_reproduced"][side], "not reproduced everywhere, see the table")
                 lines.append(f"Torque of the vehicle's own {machine}, up to {most} per axle: {found}.")
@@ -236,12 +199,10 @@ class EnvelopeStudy(Study[Envelope]):
             for load in found["load"].to_numpy()
         ]  # fmt: skip
         method = METHOD.format(duration=self.duration, speed=found.attrs["speed_kmh"])
-        forms = [(key.removeprefix("line_").replace("_", " "), what) for key, what in LINES.items()]
-        lines = Table(("line", "meaning"), forms)
+        rows = [{**one, "limit": REGIONS.get(one["limit"], "the map ends")} for one in numbers["borders"]]
         return [
             Section("Map", [Text(method), *maps]),
-            Section("Torque that is reproduced", [reach_table(found)]),
-            Section("Closed forms", [Text(CLOSED_FORMS), lines, deviations_table(found)]),
+            Section("Borders", [Text(CLOSED_FORMS), QUANTITIES.table(rows, "borders.*")]),
             Section("Runs over time", self._examples(results.examples)),
         ]
 
@@ -250,7 +211,7 @@ class EnvelopeStudy(Study[Envelope]):
         names = list(examples)
         blocks: list[Block] = []
         for group in (names[begin : begin + 3] for begin in range(0, len(names), 3)):
-            runs = [(f"{REGIONS[name]}: {examples[name][0].label}", examples[name][1]) for name in group]
+            runs = {f"{REGIONS[name]}: {examples[name][0].label}": examples[name][1] for name in group}
             regions = "; ".join(REGIONS[name] for name in group)
             caption = f"The axle that uses most friction, in a run of each region: {regions}."
             blocks.append(Picture(f"runs_{'_'.join(group)}", figures.runs_over_time(runs, radius, friction), caption))
@@ -276,18 +237,3 @@ def _vehicle_reproduced(found: xr.Dataset, side: str, torque: float) -> bool | N
 def _agreement(rows: Sequence[Border]) -> dict[str, int]:
     compared = [row.agrees for row in rows if row.agrees is not None]
     return {"agree": sum(compared), "of": len(compared)}
-
-
-def _border_numbers(border: Border) -> dict[str, Any]:
-    return {
-        "side": border.side,
-        "load": border.load,
-        "adhesion": border.adhesion,
-        "reproduced_up_to_nm": border.reached,
-        "beyond_nm": border.beyond,
-        "limit": border.limit or None,
-        "predicted_nm": border.predicted,
-        "compared_low_nm": min(border.compared),
-        "compared_high_nm": max(border.compared),
-        "agrees": border.agrees,
-    }

@@ -7,8 +7,6 @@ Test k of both systems draws the same adhesion, pads, load, speed and demand: wh
 difference. Neither system is better where a test of either is a bad one, as in the programme itself.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -20,7 +18,7 @@ from scipy.stats import nct, t
 from rollerrig.analysis.slide_statistics import idle_valves
 from rollerrig.common.formatting import number
 from rollerrig.config import CRITERIA, Case, ConfigError, ConfigProblem, Programme
-from rollerrig.plot.wsp import Ends, means_with_intervals
+from rollerrig.plot.adhesion import means_with_intervals
 from rollerrig.study.ensemble import CONFIDENCE, Estimate, difference, stepped
 from rollerrig.study.frame import Content, Study
 from rollerrig.study.jobs import Done, Round
@@ -38,38 +36,31 @@ from rollerrig.study.runs.wsp import (
     rig_faults,
     stop_case,
 )
-from rollerrig.study.wsp import ON, Results, WspStudy, label, quantity_of
+from rollerrig.study.wsp import ON, Results, WspStudy, label, with_unit
 
 Better = Literal["first", "second", "neither", "not decided"]
 System = Literal["first", "second"]
 SYSTEMS: tuple[System, ...] = ("first", "second")
-POWER = 0.8
-"""Probability with which the number of tests that would decide a difference decides it."""
+POWER = 0.8  # probability with which the number of tests that would decide a difference decides it
 MOST_TESTS = 10_000
 PROTECTION = (
     "slide_protection", "wheel_slip_control", "brake.air", "brake.volume", "brake.electrodynamic.on_slide", "brake_unit",
     "sensors.vehicle", "fault",
 )  # fmt: skip
 """What may differ: protection, its valves and sensors, and their faults; with any other difference tests are no pairs."""
-DRAWN = {"distance": "distance [%]", "air": "air [%]"}
-"""Criteria that have a figure -> what its axis shows."""
+DRAWN = {"distance": "distance [%]", "air": "air [%]"}  # criteria that have a figure -> what its axis shows
 
 
 @dataclass(frozen=True)
 class Difference:
-    """A criterion of a stop on one support: means of both systems, the second less the first, in its SI unit.
-
-    Attributes:
-        deviation: standard deviation of the differences of single tests.
-        reasons: why nothing is decided.
-    """
+    """A criterion of a stop on one support: means of both systems, the second less the first, in its SI unit."""
 
     criterion: str
     first: Estimate
     second: Estimate
     found: Estimate
-    deviation: float
-    reasons: tuple[str, ...]
+    deviation: float  # standard deviation of the differences of single tests
+    reasons: tuple[str, ...]  # why nothing is decided
 
     @property
     def effect(self) -> float:
@@ -95,11 +86,7 @@ class Difference:
 
 
 def pairs_needed(effect: float) -> float:
-    """Least number of pairs with which a t-test of paired differences finds an effect of this size with POWER; NaN: too many.
-
-    Args:
-        effect: mean difference over standard deviation [-].
-    """
+    """Least number of pairs with which a t-test finds an effect, mean over standard deviation [-], with POWER; NaN: too many."""
     count = np.arange(2, MOST_TESTS + 1)
     critical = t.ppf(0.5 + 0.5 * CONFIDENCE, count - 1)
     enough = np.flatnonzero(nct.sf(critical, count - 1, abs(effect) * np.sqrt(count)) >= POWER)
@@ -254,16 +241,9 @@ def _faults(tests: Mapping[Support, StopTests], on: Support) -> list[str]:
 
 
 def _as_dict(one: Difference) -> dict[str, Any]:
-    return {
-        "first": one.first.mean,
-        "second": one.second.mean,
-        "difference": one.found.mean,
-        **vars(one.found.interval),
-        "effect": one.effect,
-        "better": one.better,
-        "tests_needed": one.tests_needed,
-        "why": "; ".join(one.reasons),
-    }
+    own = {"first": one.first.mean, "second": one.second.mean, "difference": one.found.as_dict()}
+    more = {name: getattr(one, name) for name in ("effect", "better", "tests_needed")}
+    return {**own, **more, "why": "; ".join(one.reasons)}
 
 
 CLAIMS = (
@@ -280,66 +260,46 @@ def _findings(numbers: Numbers) -> Iterator[str]:
         f"system is better in {sums['first']}, the second in {sums['second']}; {sums['neither']} are the same, "
         f"{sums['not_decided']} not decided."
     )
-    for on in SUPPORTS:
-        for system in SYSTEMS:
-            rows = [
-                f"{stop.replace('_', ' ')}: {label(criterion)} {_shown(criterion, one)}"
-                for stop, own in numbers["stops"].items()
-                for criterion, one in own[on].items()
-                if one["better"] == system
-            ]
-            if rows:
-                yield f"On {ON[on]} the {system} is better in {'; '.join(rows)}."
-    whys: dict[str, dict[str, None]] = {}
+    told: dict[str, list[str]] = {}
     for stop, own in numbers["stops"].items():
-        for on in SUPPORTS:
-            for one in own[on].values():
-                if one["why"]:
-                    whys.setdefault(one["why"], {})[f"{stop.replace('_', ' ')} on {ON[on]}"] = None
-    for why, places in whys.items():
-        yield f"Not decided in {', '.join(places)}: {why}."
-
-
-def _shown(criterion: str, one: Numbers) -> str:
-    """The difference with its interval."""
-    _, factor, unit = quantity_of(criterion)
-    if one["difference"] is None:
-        return "–"
-    text = f"{factor * one['difference']:+.3g}"
-    if one["low"] is not None and one["high"] is not None:
-        text += f" ({factor * one['low']:+.3g} … {factor * one['high']:+.3g})"
-    return f"{text} {unit}".rstrip()
+        found = [(on, criterion, one) for on, judged in own.items() for criterion, one in judged.items()]
+        for on, criterion, one in found:
+            place = f"{stop.replace('_', ' ')} on {ON[on]}, {label(criterion)}"
+            if one["better"] in SYSTEMS:
+                value = with_unit(criterion, one["difference"])
+                told.setdefault(f"The {one['better']} is better", []).append(f"{place} {value}")
+            elif one["why"]:
+                told.setdefault(f"Not decided, {one['why']}", []).append(place)
+    for head, places in sorted(told.items(), reverse=True):
+        yield f"{head}: {'; '.join(places)}."
 
 
 def _table(numbers: Numbers, on: Support) -> Table:
     rows = []
     for stop, own in numbers["stops"].items():
         for criterion, one in own[on].items():
-            _, factor, _ = quantity_of(criterion)
-            means = ("–" if one[system] is None else number(factor * one[system], 3) for system in SYSTEMS)
-            effect, needed = one["effect"], one["tests_needed"]
-            rows.append((
-                stop.replace("_", " "), label(criterion), *means, _shown(criterion, one),
-                "–" if effect is None else f"{effect:+.2g}", one["better"], "–" if needed is None else f"{needed:.0f}",
-            ))  # fmt: skip
+            cells = (with_unit(criterion, one[name]) for name in (*SYSTEMS, "difference"))
+            effect, needed = (number(one[name], 2) for name in ("effect", "tests_needed"))
+            rows.append((stop.replace("_", " "), label(criterion), *cells, effect, one["better"], needed))
     header = ("stop", "criterion", *SYSTEMS, "second less first", "effect size", "better", "tests that would decide")
     return Table(header, rows, f"On {ON[on]}: means of all tests, intervals of 95 %.")
 
 
 def _pictures(numbers: Numbers) -> Iterator[Block]:
     for criterion, axis in DRAWN.items():
-        stops = [name for name, own in numbers["stops"].items() if criterion in own["track"]]
-        found: dict[str, list[Ends | None]] = {
-            on: [_ends(numbers["stops"][stop][on][criterion]) for stop in stops] for on in SUPPORTS
+        stops = {name: own for name, own in numbers["stops"].items() if criterion in own["track"]}
+        found: dict[str, list[Numbers | None]] = {
+            on: [_relative(own[on][criterion]) for own in stops.values()] for on in SUPPORTS
         }
         if stops:
-            drawn = means_with_intervals(stops, found, f"second less first over first: {axis}", zero=True)
+            drawn = means_with_intervals(list(stops), found, f"second less first over first: {axis}", zero=True)
             caption = f"Difference in {label(criterion)}, over the mean of the first system, with intervals of 95 %."
             yield Picture(f"difference_{criterion}", drawn, caption)
 
 
-def _ends(one: Numbers) -> Ends | None:
-    if not one["first"] or any(one[key] is None for key in ("difference", "low", "high")):
+def _relative(one: Numbers) -> Numbers | None:
+    """The difference in per cent of the first system's mean, where its interval is known."""
+    found = {end: one["difference"][end] for end in ("mean", "low", "high")}
+    if not one["first"] or None in found.values():
         return None
-    mean, low, high = (100.0 * one[key] / one["first"] for key in ("difference", "low", "high"))
-    return mean, low, high
+    return {end: 100.0 * value / one["first"] for end, value in found.items()}

@@ -93,7 +93,10 @@ class Quantities:
 
 
 def _value(entry: Numbers, quantity: Quantity) -> Any:
-    """Value by whole key, or by last name."""
+    """Value by whole key, or by last name; of the mean of an ensemble with its interval."""
+    of_ensemble = quantity.key.removesuffix(".mean").rpartition(".")[2]
+    if quantity.name == "mean" and of_ensemble in entry:
+        return entry[of_ensemble]
     return entry.get(quantity.key, entry.get(quantity.name))
 
 

@@ -4,8 +4,6 @@ Case, log of a stop -> [reconstruct] -> friction over distance -> the case on th
 stop over each other; case.toml with that rail, for the rig and for every other study
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
@@ -17,9 +15,9 @@ import xarray as xr
 from rollerrig.analysis import adhesion_reconstruction
 from rollerrig.analysis.adhesion_reconstruction import StopLog
 from rollerrig.analysis.slide_statistics import rms, wheel_radius
-from rollerrig.common.formatting import number, percent
+from rollerrig.common.formatting import percent
 from rollerrig.config import Case, Rig
-from rollerrig.plot.reconstruction import friction_over_distance, stop_over_time
+from rollerrig.plot.logs import friction_over_distance, pressures_over_time, stop_over_time
 from rollerrig.study.frame import Content, Study
 from rollerrig.study.jobs import Done, Round, job, whole_run
 from rollerrig.study.quantities import Numbers
@@ -34,8 +32,7 @@ ASSUMED = (
 LARGEST_DIFFERENCE, LARGEST_APART = 0.02, 0.05
 """Deviation of the computed distance, and of the axles' frictions at a place: with more the map is doubted [-]."""
 
-BEGINS = 0.05
-"""Share of the largest mean pressure from which on the cylinders fill [-]."""
+BEGINS = 0.05  # share of the largest mean pressure from which on the cylinders fill [-]
 
 
 @dataclass(frozen=True)
@@ -81,7 +78,8 @@ class ReconstructionStudy(Study[xr.Dataset]):
         return [results.attrs["status"]]
 
     def numbers(self, results: xr.Dataset) -> dict[str, Any]:
-        rail, log = self.rail, self.log
+        rail, log, pressure = self.rail, self.log, self.log.pressure.mean(axis=1)
+        assert self.case.brake is not None
         time = log.time - log.time[0]
         both = time <= float(results["time"][-1])
         computed = np.interp(time[both], results["time"], results["train_speed"])
@@ -100,43 +98,20 @@ class ReconstructionStudy(Study[xr.Dataset]):
             "distance_measured_m": measured_m,
             "distance_computed_m": computed_m,
             "distance_difference": computed_m / measured_m - 1.0,
-            "demand_begins_s": self._demand_begins,
-            "pressure_begins_s": self._pressure_begins,
+            "demand_begins_s": max((t for t, value in self.case.brake.demand if value == 0.0), default=0.0),
+            "pressure_begins_s": float(time[np.argmax(pressure > BEGINS * pressure.max())]),
             "speed_difference_rms_kmh": 3.6 * rms(computed - log.train_speed[both]),
             "status": results.attrs["status"],
         }
 
-    @property
-    def _demand_begins(self) -> float:
-        """Last instant of the case without a demand [s]."""
-        assert self.case.brake is not None
-        return max((t for t, value in self.case.brake.demand if value == 0.0), default=0.0)
-
-    @property
-    def _pressure_begins(self) -> float:
-        """Instant of the log at which the cylinders begin to fill [s]."""
-        mean = self.log.pressure.mean(axis=1)
-        return float(self.log.time[np.argmax(mean > BEGINS * mean.max())] - self.log.time[0])
-
     def summary(self, results: xr.Dataset, numbers: Numbers) -> list[str]:
-        unchecked = [] if len(adhesion_reconstruction.unbraked(self.log)) >= adhesion_reconstruction.LEAST_SAMPLES else [
+        unchecked = (
             "The log begins with the brake on: whether the wheels have the radius of the case could not be checked, and an error "
             "of it would be taken for slip."
-        ]  # fmt: skip
-        rail = self.rail["distance"].to_numpy() + np.array([-0.5, 0.5])[:, None] * self.piece
-        return [
-            f"The rail has a friction at no slip of {number(numbers['friction_mean'], 3)} on average, from "
-            f"{number(numbers['friction_least'], 3)} to {number(numbers['friction_largest'], 3)}, between {rail[0, 0]:.0f} and "
-            f"{rail[1, -1]:.0f} m; an axle slid in {numbers['pieces_measured']} of {numbers['pieces']} pieces of "
-            f"{self.piece:g} m.",
-            f"On it the case runs {number(numbers['distance_computed_m'])} m ({numbers['status'].replace('_', ' ')}), the log "
-            f"{number(numbers['distance_measured_m'])} m: {100 * numbers['distance_difference']:+.2g} %. The train's speeds "
-            f"differ by {number(numbers['speed_difference_rms_kmh'], 2)} km/h RMS.",
-            f"The brake's demand is that of the case, after {number(numbers['demand_begins_s'], 2)} s; in the log the cylinders "
-            f"begin to fill at {number(numbers['pressure_begins_s'], 2)} s.",
-            *_doubts(numbers),
-            *unchecked,
-        ]
+        )
+        checked = len(adhesion_reconstruction.unbraked(self.log)) >= adhesion_reconstruction.LEAST_SAMPLES
+        told = [f"{one.label}: {one.told(numbers[one.key])}." for one in self.quantities if one.label]
+        return [*told, *_doubts(numbers), *(() if checked else (unchecked,))]
 
     def files(self, results: xr.Dataset, numbers: Numbers) -> Mapping[str, Content]:
         rail = self.rail
@@ -153,7 +128,8 @@ class ReconstructionStudy(Study[xr.Dataset]):
                 Picture("rail", friction_over_distance(self.rail), "Friction at no slip, and the adhesion that each axle used."),
             ]),
             Section("The stop", [
-                Picture("stop", stop_over_time(self.log, results, radius), "Solid: measured; dashed: computed on that rail."),
+                Picture("stop", stop_over_time(self.log.signals, results, radius), "Solid: measured; dashed: computed."),
+                Picture("pressures", pressures_over_time(self.log.signals, results), "Solid: measured; dashed: computed."),
                 Text("The case's own slide protection acts in the computed stop: its cycles are of the same kind as the measured "
                      "ones, not the same."),
             ]),

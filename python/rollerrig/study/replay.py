@@ -3,8 +3,6 @@
 Case, log of a rig -> [replay] -> estimates, bands, virtual train -> errors against what the log knows, episodes -> report
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -17,7 +15,7 @@ from rollerrig.analysis.rig_log import check_case
 from rollerrig.analysis.slide_statistics import rms
 from rollerrig.common.formatting import number
 from rollerrig.config import Case
-from rollerrig.plot.replay import forces_over_time, speeds_over_time, torques_over_time
+from rollerrig.plot.logs import forces_over_time, speeds_over_time, torques_over_time
 from rollerrig.study.frame import Content, Study
 from rollerrig.study.jobs import Done, Round, job
 from rollerrig.study.quantities import Numbers
@@ -32,8 +30,7 @@ OWN = {"force": ("force_at_once", "estimated_force"), "torque": ("torque_taken",
        "virtual_speed": ("virtual_axle_speed", "virtual_speed")}  # fmt: skip
 """Reported difference -> what the replay finds, what the rig itself logged."""
 
-LONGEST_TABLE = 30
-"""Episodes in the report; all of them are in the file."""
+LONGEST_TABLE = 30  # episodes in the report; all of them are in the file
 
 
 @dataclass(frozen=True)
@@ -99,32 +96,14 @@ class ReplayStudy(Study[xr.Dataset]):
         }  # fmt: skip
 
     def summary(self, results: xr.Dataset, numbers: Numbers) -> list[str]:
-        axles: dict[str, Numbers] = numbers["axles"]
-
-        def each(name: str, factor: float = 1.0, unit: str = "", digits: int = 2) -> str:
-            values = {axle: one[name] for axle, one in axles.items() if one[name] is not None}
-            return ", ".join(f"{number(factor * v, digits)}{unit} ({a.replace('_', ' ')})" for a, v in values.items())
-
-        interval = "The sensors of the case are exact: no interval is given. State their noise in [sensors]."
-        if bands := each("band_n", 1e-3, " kN"):
-            interval = f"Without this delay its interval of 95 % is +-{bands}, in the median."
-        lines = [
-            f"Largest force over axle load: {each('force_over_load_largest')}.",
-            f"The estimate of the force is {number(numbers['force_delay_ms'], 3)} ms late. {interval}",
-        ]
-        if ratios := each("torque_ratio", digits=3):
-            lines.append(f"Torque of the axle by drive and speeds over that by brake and motor: {ratios}.")
-        speeds = each("virtual_speed_difference_rms_kmh", unit=" km/h")
-        lines.append(f"Wheels of the virtual train less those of the log, RMS: {speeds}.")
-        sums = {reason: sum(one[f"{reason}_s"] for one in axles.values()) for reason in REASONS if reason != "start"}
-        doubtful = [f"{REASONS[reason]}, {number(seconds, 2)} s" for reason, seconds in sums.items() if seconds > 0.0]
-        lines.append(f"Doubtful estimates, time of all axles: {'; '.join(doubtful) or 'none'}.")
-        if errors := each("error_n", unit=" N"):
-            lines.append(
-                f"Error against the force in the log, RMS: {errors}; at the instant {each('error_at_once_n', unit=' N')}."
-            )
-        if inside := each("share_inside", 100.0, " %", 3):
-            lines.append(f"Inside the interval, of the samples that are not doubtful: {inside}.")
+        late = f"The estimate of the force is {number(numbers['force_delay_ms'], 3)} ms late."
+        if not numbers["force_noise_n"]:
+            late += " The sensors of the case are exact: no interval is given. State their noise in [sensors]."
+        lines = [late]
+        for quantity in self.quantities.below("axles.*"):
+            told = [f"{quantity.told(one[quantity.name])} ({axle.replace('_', ' ')})"
+                    for axle, one in numbers["axles"].items() if one[quantity.name]]  # fmt: skip
+            lines += [f"{quantity.label}: {', '.join(told)}."] if told else []
         return lines
 
     def files(self, results: xr.Dataset, numbers: Numbers) -> Mapping[str, Content]:

@@ -30,34 +30,29 @@ from rollerrig.study.control import study_case
 from rollerrig.study.ensemble import Estimate, check_ensemble, estimate, relative, start_jobs, start_name, started
 from rollerrig.study.frame import Content, Study
 from rollerrig.study.jobs import Done, Progress, Round, job
-from rollerrig.study.quantities import Numbers
-from rollerrig.study.report import Picture, Section, Table
+from rollerrig.study.quantities import Numbers, Quantities, Quantity
+from rollerrig.study.report import Picture, Section
 from rollerrig.study.runs.control import run_variant
 from rollerrig.study.runs.sweep import Axis, Points
 
 TUNED = tuple(f"rig_control.{table}" for table in ("feedback", "estimator", "axle_torque", "drive_command"))
 """Tables that are the controller's own; others of [rig_control] are the rig."""
-HIGHEST = 1e3
-"""Factor on the gains up to which a margin is looked for."""
+HIGHEST = 1e3  # factor on the gains up to which a margin is looked for
 
 
 @dataclass(frozen=True)
 class Point:
-    """A candidate, or the case as shipped.
+    """A candidate, or the case as shipped."""
 
-    Attributes:
-        values: at the free keys, in their units; None where the case leaves one to what follows from others.
-        place: in the unit cube of the ranges; empty of the case as shipped.
-        gain_margin: factor on the gains from which vehicle and sampled loop are unstable; 0: as it is, inf: not up to HIGHEST.
-        phase_margin_deg: of the feedback of one axle alone; inf: it does not cross over.
-        runs: numbers of its runs, one of each draw.
-    """
-
-    values: Sequence[float | None]
-    place: Sequence[float]
-    gain_margin: float
-    phase_margin_deg: float
-    runs: Sequence[Mapping[str, Any]] = ()
+    values: Sequence[
+        float | None
+    ]  # at the free keys, in their units; None: the case leaves it to what follows from others
+    place: Sequence[float]  # in the unit cube of the ranges; empty of the case as shipped
+    gain_margin: (
+        float  # factor on the gains from which vehicle and loop are unstable; 0: as it is, inf: not up to HIGHEST
+    )
+    phase_margin_deg: float  # of the feedback of one axle alone; inf: it does not cross over
+    runs: Sequence[Mapping[str, Any]] = ()  # numbers of its runs, one of each draw
 
     def of(self, name: str) -> list[float]:
         """An error in each draw; NaN where the test ended early."""
@@ -81,11 +76,7 @@ def compromise(errors: Array) -> int:
 
 
 def free_axes(case: Case, free: Mapping[str, Any]) -> list[Axis]:
-    """The free keys with their ranges, dotted key -> least and most, as a sweep takes them.
-
-    Raises:
-        ConfigError: a key is none of the controller's, or a range does not fit.
-    """
+    """The free keys, dotted key -> least and most, as a sweep takes them; ConfigError: none of the controller's, or no range."""
     keys, varied, problems = list(free), [], []
     for key, ends in free.items():
         if not key.startswith(tuple(f"{table}." for table in TUNED)):
@@ -123,11 +114,7 @@ def values_at(axes: Sequence[Axis], place: Sequence[float]) -> list[float]:
 
 
 def margins_of(case: Case, candidates: Mapping[str, Any], progress: Progress | None = None) -> dict[str, Any]:
-    """Candidates, each with the gain margin of vehicle and sampled loop, rolling or sliding, and phase margin of one axle.
-
-    Raises:
-        StartError: no rolling equilibrium was found.
-    """
+    """Candidates, each with the gain margin of vehicle and sampled loop, rolling or sliding, and phase margin of one axle."""
     creep, vehicle = creep_slope(case), vehicle_plant(case)
     found: dict[str, Any] = {}
     for name, one in candidates.items():
@@ -149,8 +136,7 @@ FREE: Mapping[str, Any] = {
 """Sought unless others are given: dotted key -> ends of the range [Hz]."""
 OBJECTIVES = {"tracking_rms": "tracking error", "ripple_nm": "torque ripple"}
 SHIPPED = "shipped"
-REACH = 0.1
-"""Standard deviation of a candidate about a point of the front, over the range."""
+REACH = 0.1  # standard deviation of a candidate about a point of the front, over the range
 
 
 @dataclass(frozen=True)
@@ -274,16 +260,15 @@ class TuneStudy(Study[Tuned]):
     def numbers(self, results: Tuned) -> dict[str, Any]:
         points: dict[str, dict[str, Any]] = {}
         for name, one in results.points.items():
+            none = Estimate(math.nan, math.nan, 0.0)
             points[name] = {
                 "values": dict(zip(self.free, one.values, strict=True)),
                 "gain_margin": one.gain_margin,
                 "phase_margin_deg": one.phase_margin_deg,
                 "cause": self._cause(one),
                 "on_front": name in results.front,
+                **{of: (estimate(one.of(of)) if one.runs else none).as_dict() for of in OBJECTIVES},
             }
-            for of in OBJECTIVES:
-                found = estimate(one.of(of)) if one.runs else Estimate(math.nan, math.nan, 0.0)
-                points[name] |= {of: found.mean, f"{of}_low": found.interval.low, f"{of}_high": found.interval.high}
         return {
             "case": self.case.name,
             "duration_s": self.test.time.duration,
@@ -293,10 +278,7 @@ class TuneStudy(Study[Tuned]):
             "units": {axis.key: axis.unit for axis in self.axes},
             "points": points,
             "compromise": results.chosen,
-            "changes": {
-                of: {"change": one.mean, "low": one.interval.low, "high": one.interval.high, "verdict": verdict(one)}
-                for of, one in results.changes.items()
-            },
+            "changes": {of: {**one.as_dict(), "verdict": verdict(one)} for of, one in results.changes.items()},
         }
 
     def summary(self, results: Tuned, numbers: Numbers) -> list[str]:
@@ -315,9 +297,9 @@ class TuneStudy(Study[Tuned]):
 
     def _changes(self, numbers: Numbers) -> list[str]:
         """What the compromise changes, as far as its interval is known."""
+        told = self.quantities["changes.*.mean"].told
         return [
-            f"{OBJECTIVES[of]}: {100 * one['change']:+.1f} % of the shipped one, 95 % from {100 * one['low']:+.1f} to "
-            f"{100 * one['high']:+.1f} % on {self.draws} new draws: {one['verdict']}."
+            f"{OBJECTIVES[of]} over the shipped one, less 1: {told(one)} on {self.draws} new draws: {one['verdict']}."
             for of, one in numbers["changes"].items()
             if None not in one.values()
         ]
@@ -341,29 +323,30 @@ class TuneStudy(Study[Tuned]):
 
     def _rows(self, numbers: Numbers) -> list[list[object]]:
         """A row per point, header first."""
-        own = [f"{of}{end}" for of in OBJECTIVES for end in ("", "_low", "_high")]
-        own = ["gain_margin", "phase_margin_deg", *own, "cause", "on_front"]
-        header = ["candidate", *(f"{axis.key} [{axis.unit}]".removesuffix(" [1]") for axis in self.axes), *own]
-        points = numbers["points"].items()
-        return [[*header], *([name, *one["values"].values(), *(one[key] for key in own)] for name, one in points)]
+        keys = [f"{axis.key} [{axis.unit}]".removesuffix(" [1]") for axis in self.axes]
+        margins, ends, more = ("gain_margin", "phase_margin_deg"), ("mean", "low", "high"), ("cause", "on_front")
+        errors = [f"{of}_{end}" for of in OBJECTIVES for end in ends]
+        rows: list[list[object]] = [["candidate", *keys, *margins, *errors, *more]]
+        for name, one in numbers["points"].items():
+            found = [one[of][end] for of in OBJECTIVES for end in ends]
+            own, last = ([one[key] for key in names] for names in (margins, more))
+            rows.append([name, *one["values"].values(), *own, *found, *last])
+        return rows
 
     def sections(self, results: Tuned, numbers: Numbers) -> list[Section]:
-        shown = {
-            name: [[one[f"{of}{end}"] for end in ("", "_low", "_high")] for of in OBJECTIVES]
-            for name, one in numbers["points"].items()
-            if one["cause"] == "" or name == SHIPPED
-        }
+        points = numbers["points"]
+        shown = {name: one for name, one in points.items() if one["cause"] == "" or name == SHIPPED}
         caption = (
             f"Torque ripple over tracking error, means of {self.draws} draws with intervals of 95 %; line: the front, whose "
             "points none surpasses in both. Candidates without the margins were not run."
         )
-        header, *rows = self._rows(numbers)
-        cells = [
-            [number(cell, 3) if isinstance(cell, float) else "–" if cell is None else cell for cell in row]
-            for row in rows
-        ]
         picture = Picture("front", front_picture(shown, results.front, SHIPPED, results.chosen), caption)
-        table = Table([str(name).replace("_", " ") for name in header], cells, "All candidates.")
+        own = Quantities(self.quantities, [Quantity(one.key, one.key, one.unit, one.key, 3) for one in self.axes])
+        errors = [f"points.*.{of}.mean" for of in OBJECTIVES]
+        names = [*self.free, "gain_margin", "phase_margin_deg", *errors, "cause", "on_front"]
+        table = own.table(
+            {k: {**one, **one["values"]} for k, one in points.items()}, names, "All candidates.", "candidate"
+        )
         return [Section("Tracking error against torque ripple", [picture, table])]
 
 

@@ -4,21 +4,21 @@ Case of a rig with brake and slide protection, Programme -> [WspStudy] -> outcom
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
 import numpy as np
+import xarray as xr
 
-from rollerrig.analysis.slide_statistics import SLIP_EDGES, idle_valves
+from rollerrig.analysis.slide_statistics import SLIP_EDGES, axle_columns, idle_valves, wheel_radius
 from rollerrig.common.arrays import Array
-from rollerrig.common.formatting import number
 from rollerrig.config import CRITERIA, Case, Programme
 from rollerrig.config.schema.programme import BrakedRun
 from rollerrig.config.write.toml import to_toml
-from rollerrig.plot.wsp import Ends, means_with_intervals, slip_grid, stop_over_time
+from rollerrig.plot.adhesion import PRESSURE, axles_over_time, means_with_intervals, slip_histograms, wheel_less_train
 from rollerrig.study.assessment import SHOWN, overall
-from rollerrig.study.ensemble import finer, start_jobs, start_name, started, with_interval
+from rollerrig.study.ensemble import finer, start_jobs, started
 from rollerrig.study.frame import Content, Study
 from rollerrig.study.jobs import Done, Job, Round, job
 from rollerrig.study.quantities import Numbers, Quantities, Quantity
@@ -33,8 +33,7 @@ ON: Mapping[Support, str] = {"track": "track", "rig": "the rig"}
 FINE, FINE_STARTS = ", finer steps", 2
 """Ending of the jobs with finer steps and samples, and how many there are of each stop and support."""
 
-QUICK_STOPS, QUICK_STARTS = 2, 2
-"""Stops and starts of a quick study."""
+QUICK_STOPS, QUICK_STARTS = 2, 2  # stops and starts of a quick study
 
 QUANTITIES = Quantities("wsp")
 MEASURED = [
@@ -47,11 +46,11 @@ WORDS = ("met", "not met", "not decided")
 
 @dataclass(frozen=True)
 class StopResult:
-    """What a stop gave: tests and signals of the first ones by support, criteria on both, processor time of all [s]."""
+    """What a stop gave: tests by support, criteria on both, the signals of the first tests, processor time of all [s]."""
 
     tests: Tests
     judged: Sequence[Judgement]
-    signals: Mapping[str, Mapping[str, Any]]
+    signals: Mapping[str, xr.Dataset]
     seconds: float
 
 
@@ -68,6 +67,7 @@ class WspStudy(Study[Results]):
     quick: bool = False
 
     command = "wsp"
+    heading = "{case.name}: wheel slide protection, programme {programme.name}"
     quantities = QUANTITIES
     quick_means = (
         f"{QUICK_STARTS} starts of the first {QUICK_STOPS} stops, whose numbers only show that everything works"
@@ -78,10 +78,6 @@ class WspStudy(Study[Results]):
     def __post_init__(self) -> None:
         """Refuse a case that has no slide protection to be tested on a rig, and stops that it cannot do."""
         runs.check_case(self.case, self.programme)
-
-    @property
-    def title(self) -> str:
-        return f"{self.case.name}: wheel slide protection, programme {self.programme.name}"
 
     @property
     def count(self) -> int:
@@ -130,8 +126,7 @@ class WspStudy(Study[Results]):
 
     def _result(self, stop: BrakedRun, done: Done) -> StopResult:
         made: dict[Support, list[StopRecord]] = {
-            on: [done[name] for k in range(self.count) if (name := start_name(f"{stop.name}, {on}", k)) in done]
-            for on in SUPPORTS
+            on: started(done, f"{stop.name}, {on}")[: self.count] for on in SUPPORTS
         }
         fine = {on: [one.test for one in started(done, f"{stop.name}, {on}{FINE}")] for on in SUPPORTS}
         needed, case = max(self.programme.starts, self.count), self.stop_cases[stop.name]
@@ -146,8 +141,8 @@ class WspStudy(Study[Results]):
             if tests[on].tests
             for one in runs.judgements(self.programme, tests[on], tests[other])
         ]
-        signals: dict[str, Mapping[str, Any]] = {
-            on: next((one.signals for one in records if one.signals), {}) for on, records in made.items()
+        signals: dict[str, xr.Dataset] = {
+            on: records[0].signals for on, records in made.items() if records and records[0].signals is not None
         }
         return StopResult(tests, judged, signals, sum(one.seconds for records in made.values() for one in records))
 
@@ -175,7 +170,7 @@ class WspStudy(Study[Results]):
         found: dict[str, Content] = {}
         for name, one in results.items():
             found[f"tests_{name}.csv"] = _test_rows(one.tests)
-            found[f"signals_{name}.csv"] = runs.signal_columns(one.signals)
+            found[f"signals_{name}.csv"] = axle_columns(one.signals, runs.SIGNALS)
         return found
 
     def sections(self, results: Results, numbers: Numbers) -> list[Section]:
@@ -202,8 +197,8 @@ def _stop_numbers(result: StopResult) -> dict[str, Any]:
         limit = one.limit
         kind = "at least" if CRITERIA[limit.criterion].least else "at most"
         head = {"limit": limit.value, "kind": kind, "origin": limit.origin, "clause": limit.clause}
-        found = {"verdict": one.verdict, "mean": one.mean.mean, **vars(one.mean.interval)}
-        criteria.setdefault(limit.criterion, head)[one.support] = {**found, "worst": one.worst, "why": one.why}
+        found = {"verdict": one.verdict, **one.mean.as_dict(), "worst": one.worst, "why": one.why}
+        criteria.setdefault(limit.criterion, head)[one.support] = found
     return {
         "kind": track.stop.kind,  # type: ignore[attr-defined]
         "speed_kmh": 3.6 * track.stop.speed,
@@ -224,7 +219,7 @@ def _support_numbers(found: StopTests, judged: Sequence[Judgement]) -> dict[str,
     for name in MEASURED:
         values = found.values(name)
         mean, largest = found.estimate(name), max(values) if np.isfinite(values).all() else None
-        numbers[name] = {"mean": mean.mean, **vars(mean.interval), "largest": largest}
+        numbers[name] = {**mean.as_dict(), "largest": largest}
     return numbers
 
 
@@ -275,73 +270,53 @@ def _findings(numbers: Numbers, limits: int) -> Iterator[str]:
     else:
         yield f"{head} The programme sets no limit: nothing is judged."
     for on in SUPPORTS:
-        missed = [
-            f"{stop}: {label(name)} {value_text(name, one[on])}, {limit_text(name, one)}"
-            for stop, name, one in criteria
-            if on in one and one[on]["verdict"] == "not met"
-        ]
-        if missed:
-            yield f"NOT met on {ON[on]}: {'; '.join(missed)}."
-    for on in SUPPORTS:
-        reasons: dict[str, dict[str, None]] = {}
+        told: dict[tuple[str, str], list[str]] = {}
         for stop, name, one in criteria:
-            if on in one and one[on]["verdict"] == "not decided":
-                why = one[on]["why"]
-                inside = why == "the limit lies within the interval"
-                reasons.setdefault(why, {})[f"{stop} ({label(name)})" if inside else stop] = None
-        for why, places in reasons.items():
-            yield f"Not decided on {ON[on]}: {', '.join(places).replace('_', ' ')}: {why}."
+            verdict, why = (one.get(on, {}).get(key, "") for key in ("verdict", "why"))
+            value = f" {value_text(name, one[on])}, {limit_text(name, one)}" if verdict == "not met" else ""
+            told.setdefault((verdict, why), []).append(f"{stop.replace('_', ' ')} ({label(name)}{value})")
+        for (verdict, why), places in sorted(told.items(), key=lambda pair: pair[0][0] != "not met"):
+            if verdict in ("not met", "not decided"):
+                yield f"{SHOWN[verdict]} on {ON[on]}{f', {why}' if why else ''}: {'; '.join(places)}."
     words = [one["rig_like_track"]["fidelity"] for _, one in stops]
-    differ = [
-        f"{stop} ({label(name)})"
-        for stop, name, one in criteria
-        if {one[on]["verdict"] for on in SUPPORTS if on in one} == {"met", "not met"}
-    ]
     met, against, open_ = (words.count(word) for word in WORDS)
     yield (
         f"The rig does as the track within the targets of the command adhesion in {met} of {len(words)} stops, not in {against}, "
-        f"not decided in {open_}: an outcome on the rig is one of the test on the rig. "
-        f"Opposite outcomes on track and rig: {', '.join(differ).replace('_', ' ') or 'none'}."
+        f"not decided in {open_}: an outcome on the rig is one of the test on the rig."
     )
+    sums = [quantity for quantity in QUANTITIES.below("sums.*") if "criteria" not in quantity.key]
     for on in SUPPORTS:
-        one = numbers["sums"][on]
-        flat = one["flat_length_m"]
-        yield (
-            f"All stops on {ON[on]}: {number(one['distance_m'])} m, {number(one['air_litres'])} l of "
-            f"air, {number(one['dump_cycles'])} dump cycles; longest lock {number(one['longest_lock_s'], 3)} s, longest flat "
-            f"{number(1e3 * flat, 2) if flat is not None else '–'} mm (an estimate)."
-        )
-
-
-def quantity_of(criterion: str) -> tuple[Quantity, float, str]:
-    """What a criterion is set for, the factor from its SI unit to that of tables, and that unit."""
-    name, to_si = MEASURES[criterion]
-    quantity = QUANTITIES[f"stops.*.*.{name}.mean"]
-    unit = "" if quantity.shown_unit == "1" else quantity.shown_unit.replace("^2", "²")
-    return quantity, quantity.in_shown_unit(1.0 / to_si), unit
+        found = numbers["sums"][on]
+        yield f"All stops on {ON[on]}: {', '.join(f'{one.label} {one.told(found[one.name])}' for one in sums)}."
 
 
 def label(criterion: str) -> str:
     """What a criterion is called."""
-    return quantity_of(criterion)[0].label
+    return quantity_of(criterion).label
+
+
+def quantity_of(criterion: str) -> Quantity:
+    """What a criterion is set for, in its SI unit, shown as the measure."""
+    name, to_si = MEASURES[criterion]
+    found = QUANTITIES[f"stops.*.*.{name}.mean"]
+    return replace(found, shown=(found.shown_unit, found.in_shown_unit(1.0 / to_si)))
+
+
+def with_unit(criterion: str, value: object) -> str:
+    """A value of a criterion, or a mean with its interval, with the unit of tables."""
+    return quantity_of(criterion).told(value)
 
 
 def value_text(name: str, one: Numbers) -> str:
     """Mean of a criterion, its interval, and the worst test where each counts."""
-    if one["mean"] is None:
-        return "–"
-    _, factor, unit = quantity_of(name)
-    text = with_interval(one, factor)
-    if CRITERIA[name].every and one["worst"] is not None:  # type: ignore[index]
-        text += f", worst {number(factor * one['worst'], 3)}"
-    return f"{text} {unit}".rstrip()
+    every = CRITERIA[name].every and one.get("worst") is not None  # type: ignore[index]
+    return with_unit(name, one) + (f", worst {with_unit(name, one['worst'])}" if every else "")
 
 
 def limit_text(name: str, one: Numbers) -> str:
     """A limit."""
-    _, factor, unit = quantity_of(name)
     each = " in each test" if CRITERIA[name].every else ""  # type: ignore[index]
-    return f"{one['kind']} {number(factor * one['limit'], 3)} {unit}".rstrip() + each
+    return f"{one['kind']} {with_unit(name, one['limit'])}{each}"
 
 
 def _overview(programme: Programme, numbers: Numbers) -> Table:
@@ -360,7 +335,9 @@ def _criteria_table(numbers: Numbers) -> Table:
     rows = []
     for stop, own in numbers["stops"].items():
         for name, one in own["criteria"].items():
-            found = [one.get(on, {"verdict": None, "mean": None, "why": ""}) for on in SUPPORTS]
+            found = [
+                one.get(on, {"verdict": None, "mean": None, "low": None, "high": None, "why": ""}) for on in SUPPORTS
+            ]
             whys = dict.fromkeys(two["why"] for two in found if two["why"])
             rows.append((
                 *(SHOWN[two["verdict"]] for two in found), stop.replace("_", " "), label(name),
@@ -376,25 +353,17 @@ def _criteria_table(numbers: Numbers) -> Table:
 def _stop_tables(numbers: Numbers) -> Iterator[Table]:
     first = ("distance_m", "increase_over_dry", "k_wet", "mean_deceleration_mps2", "air_litres", "dump_cycles")
     second = ("adhesion_utilisation", "large_slip_share", "longest_lock_s", "flat_length_m", "odometer_error_m")
-    for names, caption in ((first, "Distances, air, dump cycles."), (second, "Sliding.")):
-        rows = [
-            (stop.replace("_", " "), on, *(_ends_text(name, own[on][name]) for name in names))
-            for stop, own in numbers["stops"].items()
-            for on in SUPPORTS
-        ]
-        header = ("stop", "on", *(QUANTITIES[f"stops.*.*.{name}.mean"].heading for name in names))
-        yield Table(header, rows, f"{caption} Means of all starts, with intervals of 95 %.")
-
-
-def _ends_text(name: str, one: Numbers) -> str:
-    return with_interval(one, QUANTITIES[f"stops.*.*.{name}.mean"].in_shown_unit(1.0))
+    rows = {f"{stop} on {ON[on]}": own[on] for stop, own in numbers["stops"].items() for on in SUPPORTS}
+    for names, what in ((first, "Distances, air, dump cycles."), (second, "Sliding.")):
+        caption = f"{what} Means of all starts, with intervals of 95 %."
+        yield QUANTITIES.table(rows, [f"stops.*.*.{name}.mean" for name in names], caption, "stop")
 
 
 def _pictures(results: Results, numbers: Numbers) -> Iterator[Block]:
     stops = numbers["stops"]
     dry = [one["track"]["dry_distance_m"] for one in stops.values()]
     caption = "Distance since the demand, mean and interval of 95 %, and the dry distance of the same speed and demand."
-    drawn = means_with_intervals(list(stops), _ends(stops, "distance_m"), "distance [m]", dry=dry)
+    drawn = means_with_intervals(list(stops), _means(stops, "distance_m"), "distance [m]", dry=dry)
     yield Picture("distances", drawn, caption)
     stopping = {name: one for name, one in stops.items() if one["track"]["k_wet"]["mean"] is not None}
     if stopping:
@@ -402,34 +371,28 @@ def _pictures(results: Results, numbers: Numbers) -> Iterator[Block]:
         caption = (
             "K_wet: dry distance over distance, mean and interval of 95 %; diamonds: least that the programme allows."
         )
-        drawn = means_with_intervals(list(stopping), _ends(stopping, "k_wet"), "K_wet [-]", limits=limits)
+        drawn = means_with_intervals(list(stopping), _means(stopping, "k_wet"), "K_wet [-]", limits=limits)
         yield Picture("k_wet", drawn, caption)
     shares: dict[str, dict[str, Array]] = {
         name: {on: np.mean([test.slip_shares for test in one.tests[on].tests], axis=0) for on in SUPPORTS}
         for name, one in results.items()
     }
     caption = "Part of the time that the axles spent at a slip, mean of all starts, while the brake acts above 2 m/s."
-    yield Picture("slip_histograms", slip_grid(SLIP_EDGES, shares), caption)
+    yield Picture("slip_histograms", slip_histograms(SLIP_EDGES, shares), caption)
 
 
-def _ends(stops: Mapping[str, Numbers], name: str) -> dict[str, list[Ends | None]]:
-    def three(one: Numbers) -> Ends | None:
-        low, high = (np.nan if one[end] is None else one[end] for end in ("low", "high"))
-        return None if one["mean"] is None else (one["mean"], low, high)
-
-    return {on: [three(one[on][name]) for one in stops.values()] for on in SUPPORTS}
+def _means(stops: Mapping[str, Numbers], name: str) -> dict[str, list[Numbers | None]]:
+    return {on: [one[on][name] for one in stops.values()] for on in SUPPORTS}
 
 
 def _stop_section(name: str, one: StopResult, own: Numbers) -> Section:
-    rows = [
-        (QUANTITIES[f"stops.*.*.{key}.mean"].heading, *(_ends_text(key, own[on][key]) for on in SUPPORTS))
-        for key in MEASURED
-    ]
-    count = [own[on]["tests"] for on in SUPPORTS]
-    caption = f"Means of {count[0]} and {count[1]} tests, with intervals of 95 %."
-    blocks: list[Block] = [Table(("", *SUPPORTS), rows, caption)]
+    keys = [f"stops.*.*.{key}.mean" for key in MEASURED]
+    found: dict[str, Numbers] = {on: own[on] for on in SUPPORTS}
+    caption = f"Means of {own['track']['tests']} and {own['rig']['tests']} tests, with intervals of 95 %."
+    blocks: list[Block] = [QUANTITIES.list_table(found, keys, caption)]
     title = name.replace("_", " ")
-    if all(one.signals[on] for on in SUPPORTS):
-        shown = f"{title}: the first tests on track and on the rig."
-        blocks.insert(0, Picture(f"stop_{name}", stop_over_time(one.signals), shown))
+    if len(one.signals) == len(SUPPORTS):
+        speed = ("train\n[km/h]", "train_speed", 3.6)
+        drawn = axles_over_time(one.signals, (speed, wheel_less_train(wheel_radius(one.signals["rig"])), PRESSURE), 6.0)
+        blocks.insert(0, Picture(f"stop_{name}", drawn, f"{title}: the first tests on track and on the rig."))
     return Section(f"Stop {title}", blocks)

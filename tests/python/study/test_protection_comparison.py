@@ -76,10 +76,10 @@ def test_differences_are_those_of_tests_in_pairs(outcome: Outcome[Mapping[System
         one, two = (outcome.results[system]["low_26"].tests[on] for system in ("first", "second"))
         pairs = np.subtract(two.values("distance_m"), one.values("distance_m"))
         found = outcome.numbers["stops"]["low_26"][on]["distance"]
-        assert found["difference"] == pytest.approx(pairs.mean(), rel=1e-12)
-        assert found["difference"] == pytest.approx(found["second"] - found["first"], rel=1e-9)
+        assert found["difference"]["mean"] == pytest.approx(pairs.mean(), rel=1e-12)
+        assert found["difference"]["mean"] == pytest.approx(found["second"] - found["first"], rel=1e-9)
         assert found["effect"] == pytest.approx(pairs.mean() / pairs.std(ddof=1), rel=1e-9)
-        assert found["low"] < found["difference"] < found["high"]
+        assert found["difference"]["low"] < found["difference"]["mean"] < found["difference"]["high"]
         assert two.tests[0].measures["largest_slip"] > one.tests[0].measures["largest_slip"]
 
 
@@ -104,7 +104,7 @@ def test_nothing_is_better_by_a_bad_run(case: Case, other: Case, outcome: Outcom
     results["second"] = {"low_26": replace(stop, tests=tests)}
     for one in differences(results, "low_26", "track"):
         assert one.better == "not decided"
-        assert any(why.startswith("second: 1 of 2 tests ended early: lost contact") for why in one.reasons)
+        assert any(why.startswith("second: 1 of 2 tests came to their end: lost contact") for why in one.reasons)
 
 
 def of(

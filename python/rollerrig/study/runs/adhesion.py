@@ -21,13 +21,13 @@ from typing import Any, Literal
 import numpy as np
 
 from rollerrig.analysis.slide_statistics import OSCILLATES, TestRecord
-from rollerrig.cases import on_track
-from rollerrig.common.formatting import number
-from rollerrig.config import Case, ConfigError, Rig
+from rollerrig.cases import on_track, rig_of
+from rollerrig.config import Case, ConfigError
 from rollerrig.config.schema.rig_control import EstimatedTorque, ExactEstimator, LeadCommand
 from rollerrig.results import summary
+from rollerrig.results.quantities import Quantity
 from rollerrig.simulation.run import ENERGY_WARNING
-from rollerrig.study.assessment import NOT_DECIDED, Outcome, outcome, overall
+from rollerrig.study.assessment import NOT_DECIDED, SHOWN, Outcome, outcome, overall
 from rollerrig.study.ensemble import SEED, Estimate, difference, distances, measure, relative, stepped, values_of
 
 STEPS = ("rolling", "drives", "estimator")
@@ -38,19 +38,12 @@ VARIANTS = {
     "estimator": "and force and torque of the axles known exactly",
     "static_loads": "the rig as it is, its virtual train without load transfer",
 }
-FAST_MOTOR_HZ, NO_LIMIT = 400.0, 1e7
-"""More is not to be had with samples of 1 ms; [N m]."""
+FAST_MOTOR_HZ, NO_LIMIT = 400.0, 1e7  # more is not to be had with samples of 1 ms; [N m]
 
 
 def track_case(case: Case) -> Case:
-    """The same test on straight track with the rig's rail head: what the rig is to reproduce.
-
-    Raises:
-        ConfigError: the case is not that of a rig with [rig_control].
-    """
-    if not isinstance(case.support.data, Rig) or case.rig_control is None:
-        needed = "needed: a case on rollers with [rig_control], which reproduces a track"
-        raise ConfigError.of(case.name, "rig_control", "missing", needed)
+    """The same test on straight track with the rig's rail head, what the rig is to reproduce; ConfigError: there is none."""
+    rig_of(case)
     if case.brake is None and case.traction is None:
         needed = "needed: [brake] or [traction], the test that is done on rail and rig"
         raise ConfigError.of(case.name, "brake", "missing", needed)
@@ -59,14 +52,12 @@ def track_case(case: Case) -> Case:
 
 def variants_of(case: Case) -> tuple[str, ...]:
     """Names of the variants that say something about this case."""
-    assert case.rig_control is not None
-    return (*STEPS, "static_loads") if case.rig_control.load_transfer != "none" else STEPS
+    return (*STEPS, "static_loads") if rig_of(case)[1].load_transfer != "none" else STEPS
 
 
 def variant(case: Case, name: str) -> Case:
     """The rig without some of its imperfections; see VARIANTS."""
-    control = case.rig_control
-    assert control is not None
+    control = rig_of(case)[1]
     if name == "static_loads":
         return case.model_copy(update={"rig_control": control.model_copy(update={"load_transfer": "none"})})
     taken = STEPS[: STEPS.index(name) + 1]
@@ -90,10 +81,7 @@ CAUSES = {
     "estimator": "lag of the estimated torque",
     "model": "simplifications of the virtual train, and sampling",
 }
-PAIRS = {
-    **dict(zip(CAUSES, pairwise(("rig", *STEPS, "track")), strict=True)),
-    TOGETHER: ("rig", "track"),
-}
+PAIRS = {**dict(zip(CAUSES, pairwise(("rig", *STEPS, "track")), strict=True)), TOGETHER: ("rig", "track")}
 """Ensembles whose difference in distance is the share of a cause."""
 LARGEST_ERROR = 5e-4
 """More starts of both are made until the standard error of a share is below this part of the distance."""
@@ -129,43 +117,28 @@ GROUPS: Mapping[Group, str] = {
     "tracking": "Tracking, wheels of the rig against their virtual axles",
     "fidelity": "Fidelity, rig against track",
 }
-RESAMPLES = 400
-"""Resamples of the starts, for the scatter of the difference of two distributions."""
+RESAMPLES = 400  # resamples of the starts, for the scatter of the difference of two distributions
 
 
 @dataclass(frozen=True)
 class Row:
-    """One row of the assessment.
-
-    Attributes:
-        group: whether it judges tracking or fidelity.
-        key: its name in summary.json.
-        text: what is compared.
-        value: of many starts, in SI units.
-        low, high: target; low = 0: of a size, at most `high`.
-        origin: where the target comes from.
-        unit, factor: in which it is shown.
-        signed: whether it is a difference, with a sign.
-        gate: whether nothing is met where this is not.
-        undecided: whether it is not decided in place of not met: what it lacks is no fault of the rig.
-        shown: the value in words, where it is no number.
-        bad_run: whether an agreement is left undecided because the run is bad.
-    """
+    """One row of the assessment."""
 
     group: Group
-    key: str
-    text: str
-    value: Estimate
+    key: str  # its name in summary.json
+    text: str  # what is compared
+    value: Estimate  # of many starts, in SI units
+    # low, high: target; low = 0: of a size, at most `high`
     low: float
     high: float
-    origin: str
+    origin: str  # where the target comes from
+    # unit, factor: in which it is shown
     unit: str = "%"
     factor: float = 100.0
-    signed: bool = False
-    gate: bool = False
-    undecided: bool = False
-    shown: str = ""
-    bad_run: bool = False
+    gate: bool = False  # whether nothing is met where this is not
+    undecided: bool = False  # whether it is not decided in place of not met: what it lacks is no fault of the rig
+    shown: str = ""  # the value in words, where it is no number
+    bad_run: bool = False  # whether an agreement is left undecided because the run is bad
 
     @property
     def verdict(self) -> Outcome:
@@ -188,29 +161,26 @@ class Row:
             return self.shown or "not zero, against zero"
         if math.isnan(self.value.mean):
             return "no number in some tests"
-        interval, ends = self.value.interval, ""
-        least = interval.low if self.low else max(0.0, interval.low)
-        low, high = self._number(least), self._number(interval.high)
-        if interval.bounded and low != high:
-            ends = f" ({low} … {high})"
-        return f"{self._number(self.value.mean)}{ends} {self.unit}".strip()
+        found = self.value.as_dict() | ({} if self.low else {"low": max(0.0, self.value.interval.low)})
+        return self._shown.told(found)
 
     @property
     def target_text(self) -> str:
         """The target."""
         if self.shown:
             return "all"
-        word = "within" if self.low == -self.high else "at most"
-        return f"{word} {self._number(self.high).lstrip('+')} {self.unit}"
+        return f"{'within' if self.low == -self.high else 'at most'} {self._shown.told(self.high)}"
+
+    @property
+    def _shown(self) -> Quantity:
+        return Quantity("", "", self.unit, digits=2, shown=(self.unit, self.factor))
 
     @property
     def told(self) -> str:
-        """Value and target in words."""
-        return f"{self.text} {self.value_text}, target {self.target_text}"
-
-    def _number(self, value: float) -> str:
-        text = number(self.factor * value, 2 if abs(self.factor * value) < 99.5 else 3)
-        return f"+{text}" if self.signed and value > 0.0 and text != "0" else text
+        """Outcome, value and target in words, and how many starts would decide it if mean and scatter stay."""
+        count = self.starts_needed if self.verdict == NOT_DECIDED else math.inf
+        more = f"; about {count:g} starts would decide" if count < math.inf else ""
+        return f"{SHOWN[self.verdict]}: {self.text} {self.value_text}, target {self.target_text}{more}"
 
     def as_dict(self) -> dict[str, Any]:
         """Dictionary for summary.json."""
@@ -235,7 +205,7 @@ def verdict_rows(case: Case, tests: Tests, fine: Tests = ((), ())) -> list[Row]:
             row if row.shown else replace(row, value=stepped(row.value, coarse.get(row.key), close.get(row.key)))
             for row in rows
         ]
-        whole = [one.completed and is_sound(one) for one in (*fine[0], *fine[1])]
+        whole = [is_whole(one) for one in (*fine[0], *fine[1])]
         why = "what steps change is known of whole and sound tests alone"
         text = "tests with finer steps, on both, that came to their end, closed their energy balance and kept contact"
         rows.append(_all_of("fidelity", "fine_sound", text, whole, why, undecided=True))
@@ -268,51 +238,39 @@ LEAST_SLIDE = 1.0
 swing of a bogie, and tests nothing that acts on slides."""
 
 
-def has_slid(test: TestRecord) -> bool:
-    """Whether the axles of a test were beyond the peak of the creep curve for LEAST_SLIDE."""
-    return test.measures.get("beyond_peak_s", math.nan) >= LEAST_SLIDE
-
-
 def keeps_contact(test: TestRecord) -> bool:
     """Whether no wheel of a test left its rail or roller."""
     names = ("contact_lost_s", "contact_lost_total_s", "duration_s")
     return summary.keeps_contact(*(test.measures.get(name, math.nan) for name in names))
 
 
-def is_closed(test: TestRecord) -> bool:
-    """Whether the energy balance of a test closes."""
-    return test.measures.get("energy_relative_residual", math.nan) <= ENERGY_WARNING
+GATES: Mapping[str, tuple[str, str, Callable[[TestRecord, Sequence[TestRecord]], bool]]] = {
+    "ended": ("came to their end", "a test that ended early is none", lambda one, _: one.completed),
+    "closed": ("closed their energy balance", "energy from nowhere makes no test",
+               lambda one, _: one.measures.get("energy_relative_residual", math.nan) <= ENERGY_WARNING),
+    "contact": ("kept contact", "a wheel that leaves its rail or roller makes no test", lambda one, _: keeps_contact(one)),
+    "differ": ("differ", "equal starts are one test, however many are made: their scatter of zero says nothing",
+               lambda _, tests: len({one.measures.get("distance_m") for one in tests}) == len(tests)),
+    "slid": (f"had axles beyond the peak of the creep curve for {LEAST_SLIDE:g} s in all",
+             "where nothing slides nothing is tested", lambda one, _: one.measures.get("beyond_peak_s", math.nan) >= LEAST_SLIDE),
+}  # fmt: skip
+"""What no bad run has: what its tests did, why that is asked for, whether one of these tests did it."""
 
 
-def is_sound(test: TestRecord) -> bool:
-    """Whether the energy balance of a test closes and its wheels keep contact."""
-    return is_closed(test) and keeps_contact(test)
-
-
-def all_differ(tests: Sequence[TestRecord]) -> bool:
-    """Whether no two tests ran the same distance: starts that do not differ are one test, however many are made."""
-    return len({one.measures.get("distance_m") for one in tests}) == len(tests)
-
-
-GATES: tuple[tuple[str, str, str, Callable[[TestRecord, Sequence[TestRecord]], bool]], ...] = (
-    ("ended", "runs on the {} that came to their end", "a test that ended early is none", lambda one, _: one.completed),
-    ("sound", "tests on the {} whose energy balance closes and whose wheels keep contact",
-     "a run with an open balance or lost contact is no test", lambda one, _: is_sound(one)),
-    ("differ", "tests on the {} that differ", "equal starts are one test: their scatter of zero says nothing",
-     lambda _, tests: all_differ(tests)),
-    ("slid", f"tests on the {{}} whose axles were beyond the peak of the creep curve for {LEAST_SLIDE:g} s in all",
-     "where nothing slides nothing is tested", lambda one, _: has_slid(one)),
-)  # fmt: skip
-"""Ending of the key, what is counted, why, and whether one of these tests has it, for each support."""
+def is_whole(test: TestRecord) -> bool:
+    """Whether a test came to its end, closed its energy balance and kept contact."""
+    return all(GATES[key][2](test, (test,)) for key in ("ended", "closed", "contact"))
 
 
 def _gates(track: Sequence[TestRecord], rig: Sequence[TestRecord]) -> Iterator[Row]:
-    """Whether runs came to their end, one that rolled off the crowns did not, are sound, differ, and axles slid in them."""
+    """Whether the tests pass GATES, and stop on both supports or on neither."""
     tests: Mapping[Group, tuple[str, Sequence[TestRecord]]] = {"tracking": ("rig", rig), "fidelity": ("track", track)}
     for group, (label, records) in tests.items():
-        for key, text, why, has in GATES:
+        for key, (text, why, has) in GATES.items():
             met = [has(one, records) for one in records]
-            yield _all_of(group, f"{label}_{key}", text.format(label), met, why, undecided=key != "ended")
+            yield _all_of(
+                group, f"{label}_{key}", f"tests on the {label} that {text}", met, why, undecided=key != "ended"
+            )
     ends = [a.stopped == b.stopped for a, b in zip(track, rig, strict=False) if a.completed and b.completed]
     if not all(ends):
         text, why = "starts with a stop on both, or on neither", "a stopping distance needs a stop"
@@ -354,40 +312,28 @@ def _fill_slip(case: Case) -> tuple[float, str]:
 
 
 def _fidelity(case: Case, track: Sequence[TestRecord], rig: Sequence[TestRecord]) -> Iterator[Row]:
-    def change(key: str, text: str, pair: Sequence[Sequence[float]], reach: float, origin: str) -> Iterator[Row]:
-        values = np.concatenate([np.asarray(one, dtype=float) for one in pair])
-        if not (np.isnan(values).all() or (values == 0.0).all()):
-            yield Row("fidelity", key, text, relative(*pair), -reach, reach, origin, signed=True)
-
+    both = (rig, track)
     stops = all(record.stopped for record in (*track, *rig))
-    what = "stopping distance" if stops else "distance after the same time"
-    yield from change(
-        "distance", what, distances((rig, track)), 0.02, "ours: what an overestimated adhesion of 2 % does"
-    )
     way = "deceleration" if case.brake is not None else "acceleration"
-    wear = "ours: wear of the valves, and the first thing a supplier counts"
-    pairs = (
+    changes = (
+        ("distance", "stopping distance" if stops else "distance after the same time", 0.02,
+         "ours: what an overestimated adhesion of 2 % does"),
         ("mean_deceleration_mps2", f"mean {way} since the demand", 0.02, "ours: as the distance"),
-        ("dump_cycles", "dump cycles, all axles under test", 0.05, wear),
+        ("dump_cycles", "dump cycles, all axles under test", 0.05,
+         "ours: wear of the valves, and the first thing a supplier counts"),
         ("air_litres", "air taken by the cylinders", 0.05, "ours: size of the reservoir"),
-        (
-            "regrip_adhesion",
-            "largest force on an axle that has slid (readhesion)",
-            0.10,
-            "ours: load on the drive line",
-        ),
-    )
-    for key, text, reach, origin in pairs:
-        yield from change(key, text, [values_of(one, key) for one in (rig, track)], reach, origin)
-    yield Row(
-        "fidelity", "slip_distribution", "shares of time up to each slip, largest difference",
-        slip_difference(track, rig), 0.0, 0.05, "ours: 5 % of the time at another slip",
+        ("regrip_adhesion", "largest force on an axle that has slid (readhesion)", 0.10, "ours: load on the drive line"),
     )  # fmt: skip
-    lock = difference(*(values_of(one, "longest_lock_s") for one in (rig, track)))
-    yield Row(
-        "fidelity", "longest_lock_s", "longest lock of a wheel", lock, -0.1, 0.1,
-        "ours: a flat grows with the length slid while locked", unit="s", factor=1.0, signed=True,
-    )  # fmt: skip
+    for key, text, reach, origin in changes:
+        pair = distances(both) if key == "distance" else [values_of(one, key) for one in both]
+        values = np.concatenate(pair)
+        if not (np.isnan(values).all() or (values == 0.0).all()):
+            yield Row("fidelity", key, text, relative(*pair), -reach, reach, origin)
+    slips, lock = slip_difference(track, rig), difference(*(values_of(one, "longest_lock_s") for one in both))
+    what, why = "shares of time up to each slip, largest difference", "ours: 5 % of the time at another slip"
+    yield Row("fidelity", "slip_distribution", what, slips, 0.0, 0.05, why)
+    what, why = "longest lock of a wheel", "ours: a flat grows with the length slid while locked"
+    yield Row("fidelity", "longest_lock_s", what, lock, -0.1, 0.1, why, unit="s", factor=1.0)
 
 
 def slip_difference(track: Sequence[TestRecord], rig: Sequence[TestRecord]) -> Estimate:

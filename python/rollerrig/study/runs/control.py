@@ -20,7 +20,8 @@ from rollerrig.analysis import loop_stability
 from rollerrig.analysis.control_loop import Loop, Wheel, creep_slope, loop_of, margins, wheel_of
 from rollerrig.analysis.slide_statistics import following, largest, slip, under_test, unwanted_ripple
 from rollerrig.assembly.actuators import assemble_with_actuators
-from rollerrig.config import Case, Rig
+from rollerrig.cases import rig_of
+from rollerrig.config import Case
 from rollerrig.config.schema import rig_control as schema
 from rollerrig.results.dataset import COMPLETED
 from rollerrig.similitude.scale_case import factors_of, scaled_table
@@ -30,41 +31,36 @@ from rollerrig.study.jobs import Progress, Round, job, whole_run
 Changes = Mapping[str, object]
 Vary = Callable[[Case, float], Changes]
 
-BENCH_STEP = 1e-3
-"""Step of the plant under slow controllers [s]."""
+BENCH_STEP = 1e-3  # step of the plant under slow controllers [s]
 
 
 @dataclass(frozen=True)
 class Family:
-    """One thing that is varied.
+    """One thing that is varied."""
 
-    Attributes:
-        name: for files and the command line.
-        title: for the report.
-        axis: label of the axis, with its unit.
-        unit: of a value in a text.
-        values: along the axis, in ascending order.
-        vary: changes of a case for one value.
-        curves: label -> changes that hold for all values, or a function as `vary` beside it.
-        scale: of the axis.
-        base: value of the case as it is, where it stands on the axis.
-        user: whether a user's own controller is run here too; not where the axis is a property of the built-in one.
-    """
-
-    name: str
-    title: str
-    axis: str
-    unit: str
-    values: tuple[float, ...]
-    vary: Vary
-    curves: Mapping[str, Changes | Vary]
+    name: str  # for files and the command line
+    title: str  # for the report
+    axis: str  # label of the axis, with its unit
+    unit: str  # of a value in a text
+    values: tuple[float, ...]  # along the axis, in ascending order
+    curves: Mapping[str, Changes | Vary]  # label -> changes that hold for all values, or a function as `vary` beside it
+    key: str = ""  # dotted key of the case that is varied, where it is one
+    vary: Vary | None = None  # changes of a case for one value; None: the key
+    own: float = math.nan  # value of a case that has no such key; NaN: it does not stand on the axis
     scale: Literal["log", "linear"] = "log"
-    base: Callable[[Case], float] | None = None
-    user: bool = False
+    user: bool = (
+        False  # whether a user's own controller is run here too; not where the axis is a property of the built-in one
+    )
+
+    def base(self, case: Case) -> float | None:
+        """Value of the case as it is, where it stands on the axis."""
+        found = number_at(case, self.key, self.own)
+        return None if math.isnan(found) else found
 
     def changes(self, case: Case, curve: Changes | Vary, value: float) -> Changes:
         """What one variant changes."""
-        return {**(curve(case, value) if callable(curve) else curve), **self.vary(case, value)}
+        own = self.vary(case, value) if self.vary is not None else {self.key: value} if self.key else {}
+        return {**(curve(case, value) if callable(curve) else curve), **own}
 
     def text(self, value: float) -> str:
         """A value of the axis with its unit."""
@@ -80,9 +76,7 @@ def _of_kind(part: Literal["estimator", "feedback"], table: schema.Estimator | s
     """An estimator or a feedback: the case's numbers where its own kind has them, for the rest the defaults at its scale."""
 
     def changes(case: Case, _value: float) -> Changes:
-        control = case.rig_control
-        assert control is not None
-        own = getattr(control, part)
+        own = getattr(rig_of(case)[1], part)
         usual = table if case.similitude is None else scaled_table(table, factors_of(case))
         more = {name: getattr(usual, name) for name in type(usual).model_fields if name not in type(own).model_fields}
         key = f"rig_control.{part}"
@@ -107,21 +101,16 @@ FEEDBACKS: dict[str, Vary] = {
     "no feedback": _of_kind("feedback", schema.NoFeedback(kind="none")),
 }
 
-USER = "user's controller"
-"""Label of the user's own controller."""
+USER = "user's controller"  # label of the user's own controller
 
 
-def _as_it_is(key: str, otherwise: float = math.nan) -> Callable[[Case], float]:
+def number_at(case: Case, key: str, otherwise: float) -> float:
     """The number at a dotted key of a case, or another one where its table has no such key."""
-
-    def read(case: Case) -> float:
-        value: object = case
-        for part in key.split("."):
-            value = getattr(value, part, otherwise)
-        assert isinstance(value, int | float)
-        return float(value)
-
-    return read
+    value: object = case
+    for part in key.split("."):
+        value = getattr(value, part, otherwise)
+    assert isinstance(value, int | float)
+    return float(value)
 
 
 def _pi_gains(case: Case, factor: float) -> Changes:
@@ -135,8 +124,7 @@ def _switching(case: Case, factor: float) -> Changes:
     """A sliding mode with its torque times a factor."""
     key = "rig_control.feedback.switching"
     changes = FEEDBACKS["sliding mode"](case, factor)
-    torque = _as_it_is(key, SLIDING_MODE.switching)(case.with_changes(changes))
-    return {**changes, key: factor * torque}
+    return {**changes, key: factor * number_at(case.with_changes(changes), key, SLIDING_MODE.switching)}
 
 
 def _sample_time(_case: Case, value: float) -> Changes:
@@ -154,8 +142,7 @@ def _wrong(name: str) -> Vary:
     return lambda case, percent: {f"rig_control.assumed.{name}": getattr(wheel_of(case), name) * (1.0 + 0.01 * percent)}
 
 
-COUNTS, WINDOW = 4096.0, 8
-"""Counts and window of an encoder where another property of it is varied."""
+COUNTS, WINDOW = 4096.0, 8  # counts and window of an encoder where another property of it is varied
 
 _PERCENT = (-5.0, -4.0, -3.0, -2.0, -1.0, -0.5, 0.0, 0.5, 1.0, 2.0, 3.0, 4.0, 5.0)
 _FAST_DRIVES = {"rig_control.motor.bandwidth": 400.0}
@@ -178,62 +165,51 @@ REFERENCES: dict[str, Changes] = {
 
 def references(case: Case) -> dict[str, Changes]:
     """REFERENCES of a case; without the bandwidth of its estimator where that has none."""
-    assert case.rig_control is not None
-    left_out = () if isinstance(case.rig_control.estimator, schema.BandwidthEstimator) else tuple(_FAST_ESTIMATOR)
+    left_out = () if isinstance(rig_of(case)[1].estimator, schema.BandwidthEstimator) else tuple(_FAST_ESTIMATOR)
     return {name: {k: v for k, v in changes.items() if k not in left_out} for name, changes in REFERENCES.items()}
 
 
-def _key_family(name: str, title: str, axis: str, unit: str, key: str, values: tuple[float, ...],
-                curves: Mapping[str, Changes | Vary], *, scale: Literal["log", "linear"] = "log", user: bool = False,
-                vary: Vary | None = None, otherwise: float = math.nan) -> Family:  # fmt: skip
-    """A family along one number of the case."""
-    vary = vary or (lambda _case, value: {key: value})
-    return Family(name, title, axis, unit, values, vary, curves, scale, _as_it_is(key, otherwise), user)
-
+_ENCODERS = f"encoders of {COUNTS:g} counts, differenced over {WINDOW} samples"
 
 FAMILIES: tuple[Family, ...] = (
-    _key_family("estimator_bandwidth", "Estimators and their bandwidth", "bandwidth of the estimator [Hz]", "Hz",
-                "rig_control.estimator.bandwidth", (1, 2, 5, 10, 20, 50, 100, 200), LIMITED, otherwise=OBSERVER.bandwidth),
+    Family("estimator_bandwidth", "Estimators and their bandwidth", "bandwidth of the estimator [Hz]", "Hz",
+           (1, 2, 5, 10, 20, 50, 100, 200), LIMITED, "rig_control.estimator.bandwidth", own=OBSERVER.bandwidth),
     Family("feedback_gain", "Gains of the feedback", "factor on the gains [-]", "×",
-           (0.1, 0.25, 0.5, 1, 2, 4, 8, 16, 32, 64, 128, 256), lambda _case, _factor: {},
-           {"PI": _pi_gains, "sliding mode": _switching}, base=lambda _case: 1.0),
-    _key_family("feedback_bandwidth", "Bandwidth of the PI loop", "bandwidth of the loop [Hz]", "Hz",
-                "rig_control.feedback.bandwidth", (0.05, 0.1, 0.2, 0.35, 0.7, 1.4, 2.8, 5.6, 11.2), {"PI": FEEDBACKS["PI"]},
-                otherwise=PI.bandwidth),
-    _key_family("sample_time", "Sample time", "sample time of the controller [s]", "s", "rig_control.sample_time",
-                (1e-4, 2e-4, 5e-4, 1e-3, 2e-3, 5e-3, 1e-2),
-                {**FEEDBACKS, **{f"PI, {key}": fixed for key, fixed in ESTIMATORS.items() if key != "observer"}},
-                vary=_sample_time),
-    _key_family("drive_bandwidth", "Bandwidth of the roller drives", "bandwidth of the roller drives [Hz]", "Hz",
-                "rig_control.motor.bandwidth", (1, 2, 5, 10, 20, 50, 100, 200),
-                {**FEEDBACKS, "PI, torque as commanded": {"rig_control.estimator.torque": "commanded"}}, user=True),
-    _key_family("delay", "Delay of the command", "delay from sample to torque command [s]", "s", "rig_control.delay",
-                (0.0, 1e-3, 2e-3, 5e-3, 1e-2, 2e-2), FEEDBACKS, scale="linear", user=True),
+           (0.1, 0.25, 0.5, 1, 2, 4, 8, 16, 32, 64, 128, 256), {"PI": _pi_gains, "sliding mode": _switching}, own=1.0),
+    Family("feedback_bandwidth", "Bandwidth of the PI loop", "bandwidth of the loop [Hz]", "Hz",
+           (0.05, 0.1, 0.2, 0.35, 0.7, 1.4, 2.8, 5.6, 11.2), {"PI": FEEDBACKS["PI"]}, "rig_control.feedback.bandwidth",
+           own=PI.bandwidth),
+    Family("sample_time", "Sample time", "sample time of the controller [s]", "s", (1e-4, 2e-4, 5e-4, 1e-3, 2e-3, 5e-3, 1e-2),
+           {**FEEDBACKS, **{f"PI, {key}": fixed for key, fixed in ESTIMATORS.items() if key != "observer"}},
+           "rig_control.sample_time", _sample_time),
+    Family("drive_bandwidth", "Bandwidth of the roller drives", "bandwidth of the roller drives [Hz]", "Hz",
+           (1, 2, 5, 10, 20, 50, 100, 200),
+           {**FEEDBACKS, "PI, torque as commanded": {"rig_control.estimator.torque": "commanded"}},
+           "rig_control.motor.bandwidth", user=True),
+    Family("delay", "Delay of the command", "delay from sample to torque command [s]", "s",
+           (0.0, 1e-3, 2e-3, 5e-3, 1e-2, 2e-2), FEEDBACKS, "rig_control.delay", scale="linear", user=True),
     Family("assumed_parameters", "Wrong assumed parameters", "error of the assumed parameter [%]", "%", _PERCENT,
-           lambda _case, _value: {}, {name.replace("_", " "): _wrong(name) for name in Wheel.__dataclass_fields__}, "linear",
-           lambda _case: 0.0),
+           {name.replace("_", " "): _wrong(name) for name in Wheel.__dataclass_fields__}, own=0.0, scale="linear"),
     Family("assumed_radii_unprotected", "Wrong assumed radii, without protection of the rollers",
-           "error of the assumed parameter [%]", "%", _PERCENT, lambda _case, _value: {"rig_control.protection.slip": 100.0},
-           {name.replace("_", " "): _wrong(name) for name in ("wheel_radius", "roller_radius")}, "linear", lambda _case: 0.0),
+           "error of the assumed parameter [%]", "%", _PERCENT,
+           {name.replace("_", " "): _wrong(name) for name in ("wheel_radius", "roller_radius")},
+           vary=lambda _case, _value: {"rig_control.protection.slip": 100.0}, own=0.0, scale="linear"),
     Family("encoder_counts", f"Counts of the encoders, differenced over {WINDOW} samples",
-           "counts per turn, axles and rollers [-]", "counts", (256, 512, 1024, 2048, 4096, 8192, 16384, 65536),
-           lambda _case, value: _encoders(counts=value, window=WINDOW), ESTIMATORS, user=True),
+           "counts per turn, axles and rollers [-]", "counts", (256, 512, 1024, 2048, 4096, 8192, 16384, 65536), ESTIMATORS,
+           vary=lambda _case, value: _encoders(counts=value, window=WINDOW), user=True),
     Family("encoder_window", f"Samples over which an encoder of {COUNTS:g} counts is differenced", "samples [-]", "samples",
-           (1, 2, 4, 8, 16), lambda _case, value: _encoders(counts=COUNTS, window=int(value)), ESTIMATORS),
-    Family("encoder_jitter", f"Jitter of encoders of {COUNTS:g} counts, differenced over {WINDOW} samples",
-           "standard deviation of the edges [counts]", "counts", (0.0, 0.1, 0.2, 0.5, 1.0, 2.0),
-           lambda _case, value: _encoders(counts=COUNTS, window=WINDOW, jitter=value), ESTIMATORS, "linear"),
-    Family("estimator_bandwidth_encoders",
-           f"Bandwidth of the estimators behind encoders of {COUNTS:g} counts, differenced over {WINDOW} samples",
-           "bandwidth of the estimator [Hz]", "Hz", (1, 2, 5, 10, 20, 50, 100),
-           lambda _case, value: {**_encoders(counts=COUNTS, window=WINDOW), "rig_control.estimator.bandwidth": value},
-           LIMITED),
+           (1, 2, 4, 8, 16), ESTIMATORS, vary=lambda _case, value: _encoders(counts=COUNTS, window=int(value))),
+    Family("encoder_jitter", f"Jitter of {_ENCODERS}", "standard deviation of the edges [counts]", "counts",
+           (0.0, 0.1, 0.2, 0.5, 1.0, 2.0), ESTIMATORS,
+           vary=lambda _case, value: _encoders(counts=COUNTS, window=WINDOW, jitter=value), scale="linear"),
+    Family("estimator_bandwidth_encoders", f"Bandwidth of the estimators behind {_ENCODERS}",
+           "bandwidth of the estimator [Hz]", "Hz", (1, 2, 5, 10, 20, 50, 100), LIMITED,
+           vary=lambda _case, value: {**_encoders(counts=COUNTS, window=WINDOW), "rig_control.estimator.bandwidth": value}),
 )  # fmt: skip
 """Everything that `rollerrig control` varies."""
 
 
-OUTPUT_STEP = 2e-3
-"""Output step of the runs compared [s]; ripple is seen up to its Nyquist frequency, 250 Hz."""
+OUTPUT_STEP = 2e-3  # output step of the runs compared [s]; ripple is seen up to its Nyquist frequency, 250 Hz
 
 KEPT = ["axle_speed", "virtual_speed", "train_speed", "train_distance", "real_sliding", "roller_torque", "valve"]
 
@@ -241,9 +217,10 @@ KEPT = ["axle_speed", "virtual_speed", "train_speed", "train_distance", "real_sl
 def run_variant(case: Case, with_course: bool, progress: Progress | None = None) -> dict[str, Any]:
     """One run: its `numbers`, and where wanted its `course` over time."""
     run = whole_run(case, progress)
-    rig = case.support.data
-    assert isinstance(rig, Rig)
-    return {"numbers": run_numbers(run, rig.roller_radius), "course": run[KEPT].load() if with_course else None}
+    return {
+        "numbers": run_numbers(run, rig_of(case)[0].roller_radius),
+        "course": run[KEPT].load() if with_course else None,
+    }
 
 
 def run_numbers(run: xr.Dataset, roller_radius: float) -> dict[str, Any]:
@@ -279,16 +256,12 @@ def against(numbers: Mapping[str, Any], base: xr.Dataset) -> dict[str, Any]:
 TRACKING_LIMIT = 0.01
 """Tracking RMS over train speed from which on a variant fails: the project's aim for the shipped cases [-]."""
 
-
 RIPPLE_LIMIT = 500.0
 """Fast torque that the virtual rail does not demand [N m] from which on a variant fails: a tenth of what low adhesion asks for,
 R T_v. Every outcome names it, see RIPPLE_CRITERION.
 """
 
-
 RIPPLE_CRITERION = f"torque ripple above {RIPPLE_LIMIT:g} N m RMS for 5 % of the time"
-
-
 TRACKING_CRITERION = f"tracking error above {100 * TRACKING_LIMIT:g} % RMS"
 
 
@@ -329,7 +302,6 @@ class Result:
 
 MEASURED = {"tracking": ("tracking_rms", TRACKING_LIMIT), "ripple": ("ripple_nm", RIPPLE_LIMIT)}
 """Cause -> the number that decides it, and its limit."""
-
 
 FACTORS = tuple(float(f) for f in np.geomspace(1.0, 256.0, 25))
 """On the gains of the PI controller, in the runs that measure its stability."""

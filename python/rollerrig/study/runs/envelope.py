@@ -9,9 +9,8 @@ is what is asked for, so that the map describes the rig.
 
 import itertools
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from operator import itemgetter
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -23,6 +22,8 @@ from rollerrig.analysis.rig_limits import LINES, NUMBERS, REGIONS, Record, RigLi
 from rollerrig.analysis.virtual_rail import Patch, grip_slip, patch_of, rail_shape
 from rollerrig.assembly.actuators import friction_brake
 from rollerrig.assembly.model import assemble
+from rollerrig.common.arrays import Array
+from rollerrig.common.formatting import quantity
 from rollerrig.config import Brake, Case, ConfigError, ConfigProblem, Traction
 from rollerrig.results import variable
 from rollerrig.simulation.mechatronics import full_brake_torque
@@ -30,31 +31,22 @@ from rollerrig.simulation.starting_state import StartError
 from rollerrig.simulation.virtual_train import load_transfer
 from rollerrig.study.jobs import Progress, whole_run
 
-BEGIN, RISE = 0.1, 0.2
-"""The torque begins to act, and takes so long to its full value [s]."""
+BEGIN, RISE = 0.1, 0.2  # the torque begins to act, and takes so long to its full value [s]
 
 LEAST_DURATION = round(2.0 * (BEGIN + RISE), 9)
 """Duration of a run: the full torque acts for half of it [s]; rounded, since 0.1 + 0.2 is not quite 0.3."""
 
-FOLLOW = 200.0
-"""Rate of the test's control valve and cylinder [1/s]: the torque follows the ramp within a few ms."""
+FOLLOW = 200.0  # rate of the test's control valve and cylinder [1/s]: the torque follows the ramp within a few ms
 
 PAD_FRICTION = 0.35
 """Pad friction of the test's brake, constant over speed, so that its pressure gives the torque asked for [-]."""
 
 ADHESIONS = (0.02, 0.04, 0.06, 0.08, 0.12, 0.16, 0.20, 0.25, 0.30, 0.36)
 LOADS = (0.6, 1.0, 1.4)
-TORQUES = 12
-"""Torques of a default map."""
+TORQUES = 12  # torques of a default map
 
 MOST_RUNS = 100_000
 MOST_REFINED = 4
-
-
-def torque_text(torque: float) -> str:
-    """A torque [N m] with its unit; the blanks do not break."""
-    scaled, unit = (1e-3 * torque, "kN\u00a0m") if abs(torque) >= 500.0 else (torque, "N\u00a0m")
-    return f"{scaled:.4g}\u00a0{unit}"
 
 
 class Point(NamedTuple):
@@ -67,7 +59,7 @@ class Point(NamedTuple):
     @property
     def label(self) -> str:
         """Label for a title."""
-        return f"{torque_text(self.torque)}, adhesion\u00a0{self.adhesion:.3g}, load\u00a0{self.load:.3g}"
+        return f"{quantity(self.torque, 'N m')}, adhesion {self.adhesion:.3g}, load {self.load:.3g}"
 
 
 def default_torques(case: Case) -> list[float]:
@@ -264,24 +256,24 @@ def map_dataset(
     done: Mapping[Point, Record],
 ) -> xr.Dataset:
     """The map of the records that there are; see `envelope`."""
-    shape = (len(loads), len(adhesions), len(torques))
-    records = [done.get(Point(load, t, adhesion)) for load, adhesion, t in itertools.product(loads, adhesions, torques)]
+    blank: Record = {"region": "", "limits": {}, "status": "", **dict.fromkeys(NUMBERS)}
+    records = [done.get(Point(load, t, mu), blank) for load, mu, t in itertools.product(loads, adhesions, torques)]
 
-    def over_map(read: Callable[[Record], Any], missing: Any) -> Any:
-        return np.array([missing if one is None else read(one) for one in records]).reshape(shape)
+    def over_map(values: Iterable[Any], kind: type = str) -> Any:
+        return np.array(list(values), dtype=kind).reshape(len(loads), len(adhesions), len(torques))
 
-    texts = {name: over_map(itemgetter(name), "") for name in ("region", "status")}
-    texts["limits"] = over_map(lambda one: ", ".join(f"{n} {since:.3g} s" for n, since in one["limits"].items()), "")
-    numbers = {name: over_map(itemgetter(name), None).astype(float) for name in NUMBERS}
-    meanings = {
-        "region": "; ".join(f"{name}: {meaning}" for name, meaning in REGIONS.items()),
-        "limits": "limits reached and when, the first one first",
-        "status": "status of the run",
-    }
+    limits = (", ".join(f"{name} {since:.3g} s" for name, since in one["limits"].items()) for one in records)
+    regions, meaning = (
+        over_map(one["region"] for one in records),
+        "; ".join(f"{k}: {text}" for k, text in REGIONS.items()),
+    )
     variables: dict[str, Any] = {
-        **{name: (DIMENSIONS, texts[name], {"long_name": text}) for name, text in meanings.items()},
-        **{name: variable(DIMENSIONS, numbers[name], u, m) for name, (u, m) in NUMBERS.items()},
+        "region": (DIMENSIONS, regions, {"long_name": meaning}),
+        "limits": (DIMENSIONS, over_map(limits), {"long_name": "limits reached and when, the first one first"}),
+        "status": (DIMENSIONS, over_map(one["status"] for one in records), {"long_name": "status of the run"}),
     }
+    for name, (unit, meaning) in NUMBERS.items():
+        variables[name] = variable(DIMENSIONS, over_map((one[name] for one in records), float), unit, meaning)
     coordinates = {
         "load": variable("load", list(loads), "1", "axle load over the case's own"),
         "adhesion": variable("adhesion", list(adhesions), "1", "of the virtual rail at no slip"),
@@ -292,7 +284,7 @@ def map_dataset(
         "case": case.name,
         "config_toml": case.to_toml(),
         "speed_kmh": 3.6 * case.motion.speed,
-        "runs": int((texts["region"] != "").sum()),
+        "runs": int((regions != "").sum()),
         "rollerrig_version": __version__,
     }
     return _with_lines(xr.Dataset(variables, coordinates, attributes), case)
@@ -303,22 +295,22 @@ def _with_lines(found: xr.Dataset, case: Case) -> xr.Dataset:
     loads, adhesions = found["load"].to_numpy().tolist(), found["adhesion"].to_numpy()
     sides = [side for side, on in (("brake", found["torque"][0] < 0), ("traction", found["torque"][-1] > 0)) if on]
     fine = np.linspace(adhesions[0], adhesions[-1], 91)
-    lines = {name: np.full((len(sides), len(loads), len(fine)), np.nan) for name in LINES}
-    loads_n, contact = np.zeros(len(loads)), np.zeros((len(sides), len(loads)))
-    for (s, side), (k, load) in itertools.product(enumerate(sides), enumerate(loads)):
-        loaded = point_case(case, Point(load, -1.0 if side == "brake" else 1.0, float(adhesions[0])), 1.0)
-        forms = rig_limits.closed_forms(loaded, fine)
-        loads_n[k], contact[s, k] = forms["axle_load"], forms["contact_adhesion"]
-        for name in forms.keys() & lines.keys():
-            lines[name][s, k] = forms[name]
-        own = vehicle_torque(case, side == "brake")
-        lines["line_vehicle"][s, k] = np.nan if own is None else own
+    brakes = [Point(load, -1.0, float(adhesions[0])) for load in loads]
+    forms = [[rig_limits.closed_forms(point_case(case, one if side == "brake" else one._replace(torque=1.0), 1.0), fine)
+              for one in brakes] for side in sides]  # fmt: skip
+
+    def over(name: str) -> Array:
+        return np.array([[one[name] for one in row] for row in forms])
+
+    own = np.array([vehicle_torque(case, side == "brake") for side in sides], dtype=float)  # NaN: no limit is known
+    lines = {name: over(name) for name in LINES if name != "line_vehicle"}
+    lines["line_vehicle"] = np.broadcast_to(own[:, None, None], (len(sides), len(loads), len(fine)))
     variables: dict[str, Any] = {
         name: variable(("side", "load", "line_adhesion"), values, "N m", LINES[name]) for name, values in lines.items()
     }
     meaning = "on rails with more adhesion than this a sliding wheel slides on its roller, (V3)"
-    variables["contact_adhesion"] = variable(("side", "load"), contact, "1", meaning)
-    variables["axle_load"] = variable("load", loads_n, "N", "mean static load of an axle")
+    variables["contact_adhesion"] = variable(("side", "load"), over("contact_adhesion"), "1", meaning)
+    variables["axle_load"] = variable("load", over("axle_load")[0], "N", "mean static load of an axle")
     along = variable("line_adhesion", fine, "1", "adhesion along the closed forms")
     return found.assign(variables).assign_coords(side=("side", sides), line_adhesion=along)
 

@@ -24,7 +24,6 @@ from rollerrig.analysis.slide_statistics import SLIP_EDGES, TestRecord
 from rollerrig.analysis.virtual_rail import available_adhesion, patch_of
 from rollerrig.assembly.model import assemble
 from rollerrig.cases import wheelsets
-from rollerrig.common.arrays import Array
 from rollerrig.common.formatting import percent
 from rollerrig.config import CRITERIA, Case, ConfigError, ConfigProblem, Limit, Piece, Programme
 from rollerrig.config.schema.programme import BrakedRun, FlatWear, PatchStop
@@ -33,18 +32,9 @@ from rollerrig.results.run_info import RunInfo
 from rollerrig.study.assessment import NOT_DECIDED, Outcome, outcome
 from rollerrig.study.ensemble import Estimate, check_ensemble, estimate, stepped, values_of
 from rollerrig.study.jobs import Progress, whole_run
-from rollerrig.study.runs.adhesion import (
-    all_differ,
-    has_slid,
-    is_closed,
-    is_sound,
-    keeps_contact,
-    track_case,
-    verdict_rows,
-)
+from rollerrig.study.runs.adhesion import GATES, is_whole, track_case, verdict_rows
 
-RISE = 0.1
-"""In which the demand rises; the brake is slower anyhow [s]."""
+RISE = 0.1  # in which the demand rises; the brake is slower anyhow [s]
 
 
 def check_case(case: Case, programme: Programme) -> None:
@@ -71,10 +61,7 @@ def check_case(case: Case, programme: Programme) -> None:
 def stop_case(case: Case, programme: Programme, stop: BrakedRun) -> Case:
     """A stop of the programme on the rig: the case with this speed, rail and demand, all else its own.
 
-    The demand begins at the start: the distance run is that since the demand.
-
-    Raises:
-        ConfigError: the case cannot be run so.
+    The demand begins at the start: the distance run is that since the demand. What cannot be run so is a ConfigError.
     """
     rail = _plain(stop.rail)
     pieces = [_plain(piece) for piece in stop.pieces()]
@@ -82,11 +69,7 @@ def stop_case(case: Case, programme: Programme, stop: BrakedRun) -> Case:
 
 
 def dry_case(case: Case, programme: Programme, stop: BrakedRun) -> Case:
-    """The same stop on a dry rail.
-
-    Raises:
-        ConfigError: the case cannot be run so.
-    """
+    """The same stop on a dry rail."""
     return _changed(case, programme, stop, f"{case.name}_{stop.name}_dry", "dry", [])
 
 
@@ -132,34 +115,23 @@ def _plain(table: Any) -> Any:
     return found
 
 
-LARGE_SLIP = 0.30
-"""Beyond it slip is large [-]."""
+LARGE_SLIP = 0.30  # beyond it slip is large [-]
 
-SIGNAL_STEP = 0.05
-"""Step of the signals that are kept [s]."""
+SIGNALS, SIGNAL_STEP = ("train_speed", "axle_speed", "cylinder_pressure"), 0.05
+"""Signals that are kept, and their step [s]."""
 
 
 @dataclass(frozen=True)
 class StopRecord:
-    """What is kept of a test: record, signals over time by name with unit (of first tests alone), processor time [s]."""
+    """What is kept of a test: record, SIGNALS over time (of first tests alone), processor time [s]."""
 
     test: TestRecord
-    signals: Mapping[str, Array]
+    signals: xr.Dataset | None
     seconds: float
 
 
 def stop_record(case: Case, flat: FlatWear, keep: bool, progress: Progress | None = None) -> StopRecord:
-    """Run a test and keep its record: a job.
-
-    Args:
-        case: of a stop.
-        flat: numbers of the estimate of wheel flats.
-        keep: also its signals.
-        progress: called with the fraction done and a short text.
-
-    Raises:
-        KeyboardInterrupt: Ctrl-C cut it short.
-    """
+    """Run a test of a stop and keep its record: a job; with numbers of the estimate of flats, and its signals if to `keep`."""
     begun = time.process_time()
     run = whole_run(case, progress=progress)
     record = slides.test_record(run, case)
@@ -170,7 +142,9 @@ def stop_record(case: Case, flat: FlatWear, keep: bool, progress: Progress | Non
         "build_up_s": build_up(run),
     }
     test = replace(record, measures={**record.measures, **own})
-    return StopRecord(test, signals(run) if keep else {}, time.process_time() - begun)
+    every = max(1, round(SIGNAL_STEP / float(run["time"][1] - run["time"][0]))) if run.sizes["time"] > 1 else 1
+    kept = run[list(SIGNALS)].isel(time=slice(None, None, every)) if keep else None
+    return StopRecord(test, kept, time.process_time() - begun)
 
 
 def adhesion_utilisation(run: xr.Dataset, case: Case) -> float:
@@ -204,19 +178,6 @@ def build_up(run: xr.Dataset) -> float:
     return float(np.trapezoid(1.0 - pressure / full, run["time"].to_numpy())) if full > 0.0 else math.nan
 
 
-def signals(run: xr.Dataset) -> dict[str, Array]:
-    """Speeds and cylinder pressures over time, every SIGNAL_STEP."""
-    clock = run["time"].to_numpy()
-    every = max(1, round(SIGNAL_STEP / (clock[1] - clock[0]))) if clock.size > 1 else 1
-    kept = slice(None, None, every)
-    found = {"time_s": clock[kept], "train_speed_kmh": 3.6 * run["train_speed"].to_numpy()[kept]}
-    for axle in run["axle"].to_numpy():
-        one = run[["axle_speed", "cylinder_pressure"]].sel(axle=axle)
-        found[f"{axle}_speed_kmh"] = 3.6 * slides.wheel_radius(run) * one["axle_speed"].to_numpy()[kept]
-        found[f"{axle}_pressure_bar"] = 1e-5 * one["cylinder_pressure"].to_numpy()[kept]
-    return found
-
-
 Support = Literal["track", "rig"]
 SUPPORTS: tuple[Support, ...] = ("track", "rig")
 
@@ -242,21 +203,15 @@ OVER_DRY = ("increase_over_dry", "k_wet")
 
 @dataclass(frozen=True)
 class StopTests:
-    """The tests of one stop of the programme on one support, of the rig's case.
-
-    Attributes:
-        asked: number of tests without which nothing is decided.
-        dry: the same stop on a dry rail; None: not made.
-        fine: the first of the tests again with finer steps and samples.
-    """
+    """The tests of one stop of the programme on one support, of the rig's case."""
 
     stop: BrakedRun
     support: Support
     case: Case
-    asked: int
+    asked: int  # number of tests without which nothing is decided
     tests: Sequence[TestRecord]
-    dry: TestRecord | None
-    fine: Sequence[TestRecord] = ()
+    dry: TestRecord | None  # the same stop on a dry rail; None: not made
+    fine: Sequence[TestRecord] = ()  # the first of the tests again with finer steps and samples
 
     def values(self, name: str, tests: Sequence[TestRecord] | None = None) -> list[float]:
         """A measure of all tests; NaN where there is none. What is over the dry stop leaves out the way of its build-up."""
@@ -331,27 +286,18 @@ def faults(found: StopTests, *, must_slide: bool = True) -> Iterator[str]:
     tests, count = found.tests, len(found.tests)
     if count < found.asked:
         yield f"{count} of {found.asked} tests were made"
-    early = [one for one in tests if not one.completed]
-    if early:
-        yield f"{len(early)} of {count} tests ended early: {early[0].message}"
+    for key, (text, _, has) in GATES.items():
+        bad = [one for one in tests if not has(one, tests)]
+        if bad and (must_slide or key != "slid"):
+            why = f": {bad[0].message}" if key == "ended" else ""
+            yield f"{count - len(bad)} of {count} tests {text}{why}"
     rolling = sum(one.completed and not one.stopped for one in tests)
     if found.stop.stops and rolling:
         yield f"in {rolling} of {count} tests the train had not stopped after {found.stop.duration:g} s"
-    lost = sum(keeps_contact(one) for one in tests)
-    if lost < count:
-        yield f"in {count - lost} of {count} tests a wheel lost contact"
-    slid = sum(has_slid(one) for one in tests)
-    if must_slide and slid < count:
-        yield f"in {count - slid} of {count} tests the axles hardly passed the peak of the creep curve"
-    closed = sum(is_closed(one) for one in tests)
-    if closed < count:
-        yield f"in {count - closed} of {count} tests the energy balance is open"
-    if not all_differ(tests):
-        yield "starts that should differ gave the same test"
-    bad = sum(not (one.completed and is_sound(one) and (one.stopped or not found.stop.stops)) for one in found.fine)
+    bad = [one for one in found.fine if not (is_whole(one) and (one.stopped or not found.stop.stops))]
     if bad:
         faulty = "ended early, did not stop, lost contact or have an open energy balance"
-        yield f"{bad} of {len(found.fine)} tests with finer steps {faulty}"
+        yield f"{len(bad)} of {len(found.fine)} tests with finer steps {faulty}"
 
 
 def rig_faults(rig: StopTests, track: StopTests) -> Iterator[str]:
@@ -387,13 +333,3 @@ def dry_faults(found: StopTests) -> Iterator[str]:
     shortest = min((one.measures["distance_m"] for one in found.tests), default=math.nan)
     if shortest < dry["distance_m"]:
         yield "a test stopped in less than the dry distance"
-
-
-def signal_columns(signals: Mapping[str, Mapping[str, Any]]) -> Mapping[str, Any]:
-    """Signals of the first tests, rig beside track, as long as both ran."""
-    count = min((len(next(iter(one.values()))) for one in signals.values() if one), default=0)
-    found: dict[str, Any] = {}
-    for on, own in signals.items():
-        for name, values in own.items():
-            found.setdefault(name if name == "time_s" else f"{name}_{on}", values[:count])
-    return found
