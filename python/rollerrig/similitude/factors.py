@@ -59,32 +59,8 @@ class Similitude:
             UnknownUnitError: the unit is not made of kg, m and s.
         """
         of_mass, of_length, of_time = exponents(unit)
-        return float(self.mass**of_mass * self.length**of_length * self.time**of_time)
-
-    @property
-    def mass(self) -> float:
-        """(M1): density length^3."""
-        return self.density * self.length**3
-
-    @property
-    def speed(self) -> float:
-        """Factor of a speed."""
-        return self.length / self.time
-
-    @property
-    def acceleration(self) -> float:
-        """Factor of an acceleration; 1 if gravity is to act alike."""
-        return self.length / self.time**2
-
-    @property
-    def force(self) -> float:
-        """Factor of a force; length^2 if the same material is to deform alike."""
-        return self.mass * self.acceleration
-
-    @property
-    def pressure(self) -> float:
-        """Factor of a stress or modulus; 1 if the material is the same."""
-        return self.force / self.length**2
+        mass = self.density * self.length**3  # (M1)
+        return float(mass**of_mass * self.length**of_length * self.time**of_time)
 
 
 FACTORS: tuple[tuple[str, str], ...] = (

@@ -203,6 +203,3 @@ def inner_annotations(annotation: Any) -> tuple[Any, ...]:
     if origin in (Union, UnionType):
         return next((found for part in get_args(annotation) if (found := inner_annotations(part))), ())
     return get_args(annotation) if origin in (tuple, dict) else ()
-
-
-__all__ = ["SPECIAL", "NoUnitError", "factors_of", "scale_case"]
