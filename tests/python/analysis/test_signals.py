@@ -8,7 +8,7 @@ import xarray as xr
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rollerrig.analysis import final_motion, growth_rate, half_waves
+from rollerrig.analysis.signals import final_motion, growth_rate, half_waves
 
 TIME = np.linspace(0.0, 6.0, 1201)
 

@@ -7,20 +7,12 @@ import math
 import numpy as np
 import pytest
 
-from rollerrig.analysis import (
-    HuntingSettings,
-    Lineariser,
-    growth_rate,
-    half_waves,
-    hunting_run,
-    linear_critical_speed,
-    stability,
-    zero_crossings,
-)
 from rollerrig.analysis.control_loop import slow_wavelength
-from rollerrig.analysis.critical_speed import bracket, scan_linear
-from rollerrig.analysis.mode_table import diverging, modes_over_speed
-from rollerrig.analysis.modes import eigensystem, oscillates
+from rollerrig.analysis.critical_speed import bracket, linear_critical_speed, scan_linear
+from rollerrig.analysis.hunting import HuntingSettings, hunting_run
+from rollerrig.analysis.mode_table import diverging, modes_over_speed, stability, zero_crossings
+from rollerrig.analysis.modes import Lineariser, eigensystem, oscillates
+from rollerrig.analysis.signals import growth_rate, half_waves
 from rollerrig.config import Case, load_case
 from rollerrig.study.jobs import job, run_rounds
 

@@ -13,7 +13,7 @@ import xarray as xr
 from pydantic import BaseModel
 
 import rollerrig as rr
-from rollerrig.analysis import linear_critical_speed
+from rollerrig.analysis.critical_speed import linear_critical_speed
 from rollerrig.config import ConfigError, case_from_toml
 from rollerrig.config.schema.adhesion import Adhesion
 from rollerrig.config.schema.base import Table

@@ -9,8 +9,8 @@ import pytest
 from typer.testing import CliRunner
 
 from rollerrig import _core
-from rollerrig.analysis import HuntingSettings, LimitCycleSettings
-from rollerrig.analysis.hunting import hunting_run
+from rollerrig.analysis.hunting import HuntingSettings, hunting_run
+from rollerrig.analysis.limit_cycle_runs import LimitCycleSettings
 from rollerrig.assembly.model import assemble
 from rollerrig.cases import on_track
 from rollerrig.catalog import catalog_names

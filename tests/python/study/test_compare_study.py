@@ -11,8 +11,8 @@ import pytest
 from typer.testing import CliRunner
 
 from reported import unexplained, unreported
-from rollerrig.analysis import HuntingSettings
 from rollerrig.analysis.critical_speed import EFFECTS, TRACK, CriticalSpeedOverRadius, EffectSplit, LinearCriticalSpeed
+from rollerrig.analysis.hunting import HuntingSettings
 from rollerrig.analysis.mode_table import Crossing
 from rollerrig.cli.app import build_app
 from rollerrig.config import ConfigError, Rig, Track, load_case, load_support

@@ -14,7 +14,8 @@ import pytest
 from typer.testing import CliRunner
 
 from reported import unexplained, unreported
-from rollerrig.analysis import LimitCycleSettings, bifurcation
+from rollerrig.analysis import bifurcation
+from rollerrig.analysis.limit_cycle_runs import LimitCycleSettings
 from rollerrig.cli.app import build_app
 from rollerrig.config import ConfigError, load_case
 from rollerrig.results import load_run
