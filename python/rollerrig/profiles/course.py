@@ -104,13 +104,16 @@ def check_order(course: Course) -> None:
 
 def without_crowds(course: Course) -> Course:
     """Without points that crowd closer than a twentieth of the usual spacing: they say nothing about direction."""
-    least = float(np.median(course.spacing)) / 20
-    points = course.points
+    return course.part(spaced(course.points, max(float(np.median(course.spacing)) / 20, 1e-12)))
+
+
+def spaced(points: Array, least: float) -> list[int]:
+    """Indices of points (n, 2) at least so far from the one kept before."""
     keep = [0]
     for i in range(1, len(points)):
-        if math.hypot(*(points[i] - points[keep[-1]])) > least:
+        if math.hypot(*(points[i] - points[keep[-1]])) >= least:
             keep.append(i)
-    return course.part(keep)
+    return keep
 
 
 FOLD = 0.3e-3  # [m] a return of the abscissa beyond measuring noise

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from rollerrig.common.arrays import Array
 from rollerrig.common.input_files import LARGEST_TABLE, read_input
-from rollerrig.profiles.course import Course, check_order, check_stray
+from rollerrig.profiles.course import Course, check_order, check_stray, spaced
 from rollerrig.profiles.table import ProfileError, ProfileKind
 
 FileFormat = Literal["auto", "two_column", "simpack"]
@@ -119,7 +119,7 @@ def _read_simpack(path: Path, lines: list[str]) -> RawProfile:
 
     nearest = number("point.dist.min", 0.0)  # 1
     if nearest > 0:
-        kept = np.array(_spaced(y, z, nearest))
+        kept = np.array(spaced(rows[:, :2], nearest))
         _enough_left(path, len(kept), len(rows), f"point.dist.min = {nearest:g}, in the unit of the points,")
         y, z, weights = y[kept], z[kept], weights[kept]
     y, z = y + number("shift.y", 0.0), z + number("shift.z", 0.0)  # 2
@@ -224,12 +224,3 @@ def _enough_left(path: Path, kept: int, count: int, key: str, of: str = "") -> N
             f"{path}: {key} leaves {kept} of {count} points{' ' + of if of else ''}; a profile has at least {FEWEST_POINTS}; are "
             "header and points in the same unit?"
         )
-
-
-def _spaced(y: Array, z: Array, spacing: float) -> list[int]:
-    """Indices of points at least `spacing` from the one kept before; same unit as y and z."""
-    keep = [0]
-    for i in range(1, len(y)):
-        if math.hypot(y[i] - y[keep[-1]], z[i] - z[keep[-1]]) >= spacing:
-            keep.append(i)
-    return keep
