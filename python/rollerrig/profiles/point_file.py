@@ -40,11 +40,6 @@ class RawProfile:
     declared: ProfileKind | None
     comment: str
 
-    @property
-    def path(self) -> Path:
-        """The file."""
-        return self.course.file
-
 
 def read_point_file(path: Path, file_format: FileFormat = "auto", units: LengthUnit = "auto") -> RawProfile:
     """Read a profile file.
