@@ -57,11 +57,6 @@ class Course:
         """(n - 1,) distances of neighbours [m]."""
         return np.asarray(np.hypot(*np.diff(self.points, axis=0).T))
 
-    @property
-    def closed(self) -> bool:
-        """Whether the last point comes back to the first."""
-        return bool(np.hypot(*(self.points[-1] - self.points[0])) <= 3 * np.median(self.spacing))
-
     def averaged(self, count: int) -> "Course":
         """Means of `count` neighbours, with the line of the first of them; what is left over at the end is dropped."""
         if count <= 1:
@@ -81,13 +76,9 @@ def check_stray(course: Course) -> None:
     stray = (off > STRAY) & (off > 5 * across)
     if np.any(stray):
         i = int(np.argmax(off * stray)) + 1
-        if (count := int(np.sum(stray))) > 3 + len(course) // 50:
-            raise ProfileError(
-                f"{course.file}: {count} points jump away from their neighbours and back, the farthest by "
-                f"{1e3 * off[i - 1]:.4g} mm at {course.place(i)}: the points must be in order along the profile"
-            )
         raise ProfileError(
-            f"{course.file}: {course.place(i)}: a stray point, {1e3 * off[i - 1]:.4g} mm off both neighbours; remove it"
+            f"{course.file}: {course.place(i)}: a stray point, {1e3 * off[i - 1]:.4g} mm off both neighbours, the worst of "
+            f"{np.sum(stray)}; remove it, or put the points in order along the profile"
         )
 
 

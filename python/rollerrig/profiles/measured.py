@@ -298,16 +298,11 @@ def _usable_branch(course: Course, curve: SmoothCurve, kind: ProfileKind) -> sli
     short = [end for end, reach in reaches if reach <= LEAST_REACH]
     if stop - start >= 2 and not short:
         return slice(start, stop)
-    end = short[0] if short else centre
-    outermost = end <= 1 or end >= len(dy) - 2
-    why = "the points end" if outermost else f"the profile turns back, or is steeper than {STEEPEST_SLOPE:g}"
-    cure = (
-        "the curve is closed: leave only the running surface"
-        if course.closed
-        else "is there a step or a stray point, or are the points not in order along the profile?"
-    )
+    end = points[short[0] if short else centre]
+    middle_place = course.nearest(np.array([middle, points[centre, 1]]))
     raise ProfileError(
-        f"{course.file}: {why} at {course.nearest(points[end])}; needed: {1e3 * LEAST_REACH:g} mm on each side of the "
-        f"{'tape circle' if kind == 'wheel' else 'highest point'}, "
-        f"{course.nearest(np.array([middle, points[centre, 1]]))}; {cure}"
+        f"{course.file}: the profile ends, turns back, or is steeper than {STEEPEST_SLOPE:g} at {course.nearest(end)}; needed: "
+        f"{1e3 * LEAST_REACH:g} mm on each side of the {'tape circle' if kind == 'wheel' else 'highest point'}, "
+        f"{middle_place}; is there a step or a stray point, are the points not in order along the profile, or those of a closed "
+        "curve, of which only the running surface is needed?"
     )
