@@ -14,12 +14,10 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
-import subprocess
-import sys
 import time
 
 import numpy as np
+from timing import elsewhere
 
 from rollerrig import _core, load_case
 from rollerrig.assembly.actuators import assemble_with_actuators
@@ -81,13 +79,6 @@ def evaluation(place: str) -> float:
     return 1e6 * best
 
 
-def elsewhere(place: str, duration: float | None, path: str) -> dict[str, float]:
-    """The same with another build, in a process of its own."""
-    command = [sys.executable, __file__, "--only", place] + (["--duration", str(duration)] if duration else [])
-    answer = subprocess.run(command, env=os.environ | {"PYTHONPATH": path}, check=True, capture_output=True, text=True)
-    return dict(json.loads(answer.stdout.splitlines()[-1]))
-
-
 def main() -> None:
     """Print a line for the rig and one for the track."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -98,6 +89,7 @@ def main() -> None:
     if options.only:
         print(json.dumps(measure(options.only, options.duration)))
         return
+    duration = ["--duration", str(options.duration)] if options.duration else []
     print("             a 60 s test   x real time   steps/ms   evaluations/step   us/step, of which evaluations")
     for place in PLACES:
         own = measure(place, options.duration)
@@ -109,7 +101,7 @@ def main() -> None:
             flush=True,
         )
         if options.against:
-            other = elsewhere(place, options.duration, options.against)
+            other = elsewhere(__file__, ["--only", place, *duration], options.against)
             ratio = (other["spent"] / other["simulated"]) / (own["spent"] / own["simulated"])
             print(f"           {ratio:.2f} times as fast as {options.against}", flush=True)
 

@@ -10,17 +10,15 @@ from __future__ import annotations
 
 import argparse
 import json
-import resource
 import subprocess
 import sys
 import tempfile
 from pathlib import Path
 
 import numpy as np
+from timing import ROOT, of_children, write_between
 
-ROOT = Path(__file__).parents[1]
-COSTS, PAGE = ROOT / "python/rollerrig/cli/costs.json", ROOT / "docs/performance.md"
-BEGIN, END = "<!-- commands: begin -->\n", "<!-- commands: end -->"
+COSTS = ROOT / "python/rollerrig/cli/costs.json"
 EXAMPLES = {
     "paper": "paper",
     "run": "run bogie_rollers_constant",
@@ -74,24 +72,17 @@ def write_logs(folder: Path) -> None:
 
 def measure(name: str, folder: Path, out: Path) -> float:
     """Processor time of a command [s]."""
-    command = [
-        sys.executable,
-        "-c",
-        "from rollerrig.cli import main; main()",
-        *EXAMPLES[name].split(),
-        "--out",
-        str(out),
-    ]
-    before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    subprocess.run([*command, *(("--processes", "1") if name in IN_TURN else ())], cwd=folder, check=True)
-    after = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    options = ["--out", str(out), *(("--processes", "1") if name in IN_TURN else ())]
+    program = [sys.executable, "-c", "from rollerrig.cli import main; main()"]
+    before = of_children()
+    subprocess.run([*program, *EXAMPLES[name].split(), *options], cwd=folder, check=True)
+    return of_children() - before
 
 
 def table(costs: dict[str, dict[str, object]]) -> str:
     """The table of the page."""
     rows = [f"| `rollerrig {one['example']}` | {one['processor_s']:g} s |" for one in costs.values()]
-    return "\n".join(["| command | processor time |", "|---|---|", *rows, ""])
+    return "\n".join(["| command | processor time |", "|---|---|", *rows])
 
 
 def main() -> None:
@@ -111,8 +102,7 @@ def main() -> None:
     if given.write:
         costs = {name: costs[name] for name in EXAMPLES if name in costs}
         COSTS.write_text(json.dumps(costs, indent=1) + "\n", encoding="utf-8")
-        before, _, rest = PAGE.read_text(encoding="utf-8").partition(BEGIN)
-        PAGE.write_text(before + BEGIN + "\n" + table(costs) + "\n" + END + rest.partition(END)[2], encoding="utf-8")
+        write_between("commands", table(costs))
 
 
 if __name__ == "__main__":

@@ -9,11 +9,11 @@ share is counted. Best of seven. The last column is a run of the traction case (
 from __future__ import annotations
 
 import argparse
-import time
 
 import numpy as np
 from rich.console import Console
 from rich.table import Table
+from timing import best_time
 
 import rollerrig as rr
 from rollerrig import _core
@@ -30,24 +30,13 @@ def per_call(name: str, calls: int) -> float:
     """Seconds of processor time."""
     law = creep_law(name, **PARAMETERS.get(name, {}))
     creepage = np.random.default_rng(1).normal(size=(calls, 3)) * [3e-3, 3e-3, 0.5]
-    best = np.inf
-    for _ in range(7):
-        start = time.process_time()
-        _core.creep_forces(creepage, 5e-3, 4e-3, 8e4, 0.3, 82e9, 0.28, law)
-        best = min(best, time.process_time() - start)
-    return best / calls
+    return best_time(lambda: _core.creep_forces(creepage, 5e-3, 4e-3, 8e4, 0.3, 82e9, 0.28, law), 7) / calls
 
 
 def run_time(name: str) -> tuple[float, float]:
     """Seconds of processor time of the traction case, and simulated seconds."""
     case = rr.load_case(CASE).with_changes({"contact.creep": {"kind": name, **PARAMETERS.get(name, {})}})
-    rr.simulate(case.with_changes({"time.duration": "0.1 s"}))
-    best = np.inf
-    for _ in range(3):
-        start = time.process_time()
-        rr.simulate(case)
-        best = min(best, time.process_time() - start)
-    return best, case.time.duration
+    return best_time(lambda: rr.simulate(case), 3), case.time.duration
 
 
 def main() -> None:

@@ -11,11 +11,11 @@ from __future__ import annotations
 
 import argparse
 import resource
-from pathlib import Path
 
 from long_runs import RUNS, long_run
 from normal_contact import microseconds_per_wheel
 from right_hand_side import measure as right_hand_side
+from timing import write_between
 
 from rollerrig import load_case, simulate
 
@@ -29,9 +29,6 @@ WORDS = {
     "vehicle_track_irregular": "whole vehicle on irregular track",
     "adhesion_brake": "brake test, everything at 1 ms",
 }
-
-
-PAGE, BEGIN, END = Path(__file__).parents[1] / "docs/performance.md", "<!-- must: begin -->", "<!-- must: end -->"
 
 
 def line(rows: list[str], what: str, asked: str, now: str, beside: str = "") -> None:
@@ -84,9 +81,7 @@ def main() -> None:
         line(rows, WORDS[name], ASKED[name], f"{one.run.real_time:.3g} × real time", beside)
     line(rows, "memory over equal runs", "flat", f"{growth_of_memory():+.1f} MB in 10 runs", "")
     if given.write:
-        text = PAGE.read_text()
-        table = "\n".join(rows)
-        PAGE.write_text(f"{text.split(BEGIN)[0]}{BEGIN}\n\n{table}\n\n{END}{text.split(END)[1]}")
+        write_between("must", "\n".join(rows))
 
 
 if __name__ == "__main__":

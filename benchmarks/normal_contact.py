@@ -10,9 +10,9 @@ time, the smallest of five rounds. Traction: `bogie_rollers_traction` with its o
 from __future__ import annotations
 
 import sys
-import time
 
 import numpy as np
+from timing import best_time
 
 from rollerrig import load_case, simulate
 from rollerrig.assembly.model import assemble
@@ -56,12 +56,8 @@ def traction() -> None:
     for normal in NORMAL_LAWS:
         for creep in ("kalker_saturated", "table"):
             case = load_case("bogie_rollers_traction").with_changes({"contact.normal": normal, "contact.creep": creep})
-            best = np.inf
-            for _ in range(3):
-                start = time.process_time()
-                run = simulate(case)
-                best = min(best, time.process_time() - start)
-            print(f"traction {normal:8s} {creep:18s} {float(run['time'][-1]) / best:6.1f} x real time")
+            speed = case.time.duration / best_time(lambda: simulate(case), 3)  # noqa: B023
+            print(f"traction {normal:8s} {creep:18s} {speed:6.1f} x real time")
 
 
 if __name__ == "__main__":

@@ -28,7 +28,7 @@ import time
 from collections import Counter
 from pathlib import Path
 
-import numpy as np
+from timing import best_time, elsewhere, states_along
 
 CASES = {
     "bogie on rollers": ("bogie_rollers_constant", {"motion.speed": "200 km/h"}),
@@ -58,42 +58,19 @@ PARTS = {
 
 def states_of(case_name: str, laws: str):
     """The model and its states after each millisecond, shape (STATES, n)."""
-    from rollerrig import _core, load_case
-    from rollerrig.assembly.model import assemble
-    from rollerrig.simulation.run import begin
-    from rollerrig.simulation.starting_state import starting_state
+    from rollerrig import load_case
 
     name, changes = CASES[case_name]
-    model = assemble(load_case(name).with_changes({**changes, **LAWS[laws]}))
-    simulation = _core.Simulation(model.core)
-    begin(simulation, model, starting_state(model))
-    times, rows = np.empty(9), np.empty((9, simulation.width))
-    states = []
-    for k in range(STATES):
-        simulation.advance(1e-3 * (k + 1), times, rows, 0)
-        states.append(simulation.state)
-    return model, np.array(states)
+    return states_along(load_case(name).with_changes({**changes, **LAWS[laws]}), 1e-3, STATES)
 
 
-def measure(case_name: str, laws: str, rounds: int = 7) -> float:
+def measure(case_name: str, laws: str) -> float:
     """Microseconds of processor time of one evaluation."""
     from rollerrig import _core
 
     model, states = states_of(case_name, laws)
     simulation = _core.Simulation(model.core)
-    best = np.inf
-    for _ in range(rounds):
-        begun = time.process_time()
-        simulation.derivatives(0.0, states)
-        best = min(best, time.process_time() - begun)
-    return 1e6 * best / len(states)
-
-
-def elsewhere(case_name: str, laws: str, path: str) -> float:
-    """The same in a process of its own, with the package in that folder."""
-    command = [sys.executable, __file__, "--only", case_name, laws]
-    answer = subprocess.run(command, env=os.environ | {"PYTHONPATH": path}, check=True, capture_output=True, text=True)
-    return float(answer.stdout)
+    return 1e6 * best_time(lambda: simulation.derivatives(0.0, states), 7) / len(states)
 
 
 def evaluate_for(seconds: float, case_name: str) -> None:
@@ -110,21 +87,8 @@ def evaluate_for(seconds: float, case_name: str) -> None:
 def parts(case_name: str) -> dict[str, float]:
     """Share of each part in an evaluation [-]."""
     with tempfile.NamedTemporaryFile(suffix=".perf") as file:
-        record = [
-            "perf",
-            "record",
-            "-q",
-            "-g",
-            "-F",
-            "2000",
-            "-o",
-            file.name,
-            sys.executable,
-            __file__,
-            "--run",
-            case_name,
-        ]
-        subprocess.run(record, check=True, capture_output=True)
+        record = ["perf", "record", "-q", "-g", "-F", "2000", "-o", file.name]
+        subprocess.run([*record, sys.executable, __file__, "--run", case_name], check=True, capture_output=True)
         script = subprocess.run(["perf", "script", "-i", file.name, "-F", "ip,sym"], check=True, capture_output=True)
     found: Counter[str] = Counter()
     for sample in script.stdout.decode().split("\n\n"):
@@ -159,11 +123,11 @@ def main() -> None:
     results = {}
     for case_name in CASES:
         for laws in LAWS:
-            own = elsewhere(case_name, laws, os.environ.get("PYTHONPATH", ""))
+            own = elsewhere(__file__, ["--only", case_name, laws], os.environ.get("PYTHONPATH", ""))
             line = f"{case_name:28} {laws:26} {own:7.2f} us"
             results[f"{case_name}, {laws}"] = {"us": own}
             if options.against:
-                other = elsewhere(case_name, laws, options.against)
+                other = elsewhere(__file__, ["--only", case_name, laws], options.against)
                 results[f"{case_name}, {laws}"]["us_against"] = other
                 line += f"   {other / own:5.2f} times as fast as {options.against}: {other:.2f} us"
             print(line, flush=True)

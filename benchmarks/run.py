@@ -29,6 +29,7 @@ from rich.console import Console
 from rich.table import Table
 from scipy.integrate import solve_ivp
 from threadpoolctl import threadpool_limits
+from timing import best_time, states_along
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests"))
 from validation.independent_model import bogie as numpy_bogie
@@ -56,28 +57,6 @@ class Measurement:
     def real_time_factor(self) -> float | None:
         """Simulated time over processor time."""
         return DURATION / self.study_s if self.study_s else None
-
-
-def best_time(function: Callable[[], object], repeat: int, least: float = 0.2) -> float:
-    """Processor time of one call [s]: the best of `repeat` batches of at least `least` seconds each."""
-    function()
-    number, elapsed = 1, 0.0
-    while True:
-        start = time.process_time()
-        for _ in range(number):
-            function()
-        elapsed = time.process_time() - start
-        if elapsed >= least / 4:
-            break
-        number *= 2
-    number = max(1, int(number * least / elapsed))
-    best = float("inf")
-    for _ in range(repeat):
-        start = time.process_time()
-        for _ in range(number):
-            function()
-        best = min(best, (time.process_time() - start) / number)
-    return best
 
 
 # --------------------------------------------------------------------------------- NumPy, Numba through SciPy
@@ -128,7 +107,7 @@ def measure_scipy(p, x0, reference, repeat: int) -> Measurement:
     """The NumPy model."""
     study = lambda t, x: numpy_bogie.rhs(t, x, p)  # noqa: E731
     m = Measurement("NumPy + SciPy", study_method="Radau, rtol 1e-3")
-    m.rhs_us = 1e6 * best_time(lambda: study(3.0, x0), repeat)
+    m.rhs_us = 1e6 * best_time(lambda: study(3.0, x0), repeat, 0.2)
     start = time.process_time()
     states, m.evaluations = integrate(study, x0, 1e-3, numpy_bogie.absolute_tolerances())
     m.study_s = time.process_time() - start
@@ -151,7 +130,7 @@ def measure_numba(p, x0, repeat: int) -> tuple[Measurement, np.ndarray]:
     study = lambda t, x: numba_model.rhs(t, x, packed)  # noqa: E731
     outputs = lambda x: numba_model.wheel_outputs(x, packed)[:3]  # noqa: E731
     m = Measurement("Numba + SciPy", study_method="Radau, rtol 1e-3")
-    m.rhs_us = 1e6 * best_time(lambda: study(3.0, x0), repeat)
+    m.rhs_us = 1e6 * best_time(lambda: study(3.0, x0), repeat, 0.2)
 
     reference = plotted(integrate(study, x0, 1e-8, 1e-3 * numpy_bogie.absolute_tolerances())[0], outputs)
     start = time.process_time()
@@ -162,24 +141,6 @@ def measure_numba(p, x0, repeat: int) -> tuple[Measurement, np.ndarray]:
 
 
 # --------------------------------------------------------------------------------------------- rollerrig
-def states_along(case, count: int):
-    """The assembled model of a fixed-step case, and its states after each of the first `count` steps, one per row."""
-    from rollerrig import _core
-    from rollerrig.assembly.model import assemble
-    from rollerrig.simulation.run import begin
-    from rollerrig.simulation.starting_state import starting_state
-
-    model = assemble(case)
-    simulation = _core.Simulation(model.core)
-    begin(simulation, model, starting_state(model))
-    times, rows = np.empty(8), np.empty((8, simulation.width))  # outputs on the way, which nobody reads
-    states = []
-    for k in range(count):
-        simulation.advance((k + 1) * case.time.step, times, rows, 0)
-        states.append(simulation.state)
-    return model, np.array(states)
-
-
 def measure_growth(repeat: int) -> list[tuple[str, str, float]]:
     """How rollerrig's cost grows: right-hand side over wheelsets [us], run over simulated time [ms of processor time]."""
     from rollerrig import _core, load_case
@@ -193,9 +154,9 @@ def measure_growth(repeat: int) -> list[tuple[str, str, float]]:
     alone = hunting.with_changes({"vehicle.cut": "leading_wheelset"})
     rows = []
     for case, wheelsets in ((alone, 1), (hunting, 2), (whole, 4)):
-        model, states = states_along(case, 2000)
+        model, states = states_along(case, case.time.step, 2000)
         simulation = _core.Simulation(model.core)
-        time_us = 1e6 / len(states) * best_time(lambda: simulation.derivatives(0.0, states), repeat)  # noqa: B023
+        time_us = 1e6 / len(states) * best_time(lambda: simulation.derivatives(0.0, states), repeat, 0.2)  # noqa: B023
         rows.append((f"right-hand side, {wheelsets} wheelset{'s' * (wheelsets > 1)} on rollers", "us", time_us))
     for duration in (5, 10, 20):
         case = hunting.with_changes({"time.duration": f"{duration} s", "time.output_step": "10 ms"})
@@ -223,10 +184,10 @@ def measure_rollerrig(repeat: int) -> Measurement | str:
         return f"rollerrig is not installed here ({error}): its column is missing."
 
     hunting = load_case("bogie_rollers_constant").with_changes({"motion.speed": "200 km/h"})
-    model, states = states_along(hunting, 4000)
+    model, states = states_along(hunting, hunting.time.step, 4000)
     simulation = _core.Simulation(model.core)
     m = Measurement("rollerrig")
-    m.rhs_us = 1e6 / len(states) * best_time(lambda: simulation.derivatives(0.0, states), repeat)
+    m.rhs_us = 1e6 / len(states) * best_time(lambda: simulation.derivatives(0.0, states), repeat, 0.2)
 
     def study(tolerance, absolute):
         case = load_case("bogie_rollers_traction").with_changes(

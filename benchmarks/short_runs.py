@@ -14,14 +14,13 @@ from __future__ import annotations
 
 import argparse
 import json
-import os
-import resource
 import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable
 from pathlib import Path
+
+from timing import best_time, elsewhere, of_children
 
 IMPORTS = {
     "import rollerrig": "import rollerrig",
@@ -30,28 +29,13 @@ IMPORTS = {
 }
 
 
-def best(work: Callable[[], object], times: int) -> float:
-    """Least processor time of one call [ms]."""
-    work()
-    found = float("inf")
-    for _ in range(times):
-        begun = time.process_time()
-        work()
-        found = min(found, time.process_time() - begun)
-    return 1e3 * found
-
-
 def of_a_program(text: str) -> float:
     """Processor time of a Python program of its own, without that of one which does nothing [ms]."""
 
     def spent(code: str) -> float:
-        def children() -> float:
-            used = resource.getrusage(resource.RUSAGE_CHILDREN)
-            return used.ru_utime + used.ru_stime
-
-        before = children()
+        before = of_children()
         subprocess.run([sys.executable, "-c", f"import sys; {code}"], check=True, stdout=subprocess.DEVNULL)
-        return children() - before
+        return of_children() - before
 
     return 1e3 * (min(spent(text) for _ in range(5)) - min(spent("pass") for _ in range(5)))
 
@@ -64,12 +48,12 @@ def measure(name: str) -> dict[str, float]:
 
     found = {what: of_a_program(text) for what, text in IMPORTS.items()}
     case = load_case(name).with_changes({"time.duration": "0.1 s"})
-    found["load_case"] = best(lambda: load_case(name), 10)
-    found["with_changes, the speed"] = best(lambda: case.with_changes({"motion.speed": "100 km/h"}), 20)
-    found["assemble"] = best(lambda: assemble(case), 30)
+    found["load_case"] = 1e3 * best_time(lambda: load_case(name), 10)
+    found["with_changes, the speed"] = 1e3 * best_time(lambda: case.with_changes({"motion.speed": "100 km/h"}), 20)
+    found["assemble"] = 1e3 * best_time(lambda: assemble(case), 30)
     others = [case.with_changes({"motion.speed": f"{100 + 0.01 * k} km/h"}) for k in range(60)]
     models = iter([assemble(other) for other in others])
-    found["prepare: equilibrium, checks"] = best(lambda: simulation.prepare(next(models)), 30)
+    found["prepare: equilibrium, checks"] = 1e3 * best_time(lambda: simulation.prepare(next(models)), 30)
 
     steps = [0.0]
     march = simulation.march
@@ -91,7 +75,7 @@ def measure(name: str) -> dict[str, float]:
     found["simulate beyond its steps, 0.1 s"] = 1e3 * beyond
     found["its steps"] = 1e3 * taken
     with tempfile.TemporaryDirectory() as folder:
-        found["save_run"] = best(lambda: save_run(run, Path(folder) / "run.nc"), 5)
+        found["save_run"] = 1e3 * best_time(lambda: save_run(run, Path(folder) / "run.nc"), 5)
     return found
 
 
@@ -100,10 +84,7 @@ def in_turn(paths: list[str], name: str, rounds: int = 3) -> list[dict[str, floa
     found: list[dict[str, float]] = [{} for _ in paths]
     for _ in range(rounds):
         for path, of in zip(paths, found, strict=True):
-            environment = {**os.environ, "PYTHONPATH": path, "OPENBLAS_NUM_THREADS": "1"}
-            command = [sys.executable, __file__, "--json", "--case", name]
-            text = subprocess.run(command, env=environment, check=True, capture_output=True, text=True).stdout
-            for what, value in json.loads(text).items():
+            for what, value in elsewhere(__file__, ["--json", "--case", name], path).items():
                 of[what] = min(of.get(what, float("inf")), value)
     return found
 

@@ -15,7 +15,7 @@ import time
 import numpy as np
 
 from rollerrig import load_case
-from rollerrig.analysis import stability
+from rollerrig.analysis.mode_table import stability
 from rollerrig.study.limit_cycles import limit_cycles
 
 SPEEDS = np.linspace(60.0, 400.0, 50)

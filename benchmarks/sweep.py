@@ -9,10 +9,11 @@ target is 1.3 for 10^5 cases of 0.1 s: reading the plan and writing the report c
 from __future__ import annotations
 
 import argparse
-import resource
 import tempfile
 import time
 from pathlib import Path
+
+from timing import of_children
 
 from rollerrig.config import load_case
 from rollerrig.study.jobs import job
@@ -37,7 +38,7 @@ def in_a_loop(work: SweepStudy) -> float:
 
 def processor_time() -> float:
     """Of this process and those that it started and that have ended [s]."""
-    return sum(sum(resource.getrusage(who)[:2]) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
+    return time.process_time() + of_children()
 
 
 def as_sweep(work: SweepStudy, workers: int) -> float:

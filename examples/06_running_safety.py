@@ -1,7 +1,7 @@
 """Is a vehicle safe in a curve of 600 m at 100 km/h? Y/Q of its wheels, filtered as EN 14363 asks, against Nadal's limit."""
 
 import rollerrig as rr
-from rollerrig.analysis import filtered
+from rollerrig.analysis.wheel_rail_forces import filtered
 
 run = rr.simulate(rr.load_case("vehicle_curve"))
 forces = rr.wheel_forces(run)  # unfiltered

@@ -22,6 +22,7 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 sys.path.insert(0, str(ROOT / "benchmarks"))
 from step_errors import Measured, agree_until, errors, measure, signals  # noqa: E402
+from timing import write_between  # noqa: E402
 
 from rollerrig import Case, ConfigError, load_case  # noqa: E402
 
@@ -37,7 +38,6 @@ CONVERGED = 3e-4
 LONGEST = {False: 6.0, True: 20.0}
 """Of a run, without and with sampled blocks [s]."""
 
-PAGE, BEGIN, END = ROOT / "docs/performance.md", "<!-- steps: begin -->", "<!-- steps: end -->"
 CASES = ROOT / "python/rollerrig/catalog/cases"
 
 
@@ -198,9 +198,7 @@ def main() -> None:
         if options.write and best is not None:
             write_case(name, best)
     if options.write:
-        text = PAGE.read_text()
-        before, after = text.split(BEGIN)[0], text.split(END)[1]
-        PAGE.write_text(f"{before}{BEGIN}\n\n" + "\n\n".join(tables) + f"\n\n{END}{after}")
+        write_between("steps", "\n\n".join(tables))
 
 
 if __name__ == "__main__":

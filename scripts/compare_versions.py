@@ -5,7 +5,7 @@
     python scripts/compare_versions.py record OUT --perturb 1e-13    the same with every speed multiplied by 1 + 1e-13
     python scripts/compare_versions.py compare OLD NEW --perturbed PERTURBED_OLD [--perturbed ANOTHER]
 
-`record` needs nothing of the package but `load_case`, `Case.with_changes`, `simulate`, `stability` and the contact table. It
+`record` needs nothing of the package but `load_case`, `Case.with_changes`, `simulate`, `stability` and `contact`. It
 runs each case as it ships, and short variants of some that use the other laws, methods and controllers.
 
 Differences are relative to the largest magnitude of a variable in its run, or to LEAST of its unit if that is larger. A hunting
@@ -13,13 +13,12 @@ bogie or a brake controlled by dump valves amplifies round-off: with `--perturbe
 GROWTH times the one that the perturbed old versions have made until then, and 1e-9 in any case. The column `held until` says
 up to which time 1e-9 itself was kept. Where half of the variables differ by PARTED the perturbed run is
 another motion: from there on nothing is compared; the last table says how far each run was.
-Renamed cases, keys, words and variables stand in RENAMED; differences that are meant in EXPECTED.
+Differences that are meant stand in EXPECTED.
 """
 
 from __future__ import annotations
 
 import argparse
-import importlib
 import sys
 import time
 from pathlib import Path
@@ -49,40 +48,7 @@ MOST_SAMPLES = 2500
 LEAST_DAMPED = 0.9
 """Eigenvalues are compared up to this damping ratio; near 1 a pair becomes two real ones by round-off."""
 
-RENAMED: dict[str, str] = {
-    "friction_fall.ratio": "A",
-    "friction_fall.decay": "B",
-    "stick_reduction": "k_A",
-    "slip_reduction": "k_S",
-    "share": "weight",
-    "initial": "k_0",
-    "ultimate": "k_inf",
-    "stiffness_reduction.decay": "beta",
-    "cleaning": "recovery_constant",
-    ".bench": "contact",
-    "ideal_rolling": "pure_rolling",
-    "believed": "assumed",
-    "held": "speed_controlled",
-    "spent_energy": "dissipated_energy_density",
-    "vent_cycles": "dump_cycles",
-    "felt_lateral_acceleration": "lateral_specific_force",
-    "felt_vertical_acceleration": "vertical_specific_force",
-}
-"""Old name -> new name of a case, a key of TOML ('key' or 'table.key'), a word as a value, or a variable."""
-
-EXPECTED: dict[str, str] = {
-    "bogie_rollers_constant, strips table": "old: one evaluation at 0.06 s is off; the new agrees with half the step",
-    "bogie_rollers_constant, modified fastsim": "new: beta counts per unit of the published epsilon, pi/4 k_0 tau",
-    ": distance": "old: motion.speed t on rollers that are not speed-controlled; the new is what they have run",
-    "adhesion_brake, track: speed": "old: the speed at the start; the new is the train's",
-    **{
-        f": {name}": "new"
-        for name in (
-            *(f"inertial_{axis}_{kind}" for axis in ("roll", "pitch", "yaw") for kind in ("rate", "acceleration")),
-            *("longitudinal_creep_force", "creep_force", "wear_number", "patch_wear_number"),
-        )
-    },
-}
+EXPECTED: dict[str, str] = {}
 """'case', 'case: variable' or ': variable' -> why it differs."""
 
 SHORT = {"time.duration": 1.0}
@@ -91,11 +57,10 @@ LAWS = {
     "spin moment": {"contact.creep": {"kind": "kalker_saturated", "saturate_spin_moment": True}},
     "fastsim": {"contact.creep": "fastsim"},
     "modified fastsim": {
-        "contact.creep": "modified_fastsim",
-        "contact.stiffness_reduction": {"initial": 0.6, "ultimate": 0.4, "decay": 0.3},
-        "contact.friction_fall": {"ratio": 0.4, "decay": 0.6},
+        "contact.creep": {"kind": "modified_fastsim", "k_0": 0.6, "k_inf": 0.4, "beta": 0.3},
+        "contact.friction": {"kind": "falling", "mu_0": 0.3, "A": 0.4, "B": 0.6},
     },
-    "polach": {"contact.creep": "polach", "contact.polach": {"stick_reduction": 0.8, "slip_reduction": 0.4}},
+    "polach": {"contact.creep": {"kind": "polach", "k_A": 0.8, "k_S": 0.4}},
     "table": {"contact.creep": "table"},
     "strips": {"contact.normal": "strips"},
     "strips table": {"contact.normal": "strips", "contact.creep": "table"},
@@ -108,7 +73,7 @@ LAWS = {
     "rodas4": {"time.method": "rodas4", "time.step": None},
     "free": {"motion.drive": "free"},
 }
-TRACK = {"support.use": "uic60_track", "rig_control": None, "motion.drive": "held"}
+TRACK = {"support.use": "uic60_track", "rig_control": None, "motion.drive": "speed_controlled"}
 CONTROL = {
     "track": TRACK,
     "kalman": {"rig_control.estimator.kind": "kalman"},
@@ -116,7 +81,7 @@ CONTROL = {
     "exact": {"rig_control.estimator.kind": "exact"},
     "sliding mode": {"rig_control.feedback.kind": "sliding_mode"},
     "no feedback": {"rig_control.feedback.kind": "none"},
-    "ideal rolling": {"bench.ideal_rolling": True},
+    "ideal rolling": {"contact.pure_rolling": True},
     "sensors": {
         "sensors.axles": {"counts": 1024.0, "jitter": 0.1, "window": 4},
         "sensors.rollers": {"counts": 4096.0},
@@ -124,8 +89,8 @@ CONTROL = {
         "rig_control.loads": "measured",
         "rig_control.delay": 2e-3,
     },
-    "wrong radius": {"rig_control.believed.wheel_radius": 0.455, "rig_control.load_transfer": "none"},
-    "cleaning": {"adhesion.cleaning": 1e-4},
+    "wrong radius": {"rig_control.assumed.wheel_radius": 0.455, "rig_control.load_transfer": "none"},
+    "cleaning": {"adhesion.recovery_constant": 1e-4},
 }
 VARIANTS = {
     **{f"bogie_rollers_constant, {name}": {**SHORT, **law} for name, law in LAWS.items()},
@@ -152,7 +117,7 @@ VARIANTS = {
         "traction": {"suspension": "axle", "link": 1.0, "motor": {"rotor_inertia": 0.5, "gear_ratio": -3.0}},
     },
 }
-"""'case, what' -> what is changed, in the old version's words."""
+"""'case, what' -> what is changed."""
 
 SPEEDS_KMH = (100.0, 200.0)
 STABILITY = {
@@ -218,7 +183,7 @@ def record(out: Path, perturb: float, only: str) -> None:
         file = out / f"{title}.npz"
         file.unlink(missing_ok=True)
         try:
-            case = changed(load_case(name.split(",")[0]), changes, factor)
+            case = faster(rollerrig.load_case(name.split(",")[0]).with_changes(changes), factor)
             np.savez_compressed(file, **work(case, factor))
         except Exception as error:  # the others shall be recorded; `compare` misses this one
             print(f"{title}: {type(error).__name__}: {error}", flush=True)
@@ -227,25 +192,8 @@ def record(out: Path, perturb: float, only: str) -> None:
     print(f"{spent:.0f} s of processor time")
 
 
-def load_case(name: str) -> Any:
-    """The case of that name, or of its new one."""
-    import rollerrig
-
-    try:
-        return rollerrig.load_case(name)
-    except rollerrig.ConfigError:
-        return rollerrig.load_case(renamed(name))
-
-
-def changed(case: Any, changes: dict[str, Any], factor: float) -> Any:
-    """The case with changes in the words of its version, and its speed times a factor."""
-    from rollerrig import ConfigError
-
-    if changes:
-        try:
-            case = case.with_changes(changes)
-        except ConfigError:
-            case = case.with_changes(laws_with_parameters(translated(changes), case))
+def faster(case: Any, factor: float) -> Any:
+    """The case with its speed times a factor."""
     if factor == 1.0:
         return case
     table = case.motion.speed_table
@@ -253,40 +201,6 @@ def changed(case: Any, changes: dict[str, Any], factor: float) -> Any:
         return case.with_changes({"motion.speed": f"{case.motion.speed * factor} m/s"})
     rows = [[t, f"{v * factor} m/s"] for t, v in table]
     return case.with_changes({"motion.speed_table": rows, "motion.speed": rows[0][1]})
-
-
-def translated(value: Any, table: str = "") -> Any:
-    """Keys and words as the new version spells them."""
-    if isinstance(value, dict):
-        return {new_key(f"{table}.{key}"): translated(item, key.rpartition(".")[2]) for key, item in value.items()}
-    return renamed(value) if isinstance(value, str) else value
-
-
-def laws_with_parameters(changes: dict[str, Any], case: Any) -> dict[str, Any]:
-    """Parameters in the table of their law, where they stood beside its name."""
-    changes = dict(changes)
-    for key in ("polach", "stiffness_reduction"):
-        if f"contact.{key}" in changes:
-            changes["contact.creep"] = {"kind": changes["contact.creep"], **changes.pop(f"contact.{key}")}
-    if "contact.friction_fall" in changes:
-        fall = changes.pop("contact.friction_fall")
-        changes["contact.friction"] = {"kind": "falling", "mu_0": case.contact.friction.mu_0, **fall}
-    for old, new in (("saturate_spin_moment", "creep"), ("merging_criterion", "normal")):
-        if f"contact.{old}" in changes:
-            changes[f"contact.{new}.{old}"] = changes.pop(f"contact.{old}")
-    return changes
-
-
-def new_key(key: str) -> str:
-    """A key in the new words, without the first of its parts."""
-    parts = key.split(".")
-    pairs = zip(parts, parts[1:], strict=False)
-    return ".".join(RENAMED.get(f"{table}.{part}", renamed(part)) for table, part in pairs)
-
-
-def renamed(name: str) -> str:
-    """The new name; of a version that has the old one, the old one is tried first."""
-    return RENAMED.get(name, name)
 
 
 def run_values(case: Any, _: float) -> Values:
@@ -319,10 +233,7 @@ def contact_values(case: Any, factor: float) -> Values:
     """Contact patches of the loaded wheelset over its lateral position."""
     import rollerrig
 
-    table = getattr(rollerrig, "contact", None)
-    if not callable(table):
-        table = importlib.import_module("rollerrig.contact_table").contact_table
-    return floats(table(case, [(1e-3 * factor * y, 1e-4 * y) for y in CONTACT_MM]))
+    return floats(rollerrig.contact(case, [(1e-3 * factor * y, 1e-4 * y) for y in CONTACT_MM]))
 
 
 def floats(dataset: Any) -> Values:
@@ -356,12 +267,11 @@ def compare(old: Path, new: Path, perturbed: list[Path], tolerance: float, lines
     rows: list[tuple[str, str, Finding]] = []
     problems: list[str] = []
     for file in sorted(old.glob("*.npz")):
-        match = next((path for path in (new / file.name, new / new_title(file.stem)) if path.exists()), None)
-        if match is None:
+        if not (new / file.name).exists():
             problems.append(f"{file.stem}: not there")
             continue
         wobble = [load(folder / file.name) for folder in perturbed]
-        found, missing = differences(load(file), load(match), wobble, tolerance)
+        found, missing = differences(load(file), load(new / file.name), wobble, tolerance)
         problems += [f"{file.stem}: {text}" for text in missing]
         rows += [(file.stem, variable, finding) for variable, finding in found.items()]
     rows.sort(key=lambda row: (-row[2].ratio, -row[2].difference))
@@ -382,13 +292,6 @@ def compare(old: Path, new: Path, perturbed: list[Path], tolerance: float, lines
     return 1 if failed or problems else 0
 
 
-def new_title(stem: str) -> str:
-    """File of a job whose case got another name."""
-    title, *what = stem.split(", ")
-    *head, name = title.split(" ")
-    return ", ".join((" ".join((*head, renamed(name))), *what)) + ".npz"
-
-
 def load(path: Path) -> Values:
     """The arrays of a file."""
     with np.load(path) as file:
@@ -405,12 +308,11 @@ def differences(
     growth = {name: spread(name, old, perturbed, least.get(name, 0.0)) for name in names}
     end = parted(old, growth)
     for name in names:
-        values, other = old[name], new.get(name, new.get(renamed(name)))
-        if other is None:
-            problems.append(f"no variable '{renamed(name)}'")
+        if name not in new:
+            problems.append(f"no variable '{name}'")
             continue
         over_time = is_over_time(name, old)
-        difference = relative(values, other, over_time, least.get(name, 0.0))
+        difference = relative(old[name], new[name], over_time, least.get(name, 0.0))
         allowed = np.maximum(tolerance, GROWTH * growth[name][: len(difference)])
         compared = growth[name][: len(difference)] <= PARTED
         if over_time:
@@ -419,8 +321,7 @@ def differences(
         ratio = np.divide(difference, allowed, out=np.zeros(len(difference)), where=compared)
         times = [until(old["time"], good) if over_time else np.nan for good in (difference <= tolerance, compared)]
         found[name] = Finding(float(ratio.max()), float(difference.max()), min(times), times[1])
-    known = {renamed(name) for name in old} | set(old)
-    problems += [f"new variable '{name}'" for name in new if name not in known and not expected("", name)]
+    problems += [f"new variable '{name}'" for name in new if name not in old and not expected("", name)]
     return found, problems
 
 

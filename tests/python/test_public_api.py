@@ -40,13 +40,6 @@ def test_no_public_object_has_the_name_of_a_module() -> None:
     assert not {name for name in OBJECTS if (PACKAGE / name).is_dir() or (PACKAGE / f"{name}.py").is_file()}
 
 
-def test_names_of_the_analysis_are_there_and_none_is_a_module() -> None:
-    from rollerrig import analysis
-
-    assert not {name for name in analysis.__all__ if (PACKAGE / "analysis" / f"{name}.py").is_file()}
-    assert all(callable(getattr(analysis, name)) for name in analysis.__all__)
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_names_are_the_same_whatever_is_imported_first(seed: int) -> None:

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 import rollerrig as rr
-from rollerrig.analysis import linear_critical_speed
+from rollerrig.analysis.critical_speed import linear_critical_speed
 from rollerrig.config import Case
 
 sys.path[:0] = [str(Path(__file__).parents[1])]

@@ -19,7 +19,7 @@ import numpy as np
 import pandas as pd
 
 import rollerrig as rr
-from rollerrig.analysis import linear_critical_speed
+from rollerrig.analysis.critical_speed import linear_critical_speed
 from rollerrig.analysis.mode_table import Crossing
 from rollerrig.cases import on_track, part_of
 from rollerrig.config import Case

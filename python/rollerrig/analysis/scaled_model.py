@@ -26,7 +26,7 @@ COMPARED = ("lateral", "axle_speed", "train_speed", "train_distance")
 
 def linear_critical_speed_at_full_scale(case: Case) -> float:
     """Critical speed with speed-controlled rollers [m/s]; NaN if there is none within SPEEDS."""
-    factor = factors_of(case).speed if case.similitude is not None else 1.0
+    factor = factors_of(case).factor("m/s") if case.similitude is not None else 1.0
     try:
         found = linear_critical_speed(at_speed(case).with_changes({"axle_torque": []}), [v / factor for v in SPEEDS])
     except StartError:

@@ -225,24 +225,6 @@ def half_waves(time: Array, signal: Array, least_amplitude: float = LEAST_AMPLIT
     return HalfWaves(0.5 * (t[1:] + t[:-1]), 0.5 * np.abs(np.diff(y)), np.diff(t))
 
 
-def growth_rate(signal: xr.DataArray, least_amplitude: float = LEAST_AMPLITUDE) -> float:
-    """Exponential growth rate of an oscillation [1/s], negative if it decays.
-
-    The slope of the logarithm of the half-wave amplitudes, by least squares.
-
-    Args:
-        signal: oscillation with the coordinate `time` [s].
-        least_amplitude: half-waves below it are left out [unit of the signal].
-
-    Returns:
-        The rate; NaN with fewer than three half-waves.
-    """
-    waves = half_waves(signal["time"].to_numpy(), signal.to_numpy(), least_amplitude)
-    if len(waves.time) < 3:
-        return float("nan")
-    return float(np.polyfit(waves.time - waves.time.mean(), np.log(waves.amplitude), 1)[0])
-
-
 @dataclass(frozen=True)
 class FinalMotion:
     """What is left at the end of a run."""

@@ -8,7 +8,8 @@ Load transfer:  moments of the whole bogie about the middle of its crown line; f
                 springs, and a wheelset off the crown by x feels its load along x: Q x / (R + r).
 """
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -18,141 +19,107 @@ from rollerrig.analysis.signals import Fit, fit
 from rollerrig.assembly.laws import core_law
 from rollerrig.common.arrays import Array
 from rollerrig.config import Case, Rig
+from rollerrig.config.schema.vehicle import Body
 from rollerrig.results import variable
 
 ITERATIONS = 60
 """Iterations of the fixed point for the shifts; each gains about a digit."""
 
 
-@dataclass(frozen=True)
-class Bogie:
-    """What the balance of moments needs, from the case."""
+class Springs(NamedTuple):
+    """What holds the frame of a bogie, from the case."""
 
-    half_base: float  # half the wheelbase [m]
-    wheel_radius: float  # [m]
-    roller_radius: float  # [m]
-    wheelset_inertia: float  # spin inertia of one wheelset [kg m^2]
-    roller_inertia: float  # spin inertia of one roller pair [kg m^2]
-    wheelset_mass: float  # of one wheelset [kg]
-    frame_mass: float  # [kg]
-    frame_height: float  # of the frame's centre of mass [m]
-    frame_load: float  # load that the secondary springs put on the frame [N]
-    # height [m] and longitudinal stiffness [N/m] of each element between frame and car body
-    restraints: tuple[tuple[float, float], ...]
-    secondary_height: float  # at which that load acts on the frame [m]
-    # share of that load on springs clamped at both ends, which lean by half of the frame's pitch and shift
-    clamped: float
-    pitch_stiffness: float  # of the elements between frame and car body [N m/rad]
-    gravity: float  # its acceleration [m/s^2]
+    restraints: (
+        Array  # height [m] and longitudinal stiffness [N/m] of each element between frame and car body, shape (2, n)
+    )
+    pitch: float  # stiffness of these elements in pitch [N m/rad]
+    load_height: float  # at which the load of the secondary springs acts on the frame [m]
+    clamped: (
+        float  # share of that load on springs clamped at both ends, which lean by half of the frame's pitch and shift
+    )
     primary: tuple[float, float]  # longitudinal and vertical stiffness of one axle's suspension [N/m]
     primary_height: float  # of its springs [m]
 
-    @property
-    def share_to_roller(self) -> float:
-        """Part of C / r that reaches the roller; the rest spins up the wheelset."""
-        roller = self.roller_inertia / self.roller_radius**2
-        return roller / (roller + self.wheelset_inertia / self.wheel_radius**2)
+
+def bogie_of(case: Case) -> tuple[Body, list[Body], Rig]:
+    """Frame, both wheelsets and rig of a case.
+
+    Raises:
+        ValueError: the case is no bogie on a rig.
+    """
+    rig, part = case.support.data, case.vehicle.part
+    bodies = [body for body in case.vehicle.data.bodies_in(part) if body.name not in part.fixed]
+    wheelsets = [body for body in bodies if body.kind == "wheelset"]
+    frames = [body for body in bodies if body.kind == "rigid"]
+    if not isinstance(rig, Rig) or len(wheelsets) != 2 or len(frames) != 1:
+        raise ValueError(f"{case.name}: the traction study needs one frame on two wheelsets, on a rig")
+    return frames[0], wheelsets, rig
 
 
-def bogie_of(case: Case, axle_load: float) -> Bogie:
-    """Gather the numbers from a case with one frame and two wheelsets on a rig.
+def springs_of(case: Case, frame: Body, wheelsets: Sequence[Body]) -> Springs:
+    """Gather the elements of a case with one frame and two wheelsets."""
+    restraints, loads, pitch, primary, primary_height = [], [], 0.0, np.zeros(2), wheelsets[0].position[2]
+    for element in case.vehicle.data.elements_in(case.vehicle.part):
+        x, z, turn = ((element.laws[d].stiffness or 0.0) if d in element.laws else 0.0 for d in ("x", "z", "pitch"))
+        if wheelsets[0].name in element.between:
+            primary += (x, z)
+            primary_height = element.end_b[2]
+        elif frame.name in element.between and wheelsets[1].name not in element.between:
+            height = (element.end_b if element.between[1] == frame.name else element.end_a)[2]
+            restraints.append((height, x))
+            pitch += turn
+            if element.carries_load:
+                loads.append((height, element.clamped))
+    height, clamped = np.mean(loads, axis=0).tolist() if loads else (frame.position[2], 0.0)
+    kx, kz = primary.tolist()
+    return Springs(np.transpose(restraints), pitch, height, clamped, (kx, kz), primary_height)
+
+
+class Balance(NamedTuple):
+    """Closed forms over time; of front and rear wheelset, shape (2, n), but for the first."""
+
+    creep_force: Array  # tangential force on one wheelset [N], shape (n,)
+    longitudinal: Array  # force along x [N]; more than the creep force, since the wheelset left the crown
+    vertical: Array  # force [N]
+    shift: Array  # from the crown [m]
+
+
+def balance(case: Case, torque: Array, axle_load: float) -> Balance:
+    """Quasi-static balance of the bogie under equal torques on both wheelsets that react on the frame.
 
     Args:
         case: the traction case.
+        torque: on each wheelset [N m].
         axle_load: static load of one axle [N].
 
     Raises:
         ValueError: the case is no bogie on a rig.
     """
-    support, vehicle = case.support.data, case.vehicle.data
-    bodies = vehicle.bodies_in(case.vehicle.part)
-    wheelsets = [b for b in bodies if b.kind == "wheelset"]
-    frames = [b for b in bodies if b.kind == "rigid" and b.name not in case.vehicle.part.fixed]
-    if not isinstance(support, Rig) or len(wheelsets) != 2 or len(frames) != 1:
-        raise ValueError(f"{case.name}: the traction study needs one frame on two wheelsets, on a rig")
-    frame = frames[0]
-    restraints, pitch, kx, kz, primary_height = [], 0.0, 0.0, 0.0, wheelsets[0].position[2]
-    heights, clamped = [], []
-    for element in vehicle.elements_in(case.vehicle.part):
-        laws = element.laws
-        x_stiffness = laws["x"].stiffness or 0.0 if "x" in laws else 0.0
-        if wheelsets[0].name in element.between:
-            kx += x_stiffness
-            kz += (laws["z"].stiffness or 0.0) if "z" in laws else 0.0
-            primary_height = element.end_b[2]
-        elif frame.name in element.between and wheelsets[1].name not in element.between:
-            end = element.end_b if element.between[1] == frame.name else element.end_a
-            restraints.append((end[2], x_stiffness))
-            pitch += (laws["pitch"].stiffness or 0.0) if "pitch" in laws else 0.0
-            if element.carries_load:
-                heights.append(end[2])
-                clamped.append(element.clamped)
-    frame_load = 2 * axle_load - (2 * wheelsets[0].mass + frame.mass) * case.gravity
-    return Bogie(
-        half_base=0.5 * abs(wheelsets[0].position[0] - wheelsets[1].position[0]),
-        wheel_radius=vehicle.wheel.radius,
-        roller_radius=support.roller_radius,
-        wheelset_inertia=wheelsets[0].inertia[1],
-        roller_inertia=support.roller_inertia[1],
-        wheelset_mass=wheelsets[0].mass,
-        frame_mass=frame.mass,
-        frame_height=frame.position[2],
-        frame_load=frame_load,
-        restraints=tuple(restraints),
-        secondary_height=float(np.mean(heights)) if heights else frame.position[2],
-        clamped=float(np.mean(clamped)) if clamped else 0.0,
-        pitch_stiffness=pitch,
-        gravity=case.gravity,
-        primary=(kx, kz),
-        primary_height=primary_height,
-    )
-
-
-@dataclass(frozen=True)
-class Balance:
-    """Closed forms over time; one axle each [N]."""
-
-    creep_force: Array  # tangential force on one wheelset
-    # force along x on front and rear wheelset; more than the creep force, since both left the crown
-    longitudinal: tuple[Array, Array]
-    vertical: tuple[Array, Array]  # force on front and rear wheelset
-    shift: tuple[Array, Array]  # of front and rear wheelset from the crown [m]
-
-
-def balance(bogie: Bogie, torque: Array, axle_load: float) -> Balance:
-    """Quasi-static balance of the bogie under equal torques on both wheelsets that react on the frame.
-
-    Args:
-        bogie: from `bogie_of`.
-        torque: on each wheelset [N m].
-        axle_load: static load of one axle [N].
-    """
-    r, big_r, base = bogie.wheel_radius, bogie.roller_radius, bogie.half_base
-    creep = bogie.share_to_roller * torque / r
+    frame, wheelsets, rig = bogie_of(case)
+    springs = springs_of(case, frame, wheelsets)
+    r, big_r, mass = case.vehicle.data.wheel.radius, rig.roller_radius, wheelsets[0].mass
+    base = 0.5 * abs(wheelsets[0].position[0] - wheelsets[1].position[0])
+    of_roller, of_wheelset = rig.roller_inertia[1] / big_r**2, wheelsets[0].inertia[1] / r**2
+    creep = of_roller / (of_roller + of_wheelset) * torque / r  # the rest spins up the wheelset
     spin_up = 2 * (torque - creep * r)  # rate of both wheelsets' angular momentum
-    lean = 0.5 * bogie.clamped * bogie.frame_load
-    k = np.array([stiffness for _, stiffness in bogie.restraints])
-    z = np.array([height for height, _ in bogie.restraints]) - bogie.frame_height
-    frame_x, pitch, transfer = (np.zeros_like(torque) for _ in range(3))
-    front, rear = np.zeros_like(torque), np.zeros_like(torque)
+    frame_load = 2 * axle_load - (2 * mass + frame.mass) * case.gravity
+    lean = 0.5 * springs.clamped * frame_load
+    (height, k), middle = springs.restraints, frame.position[2]
+    pitch, transfer, shift = np.zeros_like(torque), np.zeros_like(torque), np.zeros((2, len(torque)))
+    load_of = np.array([[-1.0], [1.0]])  # what moves from the front to the rear
     for _ in range(ITERATIONS):
-        pull = [
-            creep + load * x / (big_r + r) for load, x in ((axle_load - transfer, front), (axle_load + transfer, rear))
-        ]
-        frame_x = (pull[0] + pull[1] - pitch * (float(k @ z) + lean)) / k.sum()
-        springs = frame_x + pitch * (bogie.primary_height - bogie.frame_height)
-        front, rear = (springs + force / bogie.primary[0] for force in pull)
-        shift = 0.5 * (front + rear)
-        moment = spin_up + bogie.pitch_stiffness * pitch + shift * big_r / (big_r + r) * 2 * axle_load
-        for height, stiffness in zip(z, k, strict=True):
-            moment = moment + (height + bogie.frame_height) * stiffness * (frame_x + pitch * height)
-        load_x = frame_x + pitch * (bogie.secondary_height - bogie.frame_height)
-        moment = moment - bogie.gravity * (2 * bogie.wheelset_mass * shift + bogie.frame_mass * frame_x)
-        moment_of_load = (bogie.frame_load - lean) * load_x - lean * bogie.secondary_height * pitch
-        transfer = (moment - moment_of_load) / (2 * base)
-        pitch = -transfer / (bogie.primary[1] * base)
-    vertical = (axle_load - transfer, axle_load + transfer)
-    return Balance(creep, (pull[0], pull[1]), vertical, (front, rear))
+        pull = creep + (axle_load + load_of * transfer) * shift / (big_r + r)
+        frame_x = (pull.sum(axis=0) - pitch * (float(k @ (height - middle)) + lean)) / k.sum()
+        shift = frame_x + pitch * (springs.primary_height - middle) + pull / springs.primary[0]
+        mean = shift.mean(axis=0)
+        held = (height * k) @ (frame_x + np.outer(height - middle, pitch))
+        moment = spin_up + springs.pitch * pitch + held + mean * big_r / (big_r + r) * 2 * axle_load
+        moment -= case.gravity * (2 * mass * mean + frame.mass * frame_x)
+        load_x = frame_x + pitch * (springs.load_height - middle)
+        moment -= (frame_load - lean) * load_x - lean * springs.load_height * pitch
+        transfer = moment / (2 * base)
+        pitch = -transfer / (springs.primary[1] * base)
+    return Balance(creep, pull, axle_load + load_of * transfer, shift)
 
 
 def creep_slope(run: xr.Dataset, case: Case, wheel: str) -> float:
@@ -206,18 +173,16 @@ def with_theory(run: xr.Dataset, case: Case) -> xr.Dataset:
     torque = torque_over_time(case, time)
     # The car body is fixed: the frame settles on the contacts and carries a little less of its weight.
     axle_load = 0.5 * float(run["vertical_force"].isel(time=0).sum())
-    forces = balance(bogie_of(case, axle_load), torque, axle_load)
+    forces = balance(case, torque, axle_load)
     names = [str(w) for w in run["wheel"].to_numpy()]
     first = names[0].rsplit("_", 1)[0]
-    speed = run["speed"].to_numpy()
-    sliding, along, up = (np.zeros((len(time), len(names))) for _ in range(3))
+    axles = [0 if name.startswith(first) else 1 for name in names]
+    start = run.isel(time=0)
+    free = (start["longitudinal_sliding"] / start["speed"]).to_numpy()
+    slope = np.array([creep_slope(run, case, name) for name in names])
     creep = np.repeat(0.5 * forces.creep_force[:, None], len(names), axis=1)
-    for k, name in enumerate(names):
-        axle = 0 if name.startswith(first) else 1
-        start = run.sel(wheel=name).isel(time=0)
-        free = float(start["longitudinal_sliding"]) / float(start["speed"])
-        sliding[:, k] = np.abs(speed * (free - 0.5 * forces.creep_force / creep_slope(run, case, name)))
-        along[:, k], up[:, k] = 0.5 * forces.longitudinal[axle], 0.5 * forces.vertical[axle]
+    sliding = np.abs(run["speed"].to_numpy()[:, None] * (free - creep / slope))
+    along, up = 0.5 * forces.longitudinal[axles].T, 0.5 * forces.vertical[axles].T
     dims = ("time", "wheel")
     both = {
         "sliding": variable(dims, np.abs(run["longitudinal_sliding"].to_numpy()), "m/s", "absolute sliding"),

@@ -224,43 +224,39 @@ def contact(
     force: Force = False,
 ) -> None:
     """List the contact patches of the leading wheelset under its axle load."""
-    from rollerrig.contact_analysis.creep_laws import SIDE_BY_SIDE_HEAD
-    from rollerrig.contact_analysis.static_contact import CSV_HEAD, NORMALS_HEAD, contact_csv, contact_table
+    from rollerrig.contact_analysis import comparison
+    from rollerrig.contact_analysis.static_contact import COLUMNS, contact_rows, contact_table
     from rollerrig.results import output_file, write_bytes, write_text
+    from rollerrig.study.frame import csv_text
 
     kind = None if plot is None else picture_kind(plot, "--plot")
     check_finite(roll_mrad, "--roll-mrad")
     places = _positions(lateral_mm, yaw_mrad, yaw_mrad_per_mm)
     chosen = read_case(case, allow_code=allow_code, changes=change)
-    tables = CSV_HEAD, NORMALS_HEAD, SIDE_BY_SIDE_HEAD
+    tables = tuple(",".join(head) for head in (COLUMNS, comparison.NORMALS_COLUMNS, comparison.CREEP_COLUMNS))
     for path in (csv, plot, *((_beside(csv), plot and _beside(plot)) if compare else ())):
         if path is not None:
             output_file(path, tables=tables, force=force)
     roll = None if roll_mrad is None else 1e-3 * roll_mrad
+    written: tuple[list[list[object]], ...]
     if compare:
-        from rollerrig.contact_analysis.creep_laws import compare_creep, creep_csv, creep_text
-        from rollerrig.contact_analysis.static_contact import compare_contacts, comparison_csv, comparison_text
-
         try:
-            creep = compare_creep(chosen, places, roll=roll)
+            table = comparison.compare_contacts(chosen, places, roll=roll)
         except ValueError as error:
             stop(error)
-        table = compare_contacts(chosen, places, roll=roll)
-        typer.echo(comparison_text(table))
-        typer.echo(creep_text(creep))
-        typer.echo(write_text(csv, comparison_csv(table), tables=tables, force=force))
-        typer.echo(write_text(_beside(csv), creep_csv(creep), tables=tables, force=force))
+        typer.echo(comparison.comparison_text(table))
+        written = comparison.comparison_rows(table)
     else:
         table = contact_table(chosen, places, roll=roll)
-        typer.echo(write_text(csv, contact_csv(table), tables=tables, force=force))
+        written = (contact_rows(table, COLUMNS),)
+    for path, rows in zip((csv, _beside(csv)), written, strict=False):
+        typer.echo(write_text(path, csv_text(rows), tables=tables, force=force))
     if plot is not None and kind is not None:
-        from rollerrig.plot import figure_bytes
-        from rollerrig.plot.contact import comparison_figure, contact_figure, creep_comparison_figure
+        from rollerrig.plot import comparison_figure, contact_figure, creep_comparison_figure, figure_bytes
 
-        figure = comparison_figure(table) if compare else contact_figure(table)
-        typer.echo(write_bytes(plot, figure_bytes(figure, kind), force=force))
-        if compare:
-            typer.echo(write_bytes(_beside(plot), figure_bytes(creep_comparison_figure(creep), kind), force=force))
+        draws = (comparison_figure, creep_comparison_figure) if compare else (contact_figure,)
+        for path, draw in zip((plot, _beside(plot)), draws, strict=False):
+            typer.echo(write_bytes(path, figure_bytes(draw(table), kind), force=force))
     if table.attrs["failed_positions"]:
         for line in table.attrs["failed_positions"].splitlines():
             say(f"rollerrig: {chosen.name}: {line}")

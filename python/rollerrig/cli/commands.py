@@ -111,7 +111,7 @@ def limit_cycle(
         OutputError: the folder takes no files.
         StartError: no state was found from which a run can start.
     """
-    from rollerrig.analysis import LimitCycleSettings, limit_cycle_table
+    from rollerrig.analysis.limit_cycle_runs import LimitCycleSettings, limit_cycle_table
     from rollerrig.study.limit_cycles import limit_cycles
 
     chosen = LimitCycleSettings(**settings)
@@ -314,7 +314,7 @@ def stability(
         sensitivity: also draw how each stiffness and damping of the suspension moves the linear critical speed.
         progress: called with the fraction done and a short text.
     """
-    from rollerrig.analysis import LimitCycleSettings
+    from rollerrig.analysis.limit_cycle_runs import LimitCycleSettings
     from rollerrig.study.stability import StabilityStudy
 
     settings = LimitCycleSettings(disturbance, perturbation, longest=longest, tolerance_kmh=tolerance_kmh)
@@ -824,7 +824,7 @@ def compare(
     Raises:
         ConfigError: a vehicle or support is unknown or cannot be used.
     """
-    from rollerrig.analysis import HuntingSettings
+    from rollerrig.analysis.hunting import HuntingSettings
     from rollerrig.study.compare import CompareStudy, compared_cases
 
     cases = compared_cases(vehicle, on, cut, allow_code=allow_code)

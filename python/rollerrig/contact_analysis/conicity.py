@@ -32,9 +32,7 @@ Source  EN 15302:2021, clause 9 and annex E (direct integration of the nonlinear
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
 from functools import partial
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -73,16 +71,8 @@ _VARIABLES = {
     "longitudinal": ("m", "contact ahead of the wheel's own axle; 0 without yaw"),
 }
 
-_HEIGHT = list(_VARIABLES).index("rail_height")
-
-
-@dataclass(frozen=True)
-class _Touch:
-    """Both wheels at one shift, left first; see _VARIABLES."""
-
-    roll: float
-    sides: tuple[tuple[float, ...], tuple[float, ...]]
-
+_Touch = Array
+"""Both wheels at one shift, left first: _VARIABLES, and the roll angle; shape (2, 7)."""
 
 _Toucher = Callable[[float, float], _Touch | None]
 """Both wheels touching at a lateral shift [m], from a roll angle on [rad]; None where one does not."""
@@ -117,12 +107,14 @@ def shift_table(
     contact_distance = wheel.back_to_back + 2 * wheel.tape_circle
     touch_at = partial(_touch, contact, yaw, contact_distance if free_to_roll else None)
 
-    touches, ended = _outward(touch_at, _steps(largest, step))
+    steps = np.minimum(step * np.arange(1, math.ceil(largest / step - 1e-9) + 1), largest)
+    touches, ended = _outward(touch_at, steps)
     if model.right_rail_profile is model.rail_profile:
         # The same profiles: a mirror turns (y, yaw) into (-y, -yaw), and running backwards -yaw into yaw.
-        touches |= {-y: _Touch(-touch.roll, _swapped(touch)) for y, touch in touches.items() if y > 0.0}
+        mirrored = np.array([1.0, 1.0, 1.0, 1.0, 1.0, -1.0, -1.0])  # what is ahead is behind
+        touches |= {-y: touch[::-1] * mirrored for y, touch in touches.items() if y > 0.0}
     else:
-        others, early = _outward(touch_at, [-y for y in _steps(largest, step)])
+        others, early = _outward(touch_at, -steps)
         touches, ended = {**others, **touches}, ended or early
     roller_radius = support.roller_radius if isinstance(support, Rig) else np.inf
     table = _dataset(touches, (model.rail_profile, model.right_rail_profile)).assign_attrs(
@@ -150,72 +142,49 @@ def shift_table(
 
 def _dataset(touches: dict[float, _Touch], rails: tuple[ProfileTable, ProfileTable]) -> xr.Dataset:
     """Touching points over the lateral shift; the core's height of the head at each."""
-    ordered = [touches[y] for y in sorted(touches)]
-    values = np.array([touch.sides for touch in ordered])  # (lateral, side, variable)
-    for side, rail in enumerate(rails):
-        values[:, side, _HEIGHT] = rail.evaluate(values[:, side, _HEIGHT - 1])
-    variables: dict[str, Any] = {
-        name: variable(("lateral", "side"), values[:, :, k], unit, meaning)
-        for k, (name, (unit, meaning)) in enumerate(_VARIABLES.items())
+    values = np.stack([touches[y] for y in sorted(touches)], axis=-1)  # (side, variable, lateral)
+    of = dict(zip((*_VARIABLES, "roll"), np.moveaxis(values, 0, -1), strict=True))
+    of["rail_height"] = np.stack(
+        [rail.evaluate(y) for rail, y in zip(rails, of["rail_abscissa"].T, strict=True)], axis=1
+    )
+    variables = {
+        name: variable(("lateral", "side"), of[name], unit, meaning) for name, (unit, meaning) in _VARIABLES.items()
     }
-    roll = {"units": "rad", "long_name": "roll angle of the wheelset"}
-    variables["roll"] = ("lateral", [touch.roll for touch in ordered], roll)
+    variables["roll"] = variable("lateral", of["roll"][:, 0], "rad", "roll angle of the wheelset")
     lateral = variable("lateral", sorted(touches), "m", "lateral shift, left")
     return xr.Dataset(variables, coords={"lateral": lateral, "side": list(SIDES)})
-
-
-def _swapped(touch: _Touch) -> tuple[tuple[float, ...], tuple[float, ...]]:
-    """The mirror image run backwards: sides change places, and what is ahead is behind."""
-    left, right = ((*side[:-1], -side[-1]) for side in touch.sides)
-    return right, left
 
 
 def _left_less_right(values: xr.DataArray) -> xr.DataArray:
     return values.sel(side="left", drop=True) - values.sel(side="right", drop=True)
 
 
-def _steps(largest: float, step: float) -> list[float]:
-    """Shifts from the first step to the largest, both included [m]."""
-    return [min(k * step, largest) for k in range(1, math.ceil(largest / step - 1e-9) + 1)]
+def _outward(touch_at: _Toucher, shifts: Array) -> tuple[dict[float, _Touch], str]:
+    """Rows from the middle to one side, as far as both wheels touch; why they end early, or nothing.
 
-
-def _outward(touch_at: _Toucher, shifts: list[float]) -> tuple[dict[float, _Touch], str]:
-    """Rows from the middle to one side, as far as both wheels touch; why they end early, or nothing."""
+    Rows are added where a contact moves fast or jumps.
+    """
     middle = touch_at(0.0, 0.0)
     if middle is None:
         raise ValueError("the wheels do not touch in the middle; check gauge, back-to-back distance and profiles")
     touches, last, ended = {0.0: middle}, middle, ""
-    for y in shifts:
-        touch = touch_at(y, last.roll)
+    for y in shifts.tolist():
+        touch = touch_at(y, last[0, -1])
         if touch is None:
             ended = f"no contact from {1e3 * y:g} mm on: a wheel is off its profile or off the rail"
             break
         touches[y] = last = touch
-    _refine(touch_at, touches)
-    return touches, ended
-
-
-def _refine(touch_at: _Toucher, touches: dict[float, _Touch]) -> None:
-    """Add rows where a contact moves fast or jumps."""
-    while True:
+    new = True
+    while new:
         lateral = sorted(touches)
-        new = [
-            (low, 0.5 * (low + high))
-            for low, high in zip(lateral, lateral[1:], strict=False)
-            if high - low > FINEST and _contact_jump(touches[low], touches[high]) > JUMP
-        ]
-        if not new:
-            return
-        for beside, y in new:
-            touch = touch_at(y, touches[beside].roll)
-            if touch is None:
-                return
-            touches[y] = touch
-
-
-def _contact_jump(a: _Touch, b: _Touch) -> float:
-    """How far the contacts on the wheels are apart [m]."""
-    return max(abs(p[0] - q[0]) for p, q in zip(a.sides, b.sides, strict=True))
+        new = False
+        for low, high in zip(lateral, lateral[1:], strict=False):
+            if high - low > FINEST and np.abs(touches[low] - touches[high])[:, 0].max() > JUMP:
+                touch = touch_at(0.5 * (low + high), touches[low][0, -1])
+                if touch is None:
+                    return touches, ended
+                touches[0.5 * (low + high)], new = touch, True
+    return touches, ended
 
 
 def _touch(contact: _core.StaticWheelsetContact, yaw: float, arm: float | None, y: float, roll: float) -> _Touch | None:
@@ -223,41 +192,38 @@ def _touch(contact: _core.StaticWheelsetContact, yaw: float, arm: float | None, 
 
     With an arm, about how far the contacts are apart [m], the wheelset rolls until both wheels touch.
     """
-    heights = _heights(contact, y, yaw, roll)
-    slope, surplus = -(arm or 0.0), heights[0] - heights[1]  # secant steps; a metre's arm gains a metre per radian
+
+    def heights() -> tuple[float, float]:
+        """Heights at which the left and the right wheel touch [m]."""
+        left, right = (contact.touch_height(0.0, y, yaw, roll, right) for right in (False, True))
+        return left, right
+
+    left, right = heights()
+    slope = -(arm or 0.0)  # secant steps; a metre's arm gains a metre per radian
     for _ in range(MOST_STEPS):
-        if arm is None or abs(surplus) < LEVEL:
+        if arm is None or abs(left - right) < LEVEL:
             break
-        turn = -surplus / slope
+        turn, before = (right - left) / slope, left - right
         roll += turn
-        heights, before = _heights(contact, y, yaw, roll), surplus
-        surplus = heights[0] - heights[1]
+        left, right = heights()
         # On a flange, roll moves the wheel sideways as well: steeper than the arm. At a jump the slope has a step.
-        slope = min(max((surplus - before) / turn, -4 * arm), -0.5 * arm)
-    left, right = (_first_touch(contact, y, heights[side], yaw, roll, side) for side in (False, True))
-    return None if left is None or right is None else _Touch(roll, (left, right))
-
-
-def _heights(contact: _core.StaticWheelsetContact, y: float, yaw: float, roll: float) -> list[float]:
-    """Heights at which the left and the right wheel touch [m]."""
-    return [contact.touch_height(0.0, y, yaw, roll, right) for right in (False, True)]
+        slope = min(max((left - right - before) / turn, -4 * arm), -0.5 * arm)
+    sides = [_first_touch(contact, y, left, yaw, roll, False), _first_touch(contact, y, right, yaw, roll, True)]
+    return None if None in sides else np.array(sides)
 
 
 def _first_touch(
     contact: _core.StaticWheelsetContact, y: float, height: float, yaw: float, roll: float, right: bool
 ) -> tuple[float, ...] | None:
-    """The point of touch of one wheel in the order of _VARIABLES, if there is one."""
-    near = contact.minima(0.0, y, height, yaw, roll, right, 1e-6)
-    if not near:
-        return None
-    patch = max(near, key=lambda found: found.approach)
-    if abs(patch.approach) > _JUST_TOUCHING:
+    """The point of touch of one wheel, a row of a _Touch, if there is one."""
+    patch = max(contact.minima(0.0, y, height, yaw, roll, right, 1e-6), key=lambda found: found.approach, default=None)
+    if patch is None or abs(patch.approach) > _JUST_TOUCHING:
         return None
     _, lean, upward = patch.direction
-    angle = np.arctan2(lean if right else -lean, upward)
+    angle = math.atan2(lean if right else -lean, upward)
     along, across, level = patch.point
     ahead = along * math.cos(yaw) + (across - y) * math.sin(yaw)
-    return patch.wheel_s, patch.rail_y, level, patch.wheel_radius, float(angle), ahead
+    return patch.wheel_s, patch.rail_y, level, patch.wheel_radius, angle, ahead, roll
 
 
 POINTS = 2000

@@ -61,9 +61,9 @@ def read_measured_track(path: Path) -> MeasuredTrack:
     numbered = [(i, line) for i, line in numbered if line]
     if not numbered:
         raise IrregularityError(f"{path}: the file is empty; it begins with a line of column names")
-    names, scales = _heading(path, numbered[0][1])
-    table = _numbers(path, numbered[1:], len(names)) * scales
-    columns = dict(zip(names, table.T, strict=True))
+    scales = _heading(path, numbered[0][1])
+    table = _numbers(path, numbered[1:], len(scales)) * list(scales.values())
+    columns = dict(zip(scales, table.T, strict=True))
     distance = columns.pop("distance")
     _check_distance(path, distance)
     _check_size(path, columns)
@@ -114,30 +114,26 @@ def measured_irregularity(
     return RailIrregularity(step, coefficients, fade_in)
 
 
-def _heading(path: Path, line: str) -> tuple[list[str], Array]:
+def _heading(path: Path, line: str) -> dict[str, float]:
     """Names of the columns, and what turns each into metres."""
     allowed = f"distance, and {', '.join(RAILS)} or some of {', '.join(COMPONENTS)}"
-    names: list[str] = []
-    scales: list[float] = []
+    scales: dict[str, float] = {}
     for text in _cells(line):
         match = _HEADING.fullmatch(text.lower())
         name, unit = (match[1], match[2] or match[3]) if match else (text, None)
         if name not in ("distance", *RAILS, *COMPONENTS):
             raise IrregularityError(f"{path}: unknown column {text.strip()!r}; allowed: {allowed}")
         if unit not in UNITS:
-            raise IrregularityError(
-                f"{path}: column {text.strip()!r}: no unit; allowed: {', '.join(UNITS)}, as in '{name} [mm]'"
-            )
-        names.append(name)
-        scales.append(UNITS[unit])
-    twice = sorted({name for name in names if names.count(name) > 1})
-    if twice:
-        raise IrregularityError(f"{path}: column {twice[0]} stands there twice")
-    given = set(names) - {"distance"}
+            units = f"{', '.join(UNITS)}, as in '{name} [mm]'"
+            raise IrregularityError(f"{path}: column {text.strip()!r}: no unit; allowed: {units}")
+        if name in scales:
+            raise IrregularityError(f"{path}: column {name} stands there twice")
+        scales[name] = UNITS[unit]
+    given = scales.keys() - {"distance"}
     complete = given == set(RAILS) or (given and given <= set(COMPONENTS))
-    if "distance" not in names or not complete:
-        raise IrregularityError(f"{path}: columns {', '.join(names)}; needed: {allowed}")
-    return names, np.array(scales)
+    if "distance" not in scales or not complete:
+        raise IrregularityError(f"{path}: columns {', '.join(scales)}; needed: {allowed}")
+    return scales
 
 
 def _cells(line: str) -> list[str]:
@@ -155,12 +151,11 @@ def _numbers(path: Path, lines: list[tuple[int, str]], columns: int) -> Array:
         if len(cells) != columns:
             raise IrregularityError(f"{path}: line {number}: {len(cells)} numbers; the header names {columns} columns")
         try:
-            row = [float(cell) for cell in cells]
+            rows.append([float(cell) for cell in cells])
         except ValueError:
             raise IrregularityError(f"{path}: line {number}: {line!r} is not a row of numbers") from None
-        if not all(map(math.isfinite, row)):
+        if not all(map(math.isfinite, rows[-1])):
             raise IrregularityError(f"{path}: line {number}: {line!r} is not finite; remove or repair the row")
-        rows.append(row)
     if len(rows) < FEWEST_ROWS:
         raise IrregularityError(f"{path}: {len(rows)} rows; a measured track has at least {FEWEST_ROWS}")
     return np.array(rows)

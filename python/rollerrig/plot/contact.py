@@ -2,11 +2,8 @@
 
 from collections.abc import Mapping
 from textwrap import fill
-from typing import Any
 
-import numpy as np
 import xarray as xr
-from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
@@ -14,7 +11,6 @@ from rollerrig.plot.style import (
     COLOURS,
     GREY,
     MARKERS,
-    STYLES,
     colour,
     headline,
     house_style,
@@ -22,6 +18,7 @@ from rollerrig.plot.style import (
     legend_above,
     legend_below,
     logarithmic,
+    look,
     new_figure,
     new_grid,
 )
@@ -38,32 +35,34 @@ def contact_figure(table: xr.Dataset) -> Figure:
     lateral = 1e3 * table["lateral"]
     for number, side in enumerate(("left", "right")):
         here = (table["side"] == side).to_numpy()
-        y = lateral[here]
-        look: dict[str, Any] = {"linestyle": "none", "markersize": 4, "color": COLOURS[number]}
-        place.plot(y, 1e3 * table["wheel_abscissa"][here], MARKERS[number], label=side, **look)
-        force.plot(y, 1e-3 * table["normal"][here], MARKERS[number], label=side, **look)
-        size.plot(y, 1e3 * table["a"][here], MARKERS[number], label=f"{side}, a along the rolling direction", **look)
-        size.plot(y, 1e3 * table["b"][here], "x+"[number], label=f"{side}, b across it", **look)
+        for axes, factor, name, marker, label in (
+            (place, 1e3, "wheel_abscissa", MARKERS[number], side),
+            (force, 1e-3, "normal", MARKERS[number], side),
+            (size, 1e3, "a", MARKERS[number], f"{side}, a along the rolling direction"),
+            (size, 1e3, "b", "x+"[number], f"{side}, b across it"),
+        ):
+            values = factor * table[name][here]
+            axes.plot(lateral[here], values, marker, markersize=4, color=COLOURS[number], label=label)
     pose.plot(lateral, 1e3 * table["height"], ".", color="black", label="height [mm]")
     pose.plot(lateral, 1e3 * table["roll"], "x", markersize=4, color=COLOURS[2], label="roll [mrad]")
     place.set_ylabel("on the wheel S [mm]")
     force.set_ylabel("normal force [kN]")
     size.set_ylabel("semi-axes [mm]")
     pose.set(ylabel="pose of the wheelset", xlabel="lateral position of the wheelset [mm], positive to the left")
-    title = f"{table.attrs['case']}: {table.attrs['wheelset']} under {1e-3 * table.attrs['load_n']:.4g} kN"
-    place.set_title(title, loc="left")
+    place.set_title(_pressed(table), loc="left")
     for axes in (place, size, pose):
         axes.legend(loc="best")
     return figure
 
 
 COMPARED = {
-    "centre": ("centre on the\nwheel S [mm]", 1e3),
-    "width": ("width [mm]", 1e3),
-    "approach": ("approach [µm]", 1e6),
-    "peak_pressure": ("peak pressure\n[MPa]", 1e-6),
-    "patches": ("patches", 1.0),
+    "centre": (1e3, "centre on the\nwheel S [mm]"),
+    "width": (1e3, "width [mm]"),
+    "approach": (1e6, "approach [µm]"),
+    "peak_pressure": (1e-6, "peak pressure\n[MPa]"),
+    "patches": (1.0, "patches"),
 }
+"""Variable -> factor from SI, ordinate."""
 
 
 @into_axes
@@ -76,20 +75,20 @@ def comparison_figure(comparison: xr.Dataset, side: str = "left") -> Figure:
     """
     figure, panels = new_figure(len(COMPARED), height=8.5, sharex=True)
     shown = comparison.sel(side=side)
-    lateral = 1e3 * shown["lateral"]
-    for axes, (name, (label, factor)) in zip(panels, COMPARED.items(), strict=True):
+    for axes, (name, (factor, label)) in zip(panels, COMPARED.items(), strict=True):
         for number, model in enumerate(shown["model"].to_numpy()):
-            look: dict[str, Any] = {"markersize": 3, "linewidth": 1.0, "color": COLOURS[number], "label": str(model)}
-            axes.plot(lateral, factor * shown[name].sel(model=model), MARKERS[number] + STYLES[number], **look)
+            axes.plot(1e3 * shown["lateral"], factor * shown[name].sel(model=model), marker=MARKERS[number],
+                      markersize=3, linewidth=1.0, label=str(model), **look(number))  # fmt: skip
         axes.set_ylabel(label)
-        if name == "patches":
-            axes.yaxis.set_major_locator(MaxNLocator(integer=True))
+    panels[-1].yaxis.set_major_locator(MaxNLocator(integer=True))
     panels[-1].set_xlabel("lateral position of the wheelset [mm], positive to the left")
-    load = 1e-3 * comparison.attrs["load_n"]
-    what = f"{comparison.attrs['case']}: {comparison.attrs['wheelset']} under {load:.4g} kN, {side} wheel"
-    panels[0].set_title(what, loc="left")
+    panels[0].set_title(f"{_pressed(comparison)}, {side} wheel", loc="left")
     legend_above(figure, panels[0])
     return figure
+
+
+def _pressed(table: xr.Dataset) -> str:
+    return f"{table.attrs['case']}: {table.attrs['wheelset']} under {1e-3 * table.attrs['load_n']:.4g} kN"
 
 
 @into_axes
@@ -97,31 +96,41 @@ def creep_comparison_figure(comparison: xr.Dataset, side: str = "left") -> Figur
     """Creep laws side by side over the lateral position, one wheel: a column per normal contact; points: exact solver.
 
     Args:
-        comparison: what `compare_creep` returns.
+        comparison: what `compare_contacts` returns.
         side: wheel to show.
     """
-    normals = [str(name) for name in comparison["normal"].to_numpy()]
-    figure, grid = new_grid(2, len(normals), 8.4, 6.2, sharex=True, sharey="row")
+    models = [str(name) for name in comparison["model"].to_numpy()]
+    figure, grid = new_grid(2, len(models), 8.4, 6.2, sharex=True, sharey="row")
     lateral = 1e3 * comparison["lateral"].to_numpy()
-    for column, normal in enumerate(normals):
-        shown = comparison.sel(normal=normal, side=side)
-        for axes, name in zip(grid[:, column], ("x", "y"), strict=True):
-            for number, law in enumerate(shown["law"].to_numpy()):
-                axes.plot(lateral, 100 * shown[f"force_{name}"].sel(law=law), STYLES[number % len(STYLES)],
-                          color=COLOURS[number], label=str(law))  # fmt: skip
-            axes.plot(lateral, 100 * shown[f"exact_{name}"], "o", color="black", ms=3.5, label="exact solver", zorder=5)
+    for column, model in enumerate(models):
+        shown = 100 * comparison.sel(model=model, side=side)
+        for axes, name in zip(grid[:, column], ("force_x", "force_y"), strict=True):
+            exact, *laws = shown[name].transpose("law", ...)
+            for number, force in enumerate(laws):
+                axes.plot(lateral, force, label=str(force["law"].item()), **look(number))
+            axes.plot(lateral, exact, "o", color="black", ms=3.5, label="exact solver", zorder=5)
             axes.set_ylim(-115.0, 115.0)  # a law without saturation leaves the picture
-        grid[0][column].set_title(f"contact.normal = {normal}")
+        grid[0][column].set_title(f"contact.normal = {model}")
         grid[1][column].set_xlabel("lateral position [mm], positive to the left")
     grid[0][0].set_ylabel("longitudinal force\non the wheel [% of μN]")
     grid[1][0].set_ylabel("lateral force\non the wheel [% of μN]")
-    yaw = 1e3 * comparison["yaw"].to_numpy()
-    turned = f"yaw {yaw[0]:g} mrad" if np.all(yaw == yaw[0]) else f"yaw {yaw.min():g} to {yaw.max():g} mrad"
-    load = 1e-3 * comparison.attrs["load_n"]
-    friction = f"friction {comparison.attrs['friction']:g}"
-    headline(figure, f"{comparison.attrs['case']}: {load:.4g} kN, {turned}, {friction}, {side} wheel")
+    yaw = " to ".join(dict.fromkeys(f"{end:g}" for end in (1e3 * comparison["yaw"].quantile([0.0, 1.0])).to_numpy()))
+    headline(figure, f"{_pressed(comparison)}, yaw {yaw} mrad, friction {comparison.attrs['friction']:g}, {side} wheel")
     legend_below(figure, grid[0][0])
     return figure
+
+
+CHARACTERISTICS = {
+    "effective_difference": (1e3, "rolling radius difference [mm]", "left less right; on rollers with their own radii"),
+    "conicity": (1.0, "equivalent conicity [-]", "EN 15302, integration of the kinematic motion"),
+    "wheel_abscissa": (1e3, "contact on the wheel S [mm]", "flange is negative"),
+    "rail_abscissa": (1e3, "contact on the rail head [mm]", "gauge side is negative"),
+    "contact_angle": (1.0, "contact angle [rad]", "positive as at the flange"),
+    "wavelength": (1.0, "wavelength [m]", "free wheelset, pure rolling"),
+    "roll": (1e3, "roll angle [mrad]", "both wheels touch"),
+    "longitudinal": (1e3, "contact ahead of the axle [mm]", "a yawed wheelset"),
+}
+"""Variable -> factor from SI, ordinate, note."""
 
 
 @house_style()
@@ -131,55 +140,37 @@ def characteristics_figure(shifts: Mapping[str, xr.Dataset], conicity: Mapping[s
     By label what `shift_table` and `conicity_table` return; the first is drawn full, further ones dashed over it.
     """
     first = next(iter(shifts.values()))
-    rolls, yawed = first.attrs["roll"] == "free", first.attrs["yaw_rad"] != 0.0
-    rows = 4 if rolls or yawed else 3
+    yaw = 1e3 * first.attrs["yaw_rad"]
+    worth = {"roll": first.attrs["roll"] == "free", "longitudinal": yaw != 0.0}
+    drawn = [name for name in CHARACTERISTICS if worth.get(name, True)]
+    rows = (len(drawn) + 1) // 2
     figure, grid = new_grid(rows, 2, 8.4, 2.9 * rows)
-    radii, cone, on_wheel, on_rail, angle, wave, *further = grid.flat
-    roll, ahead = further.pop(0) if rolls else None, further.pop(0) if yawed else None
-    for number, (label, table) in enumerate(shifts.items()):
-        style = STYLES[number % len(STYLES)]
-        lateral = 1e3 * table["lateral"]
-        colour = COLOURS[number % len(COLOURS)]
-        radii.plot(lateral, 1e3 * table["effective_difference"], style, color=colour, label=label)
-        for side, side_colour in zip(("left", "right"), COLOURS, strict=False):
-            here = table.sel(side=side)
-            name = side if number == 0 else None
-            on_wheel.plot(lateral, 1e3 * here["wheel_abscissa"], style, color=side_colour, label=name)
-            on_rail.plot(lateral, 1e3 * here["rail_abscissa"], style, color=side_colour, label=name)
-            angle.plot(lateral, here["contact_angle"], style, color=side_colour, label=name)
-            if ahead is not None:
-                ahead.plot(lateral, 1e3 * here["longitudinal"], style, color=side_colour, label=name)
-        if roll is not None:
-            roll.plot(lateral, 1e3 * table["roll"], style, color=colour, label=label)
-        amplitude = 1e3 * conicity[label]["amplitude"]
-        cone.plot(amplitude, conicity[label]["conicity"], style, color=colour, label=label)
-        wave.plot(amplitude, conicity[label]["wavelength"], style, color=colour, label=label)
-        if table.attrs["support"] != "track":
-            cone.plot(amplitude, conicity[label]["of_rollers"], ":", color=colour, label="part of the rollers' radii")
-    shift, size = "lateral shift to the left [mm]", "amplitude [mm]"
-    _finish(radii, shift, "rolling radius difference [mm]", "left less right; on rollers with their own radii")
-    _finish(cone, size, "equivalent conicity [-]", "EN 15302, integration of the kinematic motion")
-    _finish(on_wheel, shift, "contact on the wheel S [mm]", "flange is negative")
-    _finish(on_rail, shift, "contact on the rail head [mm]", "gauge side is negative")
-    _finish(angle, shift, "contact angle [rad]", "positive as at the flange")
-    _finish(wave, size, "wavelength [m]", "free wheelset, pure rolling")
-    cone.set_ylim(bottom=min(0.0, cone.get_ylim()[0]))
-    if roll is not None:
-        _finish(roll, shift, "roll angle [mrad]", "both wheels touch")
-    if ahead is not None:
-        _finish(ahead, shift, "contact ahead of the axle [mm]", "a yawed wheelset")
-    for empty in further:
+    for axes, name in zip(grid.flat, drawn, strict=False):
+        factor, ordinate, note = CHARACTERISTICS[name]
+        for number, label in enumerate(shifts):
+            of_shift = name in shifts[label]
+            values = factor * (shifts if of_shift else conicity)[label][name]
+            along = 1e3 * values["lateral" if of_shift else "amplitude"]
+            if "side" in values.dims:
+                for side_colour, side in enumerate(("left", "right")):
+                    own = {"color": colour(side_colour), "label": None if number else side}
+                    axes.plot(along, values.sel(side=side), **{**look(number), **own})
+            else:
+                axes.plot(along, values, label=label, **look(number))
+            if name == "conicity" and shifts[label].attrs["support"] != "track":
+                of_rollers = conicity[label]["of_rollers"]
+                axes.plot(along, of_rollers, ":", color=colour(number), label="part of the rollers' radii")
+        axes.set(xlabel="lateral shift to the left [mm]" if of_shift else "amplitude [mm]", ylabel=ordinate)
+        axes.set_title(note, loc="left", fontsize=8)
+        axes.legend(fontsize=7.5)
+        if name == "conicity":
+            axes.set_ylim(bottom=min(0.0, axes.get_ylim()[0]))
+    for empty in grid.flat[len(drawn) :]:
         empty.remove()
     gauge, back = 1e3 * first.attrs["gauge_m"], 1e3 * first.attrs["back_to_back_m"]
-    yaw = f", yaw {1e3 * first.attrs['yaw_rad']:g} mrad" if yawed else ""
-    figure.suptitle(f"{first.attrs['title']}: gauge {gauge:g} mm, back-to-back {back:g} mm{yaw}", fontsize=10)
+    lengths = f"gauge {gauge:g} mm, back-to-back {back:g} mm" + (f", yaw {yaw:g} mrad" if yaw else "")
+    figure.suptitle(f"{first.attrs['title']}: {lengths}", fontsize=10)
     return figure
-
-
-def _finish(axes: Axes, along: str, up: str, note: str) -> None:
-    axes.set(xlabel=along, ylabel=up)
-    axes.set_title(note, loc="left", fontsize=8)
-    axes.legend(fontsize=7.5)
 
 
 COLUMNS = (
@@ -209,14 +200,12 @@ def creep_figure(comparison: xr.Dataset) -> Figure:
             values = comparison[name].sel(direction=direction)
             error = comparison["grid_error"].sel(direction=direction).isel(component=column).to_numpy()
             for number, law in enumerate(names[1:]):
-                axes.plot(demand, values.sel(law=law), STYLES[number % len(STYLES)], color=COLOURS[number % len(COLOURS)],
-                          label=law)  # fmt: skip
+                axes.plot(demand, values.sel(law=law), label=law, **look(number))
             axes.errorbar(demand, values.sel(law=names[0]), yerr=error, fmt="o", ms=3, color="black", capsize=2,
                           lw=0.8, label="exact theory", zorder=5)  # fmt: skip
             logarithmic(axes)
             if column == 0:
-                axes.set_ylabel(direction.replace(" and ", "\nand ").replace(" with ", "\nwith ")
-                                .replace(" against ", "\nagainst "))  # fmt: skip
+                axes.set_ylabel(fill(direction, 14))
         saturated = comparison[name].sel(law=names[0]).to_numpy()  # a law without saturation leaves the picture
         low, high = min(saturated.min(), -0.1), max(saturated.max(), 0.1)
         grid[0][column].set_ylim(low - 0.25 * (high - low), high + 0.25 * (high - low))

@@ -49,16 +49,12 @@ FLANGE_ROOT_AS_PRINTED = Polynomial(
 FLANGE_FACE = Polynomial([-93.576667419, -2.747477419])
 
 
-def _root_arc(s: Array) -> Array:
-    return np.asarray(16.446 - np.sqrt(13.0**2 - (s + 26.210665) ** 2))
+def _arc(s_0: float, centre: float, radius: float) -> Segment:
+    """Arc about a centre, over it, or under it with a negative radius [mm]."""
+    return lambda s: np.asarray(centre + np.sign(radius) * np.sqrt(radius**2 - (s - s_0) ** 2))
 
 
-def _upper_face_arc(s: Array) -> Array:
-    return np.asarray(8.834924130 + np.sqrt(20.0**2 - (s + 58.558326413) ** 2))
-
-
-def _tip_arc(s: Array) -> Array:
-    return np.asarray(16.0 + np.sqrt(12.0**2 - (s + 55.0) ** 2))
+ROOT_ARC = _arc(-26.210665, 16.446, -13.0)
 
 
 def _flange_root() -> Segment:
@@ -70,7 +66,7 @@ def _flange_root() -> Segment:
     """
     ends = np.array([-35.0, -26.0])
     arc_slope = (ends[0] + 26.210665) / np.sqrt(13.0**2 - (ends[0] + 26.210665) ** 2)
-    value = np.array([_root_arc(ends)[0], TREAD(ends[1])])
+    value = np.array([ROOT_ARC(ends)[0], TREAD(ends[1])])
     slope = np.array([arc_slope, TREAD.deriv()(ends[1])])
     gap, length = value - FLANGE_ROOT_AS_PRINTED(ends), ends[1] - ends[0]
     turn = length * (slope - FLANGE_ROOT_AS_PRINTED.deriv()(ends))
@@ -88,21 +84,20 @@ SEGMENTS: tuple[tuple[float, Segment], ...] = (
     (32.15796, RUN_OUT),
     (-26.0, TREAD),
     (-35.0, _flange_root()),
-    (-38.426669071, _root_arc),
+    (-38.426669071, ROOT_ARC),
     (-39.764473993, FLANGE_FACE),
-    (-49.662510381, _upper_face_arc),
-    (-62.764705882, _tip_arc),
+    (-49.662510381, _arc(-58.558326413, 8.834924130, 20.0)),
+    (-62.764705882, _arc(-55.0, 16.0, 12.0)),
 )
 
 
 def s1002_height(s_mm: Array) -> Array:
     """Radius increase [mm] over the abscissa S [mm], -62.76 <= S <= 60."""
     s_mm = np.asarray(s_mm, dtype=np.float64)
-    starts = [start for start, _ in SEGMENTS]
-    which = [s_mm >= starts[0]] + [(s_mm >= a) & (s_mm < b) for a, b in zip(starts[1:], starts[:-1], strict=True)]
-    height = np.full(s_mm.shape, np.nan)
-    for inside, (_, segment) in zip(which, SEGMENTS, strict=True):
-        height[inside] = segment(s_mm[inside])
+    height, end = np.full(s_mm.shape, np.nan), np.inf
+    for start, segment in SEGMENTS:
+        inside = (s_mm >= start) & (s_mm < end)
+        height[inside], end = segment(s_mm[inside]), start
     return height
 
 

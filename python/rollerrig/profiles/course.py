@@ -57,11 +57,6 @@ class Course:
         """(n - 1,) distances of neighbours [m]."""
         return np.asarray(np.hypot(*np.diff(self.points, axis=0).T))
 
-    @property
-    def closed(self) -> bool:
-        """Whether the last point comes back to the first."""
-        return bool(np.hypot(*(self.points[-1] - self.points[0])) <= 3 * np.median(self.spacing))
-
     def averaged(self, count: int) -> "Course":
         """Means of `count` neighbours, with the line of the first of them; what is left over at the end is dropped."""
         if count <= 1:
@@ -81,13 +76,9 @@ def check_stray(course: Course) -> None:
     stray = (off > STRAY) & (off > 5 * across)
     if np.any(stray):
         i = int(np.argmax(off * stray)) + 1
-        if (count := int(np.sum(stray))) > 3 + len(course) // 50:
-            raise ProfileError(
-                f"{course.file}: {count} points jump away from their neighbours and back, the farthest by "
-                f"{1e3 * off[i - 1]:.4g} mm at {course.place(i)}: the points must be in order along the profile"
-            )
         raise ProfileError(
-            f"{course.file}: {course.place(i)}: a stray point, {1e3 * off[i - 1]:.4g} mm off both neighbours; remove it"
+            f"{course.file}: {course.place(i)}: a stray point, {1e3 * off[i - 1]:.4g} mm off both neighbours, the worst of "
+            f"{np.sum(stray)}; remove it, or put the points in order along the profile"
         )
 
 
@@ -104,13 +95,16 @@ def check_order(course: Course) -> None:
 
 def without_crowds(course: Course) -> Course:
     """Without points that crowd closer than a twentieth of the usual spacing: they say nothing about direction."""
-    least = float(np.median(course.spacing)) / 20
-    points = course.points
+    return course.part(spaced(course.points, max(float(np.median(course.spacing)) / 20, 1e-12)))
+
+
+def spaced(points: Array, least: float) -> list[int]:
+    """Indices of points (n, 2) at least so far from the one kept before."""
     keep = [0]
     for i in range(1, len(points)):
-        if math.hypot(*(points[i] - points[keep[-1]])) > least:
+        if math.hypot(*(points[i] - points[keep[-1]])) >= least:
             keep.append(i)
-    return course.part(keep)
+    return keep
 
 
 FOLD = 0.3e-3  # [m] a return of the abscissa beyond measuring noise

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
@@ -117,70 +118,57 @@ def _smoothed_table(
     _check_count(course, "on the running surface")
     check_fold(course, _reference(course.points, kind))
     curve = _smooth(course.points, course.weights, noise, smoothing)
-    samples = curve.samples()
-    branch = _usable_branch(course, samples, kind)
-    low, high = samples.y[branch.start], samples.y[branch.stop - 1]
+    branch = _usable_branch(course, curve, kind)
+    low, high = curve.points[branch.start, 0], curve.points[branch.stop - 1, 0]
     check_gaps(course, low, high)
     check_kinks(averaged(course, noise), low, high)
-    origin = curve.origin(samples, branch, kind)
+    origin = curve.origin(branch, kind)
     thinned = f"{read} points averaged by {each}" if each > 1 else ""
     used_cut_off = f"smoothed at {curve.cut_off * 1e3:.2g} mm"
     table = tabulate(
-        lambda y: curve.height(y + origin[0], samples, branch) - origin[1],
+        lambda y: curve.height(y + origin[0], branch) - origin[1],
         float(low - origin[0]),
         float(high - origin[0]),
         name=file.stem,
         kind=kind,
         source=", ".join(part for part in (file.name, comment, thinned, used_cut_off) if part),
         step=step,
-        outline=np.column_stack([samples.y, samples.z])[::5] - origin,
+        outline=curve.points[::5] - origin,
     )
     return replace(table, measured=measured - origin)
 
 
 @dataclass(frozen=True, eq=False)
-class Samples:
-    """A curve sampled along its length: arc length s, abscissa, value [m] and their derivatives over s [-]."""
-
-    s: Array
-    y: Array
-    z: Array
-    dy: Array
-    dz: Array
-
-
-@dataclass(frozen=True, eq=False)
 class SmoothCurve:
-    """Twice continuously differentiable curve y(s), z(s) through noisy points [m]."""
+    """Twice continuously differentiable curve y(s), z(s) through noisy points [m], and samples at steps of about SAMPLE."""
 
     y: BSpline
     z: BSpline
-    length: float  # [m]
     cut_off: float  # wavelength [m] whose amplitude the smoothing halves
+    s: Array  # (n,) arc length of the samples [m]
 
-    def samples(self) -> Samples:
-        """The curve at steps of about SAMPLE."""
-        s = np.linspace(0.0, self.length, max(2, math.ceil(self.length / SAMPLE)) + 1)
-        return Samples(s, self.y(s), self.z(s), self.y(s, 1), self.z(s, 1))
+    @cached_property
+    def points(self) -> Array:
+        """(n, 2) abscissa and value of the samples [m]."""
+        return np.column_stack([self.y(self.s), self.z(self.s)])
 
-    def height(self, y: Array, samples: Samples, branch: slice) -> Array:
+    def height(self, y: Array, branch: slice) -> Array:
         """Value [m] at abscissae [m] on a branch where y(s) increases."""
-        s = np.interp(y, samples.y[branch], samples.s[branch])
+        s = np.interp(y, self.points[branch, 0], self.s[branch])
         for _ in range(4):  # Newton; the start is good to 1e-9 m
             s = s - (self.y(s) - y) / self.y(s, 1)
         return np.asarray(self.z(s))
 
-    def origin(self, samples: Samples, branch: slice, kind: ProfileKind) -> Array:
+    def origin(self, branch: slice, kind: ProfileKind) -> Array:
         """The point that becomes (0, 0) [m]: on the tape circle of a wheel, on top of a rail."""
         if kind == "wheel":
-            return np.array([0.0, self.height(np.zeros(1), samples, branch)[0]])
-        top = branch.start + int(np.argmax(samples.z[branch]))
-        before, after = max(top - 1, 0), min(top + 1, len(samples.s) - 1)
-        s = samples.s[top]
-        if samples.dz[before] > 0 > samples.dz[after]:
+            return np.array([0.0, self.height(np.zeros(1), branch)[0]])
+        top = branch.start + int(np.argmax(self.points[branch, 1]))
+        before, s, after = (self.s[min(max(k, 0), len(self.s) - 1)] for k in (top - 1, top, top + 1))
+        if self.z(before, 1) > 0 > self.z(after, 1):
             from scipy.optimize import brentq
 
-            s = brentq(lambda s: float(self.z(s, 1)), samples.s[before], samples.s[after])
+            s = brentq(lambda s: float(self.z(s, 1)), before, after)
         return np.array([float(self.y(s)), float(self.z(s))])
 
 
@@ -275,11 +263,8 @@ def _smooth(points: Array, weights: Array, noise: float, smoothing: float | Lite
     from scipy.interpolate import make_smoothing_spline
 
     y, z = (make_smoothing_spline(s / unit, p / unit, w=np.maximum(w, 1e-9), lam=lam) for p in points.T)
-    return SmoothCurve(_rescaled(y, unit), _rescaled(z, unit), float(s[-1]), cut_off)
-
-
-def _rescaled(spline: BSpline, unit: float) -> BSpline:
-    return type(spline)(spline.t * unit, spline.c * unit, spline.k)
+    y, z = (type(one)(one.t * unit, one.c * unit, one.k) for one in (y, z))
+    return SmoothCurve(y, z, cut_off, np.linspace(0.0, s[-1], max(2, math.ceil(s[-1] / SAMPLE)) + 1))
 
 
 def _noise(points: Array) -> float:
@@ -296,39 +281,28 @@ def _noise(points: Array) -> float:
     return float(1.4826 * np.median(np.hypot(*np.asarray(deviations).T)))  # 1.4826: median to standard deviation
 
 
-def _usable_branch(course: Course, samples: Samples, kind: ProfileKind) -> slice:
+def _usable_branch(course: Course, curve: SmoothCurve, kind: ProfileKind) -> slice:
     """The stretch around the tape circle or the highest point where the slope is at most STEEPEST_SLOPE.
 
     Raises:
         ProfileError: it does not reach LEAST_REACH to both sides.
     """
-    usable = (samples.dy > 0) & (np.abs(samples.dz) <= STEEPEST_SLOPE * samples.dy)
-    centre = int(np.argmin(np.abs(samples.y)) if kind == "wheel" else np.argmax(samples.z))
-    bad = np.flatnonzero(~usable)
-    start = int(bad[bad < centre][-1]) + 1 if np.any(bad < centre) else 0
-    stop = int(bad[bad >= centre][0]) if np.any(bad >= centre) else len(usable)
-    middle = 0.0 if kind == "wheel" else samples.y[centre]
-    short = [
-        end
-        for end, reach in (
-            (start, middle - samples.y[start]),
-            (max(stop - 1, start), samples.y[max(stop - 1, start)] - middle),
-        )
-        if reach <= LEAST_REACH
-    ]
+    points, dy, dz = curve.points, curve.y(curve.s, 1), curve.z(curve.s, 1)
+    bad = np.flatnonzero((dy <= 0) | (np.abs(dz) > STEEPEST_SLOPE * dy))
+    centre = _reference(points, kind)
+    start = int(max(bad[bad < centre], default=-1)) + 1
+    stop = int(min(bad[bad >= centre], default=len(dy)))
+    last = max(stop - 1, start)
+    middle = 0.0 if kind == "wheel" else points[centre, 0]
+    reaches = ((start, middle - points[start, 0]), (last, points[last, 0] - middle))
+    short = [end for end, reach in reaches if reach <= LEAST_REACH]
     if stop - start >= 2 and not short:
         return slice(start, stop)
-    end = short[0] if short else centre
-    at = course.nearest(np.array([samples.y[end], samples.z[end]]))
-    outermost = end <= 1 or end >= len(usable) - 2
-    why = "the points end" if outermost else f"the profile turns back, or is steeper than {STEEPEST_SLOPE:g}"
-    cure = (
-        "the curve is closed: leave only the running surface"
-        if course.closed
-        else "is there a step or a stray point, or are the points not in order along the profile?"
-    )
+    end = points[short[0] if short else centre]
+    middle_place = course.nearest(np.array([middle, points[centre, 1]]))
     raise ProfileError(
-        f"{course.file}: {why} at {at}; needed: {1e3 * LEAST_REACH:g} mm on each side of the "
-        f"{'tape circle' if kind == 'wheel' else 'highest point'}, {course.nearest(np.array([middle, samples.z[centre]]))}; "
-        f"{cure}"
+        f"{course.file}: the profile ends, turns back, or is steeper than {STEEPEST_SLOPE:g} at {course.nearest(end)}; needed: "
+        f"{1e3 * LEAST_REACH:g} mm on each side of the {'tape circle' if kind == 'wheel' else 'highest point'}, "
+        f"{middle_place}; is there a step or a stray point, are the points not in order along the profile, or those of a closed "
+        "curve, of which only the running surface is needed?"
     )

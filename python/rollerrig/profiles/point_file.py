@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from rollerrig.common.arrays import Array
 from rollerrig.common.input_files import LARGEST_TABLE, read_input
-from rollerrig.profiles.course import Course, check_order, check_stray
+from rollerrig.profiles.course import Course, check_order, check_stray, spaced
 from rollerrig.profiles.table import ProfileError, ProfileKind
 
 FileFormat = Literal["auto", "two_column", "simpack"]
@@ -39,11 +39,6 @@ class RawProfile:
     course: Course
     declared: ProfileKind | None
     comment: str
-
-    @property
-    def path(self) -> Path:
-        """The file."""
-        return self.course.file
 
 
 def read_point_file(path: Path, file_format: FileFormat = "auto", units: LengthUnit = "auto") -> RawProfile:
@@ -119,7 +114,7 @@ def _read_simpack(path: Path, lines: list[str]) -> RawProfile:
 
     nearest = number("point.dist.min", 0.0)  # 1
     if nearest > 0:
-        kept = np.array(_spaced(y, z, nearest))
+        kept = np.array(spaced(rows[:, :2], nearest))
         _enough_left(path, len(kept), len(rows), f"point.dist.min = {nearest:g}, in the unit of the points,")
         y, z, weights = y[kept], z[kept], weights[kept]
     y, z = y + number("shift.y", 0.0), z + number("shift.z", 0.0)  # 2
@@ -175,19 +170,15 @@ def _numbers(
         words = COMMENT.sub("", line).replace(",", " ").split()
         if not words:
             continue
-        if DECIMAL_COMMAS.match(line):
-            raise ProfileError(
-                f"{path}: line {number}: {_shown(line)} has decimal commas; allowed: decimal points, columns separated "
-                "by blanks, tabs or commas"
-            )
         try:
             row = [float(re.sub("[dD]", "e", word)) for word in words]
         except ValueError:
-            if header_allowed and not rows:
+            row = []
+            if header_allowed and not rows and not DECIMAL_COMMAS.match(line):
                 header_allowed = False  # one line of column names
                 continue
-            raise ProfileError(f"{path}: line {number}: {_shown(line)} is not a row of numbers") from None
-        _check_row(path, number, line, row, columns if not rows else (len(rows[0]),))
+        if problem := _problem(line, row, columns if not rows else (len(rows[0]),)):
+            raise ProfileError(f"{path}: line {number}: {line.strip()[:60]!r}{problem}")
         rows.append(row)
         numbers.append(number)
     if len(rows) < FEWEST_POINTS:
@@ -195,26 +186,21 @@ def _numbers(
     return np.array(rows), np.array(numbers)
 
 
-def _shown(line: str) -> str:
-    """A line short enough for a message."""
-    return repr(line.strip()[:60])
-
-
-def _check_row(path: Path, number: int, line: str, row: list[float], columns: tuple[int, ...]) -> None:
-    written = _shown(line)
+def _problem(line: str, row: list[float], columns: tuple[int, ...]) -> str:
+    """What is wrong with a line and its numbers, none where it has words; "" if nothing is."""
+    if DECIMAL_COMMAS.match(line):
+        return " has decimal commas; allowed: decimal points, columns separated by blanks, tabs or commas"
+    if not row:
+        return " is not a row of numbers"
     if len(row) not in columns:
-        wanted = " or ".join(map(str, columns))
         decimal = "; decimal commas are not understood" if "," in line and "." not in line else ""
         hint = "; a semicolon begins a comment" if ";" in line else decimal
-        raise ProfileError(f"{path}: line {number}: {written}: {len(row)} numbers; allowed {wanted}{hint}")
-    if not all(math.isfinite(x) for x in row):
-        raise ProfileError(f"{path}: line {number}: {written} is not finite; remove or repair the point")
-    if max(abs(x) for x in row) > LARGEST_NUMBER:
-        raise ProfileError(
-            f"{path}: line {number}: {written}: no length of a profile in any unit; remove or repair the point"
-        )
-    if len(row) == 3 and row[2] < 0:
-        raise ProfileError(f"{path}: line {number}: weight {row[2]:g}; it must not be negative")
+        return f": {len(row)} numbers; allowed {' or '.join(map(str, columns))}{hint}"
+    if not all(map(math.isfinite, row)):
+        return " is not finite; remove or repair the point"
+    if max(map(abs, row)) > LARGEST_NUMBER:
+        return ": no length of a profile in any unit; remove or repair the point"
+    return f": weight {row[2]:g}; it must not be negative" if len(row) == 3 and row[2] < 0 else ""
 
 
 def _enough_left(path: Path, kept: int, count: int, key: str, of: str = "") -> None:
@@ -224,12 +210,3 @@ def _enough_left(path: Path, kept: int, count: int, key: str, of: str = "") -> N
             f"{path}: {key} leaves {kept} of {count} points{' ' + of if of else ''}; a profile has at least {FEWEST_POINTS}; are "
             "header and points in the same unit?"
         )
-
-
-def _spaced(y: Array, z: Array, spacing: float) -> list[int]:
-    """Indices of points at least `spacing` from the one kept before; same unit as y and z."""
-    keep = [0]
-    for i in range(1, len(y)):
-        if math.hypot(y[i] - y[keep[-1]], z[i] - z[keep[-1]]) >= spacing:
-            keep.append(i)
-    return keep

@@ -9,7 +9,7 @@ import json
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import lru_cache, partial
+from functools import lru_cache
 from typing import Any
 
 import xarray as xr
@@ -59,32 +59,8 @@ class Similitude:
             UnknownUnitError: the unit is not made of kg, m and s.
         """
         of_mass, of_length, of_time = exponents(unit)
-        return float(self.mass**of_mass * self.length**of_length * self.time**of_time)
-
-    @property
-    def mass(self) -> float:
-        """(M1): density length^3."""
-        return self.density * self.length**3
-
-    @property
-    def speed(self) -> float:
-        """Factor of a speed."""
-        return self.length / self.time
-
-    @property
-    def acceleration(self) -> float:
-        """Factor of an acceleration; 1 if gravity is to act alike."""
-        return self.length / self.time**2
-
-    @property
-    def force(self) -> float:
-        """Factor of a force; length^2 if the same material is to deform alike."""
-        return self.mass * self.acceleration
-
-    @property
-    def pressure(self) -> float:
-        """Factor of a stress or modulus; 1 if the material is the same."""
-        return self.force / self.length**2
+        mass = self.density * self.length**3  # (M1)
+        return float(mass**of_mass * self.length**of_length * self.time**of_time)
 
 
 FACTORS: tuple[tuple[str, str], ...] = (
@@ -217,16 +193,12 @@ def _mapped(variable: xr.Variable, factors: Similitude) -> xr.Variable:
 
 def _attribute(key: str, value: Any, factors: Similitude) -> Any:
     """An attribute, JSON included, mapped by the unit in its name."""
-    if isinstance(value, str) and value[:1] in "[{" and key in ("crossings", "diverging", "contact_losses"):
-        return json.dumps(json.loads(value, object_hook=partial(_numbers, factors=factors)))
-    return _number(key, value, factors)
+    if key in ("crossings", "diverging", "contact_losses"):
 
+        def mapped(table: dict[str, Any]) -> dict[str, Any]:
+            return {name: _attribute(name, one, factors) for name, one in table.items()}
 
-def _numbers(table: dict[str, Any], factors: Similitude) -> dict[str, Any]:
-    return {key: _number(key, value, factors) for key, value in table.items()}
-
-
-def _number(key: str, value: Any, factors: Similitude) -> Any:
+        return json.dumps(json.loads(value, object_hook=mapped))
     if isinstance(value, bool) or not isinstance(value, int | float):
         return value
     suffix = max((end for end in _SUFFIXES if key.endswith(end)), key=len, default=None)

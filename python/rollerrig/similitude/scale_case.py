@@ -23,6 +23,7 @@ from rollerrig.config.schema.contact import Material
 from rollerrig.config.schema.profile import ProfileSpec
 from rollerrig.config.schema.track import Deviation
 from rollerrig.config.validate.check_actuators import simulated_axles
+from rollerrig.config.validate.messages import alternatives
 from rollerrig.similitude.factors import Similitude, factors_in
 
 M = TypeVar("M", bound=BaseModel)
@@ -56,7 +57,7 @@ def scale_case(
     """
     kept = tuple(dict.fromkeys(keep))
     _check(case, kept)
-    scaled = _scaled(case, factors, _exceptions(kept))
+    scaled = _scaled(case, factors, SPECIAL | _exceptions(kept))
     record = ScaledFrom(
         case=case.name,
         strategy=strategy,  # type: ignore[arg-type]
@@ -79,7 +80,7 @@ def scale_case(
 
 def scaled_table(table: M, factors: Similitude) -> M:
     """A table of full-scale numbers at the scale of a model."""
-    return _scaled(table, factors, {})
+    return _scaled(table, factors, SPECIAL)
 
 
 def factors_of(case: Case) -> Similitude:
@@ -107,7 +108,7 @@ def _check(case: Case, kept: tuple[str, ...]) -> None:
 
 # ---------------------------------------------------------------------------------------------------- exceptions
 
-Exceptions = Mapping[tuple[type[BaseModel], str], Callable[[Any, Similitude], Any]]
+Exceptions = dict[tuple[type[BaseModel], str], Callable[[Any, Similitude], Any]]
 
 
 def _exceptions(kept: tuple[str, ...]) -> Exceptions:
@@ -128,7 +129,7 @@ def _exceptions(kept: tuple[str, ...]) -> Exceptions:
     return {field: lambda value, _factors: value for name in kept for field in fields[name]}
 
 
-SPECIAL: Mapping[tuple[type[BaseModel], str], Callable[[Any, Similitude], Any]] = {
+SPECIAL: Exceptions = {
     (TimeSettings, "absolute_tolerance"): lambda value, factors: value / factors.length  # of lengths and angles alike
 }
 """Fields of which the unit does not say how they scale."""
@@ -146,11 +147,8 @@ def _scaled(table: M, factors: Similitude, exceptions: Exceptions) -> M:
     for name, field in type(table).model_fields.items():
         value = getattr(table, name)
         rule = next((exceptions[c, name] for c in type(table).__mro__ if (c, name) in exceptions), None)
-        rule = rule or next((SPECIAL[c, name] for c in type(table).__mro__ if (c, name) in SPECIAL), None)
         if rule is not None:
             update[name] = rule(value, factors)
-        elif isinstance(table, ScaledFrom):
-            update[name] = value
         else:
             where = f"{type(table).__name__}.{name}"
             annotation = Annotated[field.annotation, *field.metadata] if field.metadata else field.annotation
@@ -197,12 +195,4 @@ def own_quantity(annotation: Any) -> str | None:
 
 def inner_annotations(annotation: Any) -> tuple[Any, ...]:
     """Annotations of the items of a list or table of numbers; () if it is none."""
-    origin = get_origin(annotation)
-    if origin is Annotated:
-        return inner_annotations(get_args(annotation)[0])
-    if origin in (Union, UnionType):
-        return next((found for part in get_args(annotation) if (found := inner_annotations(part))), ())
-    return get_args(annotation) if origin in (tuple, dict) else ()
-
-
-__all__ = ["SPECIAL", "NoUnitError", "factors_of", "scale_case"]
+    return next((get_args(one) for one in alternatives(annotation) if get_origin(one) in (tuple, dict)), ())

@@ -44,34 +44,12 @@ class Requirement:
         return abs(self.deviation) < _MET
 
 
-@dataclass(frozen=True)
-class Distortion:
+def distortion(full: Case, model: Case) -> tuple[float, float]:
     """Factors by which weight and modulus of the material of the model are wrong, 1 if right [-]."""
-
-    weight: float
-    modulus: float
-
-    @property
-    def creep_stiffness(self) -> float:
-        """(M4): Kalker's coefficients times G a b."""
-        return float(self.modulus ** (1.0 / 3.0) * self.weight ** (2.0 / 3.0))
-
-    @property
-    def creep_at_saturation(self) -> float:
-        """(M5): creepage at which friction is used up."""
-        return float((self.weight / self.modulus) ** (1.0 / 3.0))
-
-    @property
-    def patch_size(self) -> float:
-        """(M3): semi-axes over the wheel's radius."""
-        return float((self.weight / self.modulus) ** (1.0 / 3.0))
-
-
-def distortion(full: Case, model: Case) -> Distortion:
-    """What the model's gravity and material make of the contact."""
     factors = factors_of(model)
-    modulus = model.contact.material.young_modulus * factors.pressure / full.contact.material.young_modulus
-    return Distortion(model.gravity * factors.acceleration / full.gravity, modulus)
+    weight = model.gravity * factors.factor("m/s^2") / full.gravity
+    modulus = model.contact.material.young_modulus * factors.factor("Pa") / full.contact.material.young_modulus
+    return weight, modulus
 
 
 def requirements(full: Case, model: Case) -> list[Requirement]:
@@ -84,35 +62,37 @@ def requirements(full: Case, model: Case) -> list[Requirement]:
     Raises:
         ConfigError: the model has no table [similitude].
     """
-    factors, wrong = factors_of(model), distortion(full, model)
-    return [*_of_contact(full, model, factors, wrong), *_of_actuators(full, model, factors)]
+    return [*_of_contact(full, model), *_of_actuators(full, model, factors_of(model))]
 
 
-def _of_contact(full: Case, model: Case, factors: Similitude, wrong: Distortion) -> Iterator[Requirement]:
-    g, material, own = full.gravity / factors.acceleration, full.contact.material, model.contact.material
-    heavier, softer = "heavy" if wrong.weight > 1 else "light", "soft" if wrong.modulus < 1 else "hard"
-    effect = (
-        f"wheel loads and friction limits are {wrong.weight:.3g} times what they should be: the model is too {heavier}"
-    )
-    yield Requirement("weight against inertia (Froude)", "acceleration of gravity", "m/s^2", g, model.gravity, effect)
-    what, moduli = "elasticity of the contact (Hertz)", (material.young_modulus / factors.pressure, own.young_modulus)
-    effect = (
-        f"the material is too {softer}: patches are {wrong.patch_size:.3g} times their size, contact springs and pressures "
-        "are wrong with them"
-    )
-    yield Requirement(what, "Young's modulus", "Pa", *moduli, effect)
-    what, of = "creep stiffness (Kalker)", "creep coefficients mapped back over those at full scale"
-    effect = (
-        f"stability and small sliding are those of wheels that creep {1.0 / wrong.creep_stiffness:.3g} times as much"
-    )
-    yield Requirement(what, of, "1", 1.0, wrong.creep_stiffness, effect)
-    what, effect = "creepage at which friction is used up", "the knee of the creep curve lies elsewhere"
-    yield Requirement(what, "of the model over full scale", "1", 1.0, wrong.creep_at_saturation, effect)
-    there, here = full.contact.friction, model.contact.friction
-    yield Requirement("friction", "coefficient of friction of wheel on roller", "1", there.mu_0, here.mu_0)
-    if isinstance(there, FallingFriction) and isinstance(here, FallingFriction) and there.B:
-        effect = "friction falls at another slip velocity"
-        yield Requirement("friction over slip velocity", "B", "s/m", there.B * factors.speed, here.B, effect)
+def _of_contact(full: Case, model: Case) -> Iterator[Requirement]:
+    factors, (weight, modulus) = factors_of(model), distortion(full, model)
+    patch = (weight / modulus) ** (1.0 / 3.0)  # (M3): semi-axes over the wheel's radius; (M5): creepage at saturation
+    creep = modulus ** (1.0 / 3.0) * weight ** (2.0 / 3.0)  # (M4): Kalker's coefficients times G a b
+    there, here = full.contact, model.contact
+    yield Requirement(
+        "weight against inertia (Froude)", "acceleration of gravity", "m/s^2",
+        full.gravity / factors.factor("m/s^2"), model.gravity,
+        f"wheel loads and friction limits are {weight:.3g} times what they should be",
+    )  # fmt: skip
+    yield Requirement(
+        "elasticity of the contact (Hertz)", "Young's modulus", "Pa",
+        there.material.young_modulus / factors.factor("Pa"), here.material.young_modulus,
+        f"patches are {patch:.3g} times their size, contact springs and pressures are wrong with them",
+    )  # fmt: skip
+    yield Requirement(
+        "creep stiffness (Kalker)", "creep coefficients mapped back over those at full scale", "1", 1.0, creep,
+        f"stability and small sliding are those of wheels that creep {1.0 / creep:.3g} times as much",
+    )  # fmt: skip
+    yield Requirement(
+        "creepage at which friction is used up", "of the model over full scale", "1", 1.0, patch,
+        "the knee of the creep curve lies elsewhere",
+    )  # fmt: skip
+    of = "coefficient of friction of wheel on roller"
+    yield Requirement("friction", of, "1", there.friction.mu_0, here.friction.mu_0)
+    if isinstance(there.friction, FallingFriction) and isinstance(here.friction, FallingFriction) and there.friction.B:
+        needed, effect = there.friction.B * factors.factor("m/s"), "friction falls at another slip velocity"
+        yield Requirement("friction over slip velocity", "B", "s/m", needed, here.friction.B, effect)
 
 
 def _of_actuators(full: Case, model: Case, factors: Similitude) -> Iterator[Requirement]:
@@ -127,23 +107,21 @@ def _of_actuators(full: Case, model: Case, factors: Similitude) -> Iterator[Requ
             needed, actual = there.sample_time / factors.time, own.sample_time
             effect = f"the {name} is asked {needed / actual:.3g} times as often as needed"
             yield Requirement(f"clock of the {name}", "sample time", "s", needed, actual, effect)
-    drives = []
-    if full.traction is not None and model.traction is not None:
-        drives.append(("traction motors", full.traction.motor, model.traction.motor))
-    if full.rig_control is not None and model.rig_control is not None:
-        drives.append(("drives of the rollers", full.rig_control.motor, model.rig_control.motor))
-    for name, there, own in drives:
-        share = own.bandwidth / (there.bandwidth * factors.time)
-        effect = f"the {name} are {share:.3g} times as quick as they should be"
-        needed = there.bandwidth * factors.time
-        yield Requirement(f"lag of the {name}", "bandwidth", "Hz", needed, own.bandwidth, effect)
-    if full.brake is not None and model.brake is not None and model.brake.motors_stand_in and full.traction is None:
-        motor = model.traction.motor if model.traction else None
-        if motor is not None:
-            lag, of = 1.0 / (2.0 * math.pi * motor.bandwidth), "time constant of the motors that replace the brakes"
-            late = 1e3 * factors.time / (2.0 * math.pi * motor.bandwidth)
-            effect = f"the brake acts {late:.3g} ms late at full scale, and within the motors' envelope"
-            yield Requirement("brake torque at once", of, "s", 0.0, lag, effect)
+    for key, name in (("traction", "traction motors"), ("rig_control", "drives of the rollers")):
+        own, there = getattr(model, key), getattr(full, key)
+        if own is not None and there is not None:
+            needed, actual = there.motor.bandwidth * factors.time, own.motor.bandwidth
+            effect = f"the {name} are {actual / needed:.3g} times as quick as they should be"
+            yield Requirement(f"lag of the {name}", "bandwidth", "Hz", needed, actual, effect)
+    stand_in = full.brake is not None and model.brake is not None and model.brake.motors_stand_in
+    if stand_in and full.traction is None and model.traction is not None:
+        lag, of = (
+            1.0 / (2.0 * math.pi * model.traction.motor.bandwidth),
+            "time constant of the motors that replace the brakes",
+        )
+        late = 1e3 * factors.time * lag
+        effect = f"the brake acts {late:.3g} ms late at full scale, and within the motors' envelope"
+        yield Requirement("brake torque at once", of, "s", 0.0, lag, effect)
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from rollerrig.analysis import CriticalSpeedByDisturbance
+from rollerrig.analysis.critical_speed import CriticalSpeedByDisturbance
 from rollerrig.common.formatting import number
 from rollerrig.study.report import Table
 

@@ -13,10 +13,17 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from rollerrig.analysis import CriticalSpeedByDisturbance, HuntingSettings, LinearCriticalSpeed, hunting_table
 from rollerrig.analysis.control_loop import RollingState, rolling_state
-from rollerrig.analysis.critical_speed import RADII, RANGE_KMH, CriticalSpeedOverRadius, EffectSplit, scan_linear
-from rollerrig.analysis.hunting import hunting_case
+from rollerrig.analysis.critical_speed import (
+    RADII,
+    RANGE_KMH,
+    CriticalSpeedByDisturbance,
+    CriticalSpeedOverRadius,
+    EffectSplit,
+    LinearCriticalSpeed,
+    scan_linear,
+)
+from rollerrig.analysis.hunting import HuntingSettings, hunting_case, hunting_table
 from rollerrig.analysis.wheel_rail_forces import filtered, wheel_forces
 from rollerrig.cases import CATALOG_RIG, CATALOG_TRACK, leading_wheelset, on_rig, restrained_along_track, with_head_of
 from rollerrig.config import Case, ConfigError, Rig, Vehicle, load_any, load_support

@@ -7,9 +7,17 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from rollerrig.analysis import CriticalSpeedByDisturbance, HuntingSettings, LinearCriticalSpeed, critical_speed
-from rollerrig.analysis.critical_speed import EFFECTS, RANGE_KMH, TRACK, CriticalSpeedOverRadius, EffectSplit
-from rollerrig.analysis.hunting import HuntingRun, hunting_run
+from rollerrig.analysis import critical_speed
+from rollerrig.analysis.critical_speed import (
+    EFFECTS,
+    RANGE_KMH,
+    TRACK,
+    CriticalSpeedByDisturbance,
+    CriticalSpeedOverRadius,
+    EffectSplit,
+    LinearCriticalSpeed,
+)
+from rollerrig.analysis.hunting import HuntingRun, HuntingSettings, hunting_run
 from rollerrig.config import Case
 from rollerrig.plot.compare import critical_over_radius, effect_bars
 from rollerrig.study.jobs import Done, Job, Round, job

@@ -406,4 +406,4 @@ def csv_text(rows: Sequence[Sequence[object]]) -> str:
 def _cell(value: object) -> object:
     if not isinstance(value, float):
         return value
-    return f"{value:.9g}" if math.isfinite(value) else ""
+    return f"{value:z.9g}" if math.isfinite(value) else ""

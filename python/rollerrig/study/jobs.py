@@ -16,7 +16,7 @@ from typing import Any
 
 import xarray as xr
 
-from rollerrig.analysis import stability
+from rollerrig.analysis.mode_table import stability
 from rollerrig.config import Case
 from rollerrig.results import output_folder
 from rollerrig.simulation.run import Progress as Progress

@@ -16,10 +16,9 @@ import numpy as np
 import xarray as xr
 
 from rollerrig import _core
-from rollerrig.analysis import filtered
 from rollerrig.analysis.critical_speed import onset_from
 from rollerrig.analysis.slide_statistics import TestRecord
-from rollerrig.analysis.wheel_rail_forces import wheel_forces
+from rollerrig.analysis.wheel_rail_forces import filtered, wheel_forces
 from rollerrig.assembly.laws import core_law
 from rollerrig.config import Case, Programme, case_from_toml
 from rollerrig.config.schema import plan

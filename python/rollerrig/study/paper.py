@@ -14,7 +14,8 @@ from typing import Any
 import xarray as xr
 from matplotlib.figure import Figure
 
-from rollerrig.analysis import end_of_hunting, hunting_table
+from rollerrig.analysis.hunting import hunting_table
+from rollerrig.analysis.ramp import end_of_hunting
 from rollerrig.analysis.signals import fit
 from rollerrig.analysis.traction import asymmetry, sliding_course
 from rollerrig.common.formatting import number, percent

@@ -56,9 +56,9 @@ def contact_at_rest_table(model: Case, at_full_scale: ContactAtRest, own: Contac
     """The contact of the first wheel at full scale and of the model at its own, and what the latter stands for at full scale."""
     factors = factors_of(model)
     lines = (
-        ("wheel load [N]", 1.0, "wheel_load", factors.force),
+        ("wheel load [N]", 1.0, "wheel_load", factors.factor("N")),
         ("semi-axis of the largest patch [mm]", 1e3, "semi_axis", factors.length),
-        ("largest pressure [MPa]", 1e-6, "pressure", factors.pressure),
+        ("largest pressure [MPa]", 1e-6, "pressure", factors.factor("Pa")),
         ("semi-axis over the roller's radius [%]", 100.0, "roller_share", 1.0),
     )
     rows = []

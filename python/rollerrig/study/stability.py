@@ -14,10 +14,11 @@ import numpy as np
 import xarray as xr
 
 from rollerrig import plot
-from rollerrig.analysis import Diagram, LimitCycleSettings, limit_cycle_table, linear_critical_speed, stability
 from rollerrig.analysis.bifurcation import bifurcation
-from rollerrig.analysis.critical_speed import HIGHEST_KMH, LinearCriticalSpeed, scan_above
-from rollerrig.analysis.limit_cycle_runs import settling_run
+from rollerrig.analysis.critical_speed import HIGHEST_KMH, LinearCriticalSpeed, linear_critical_speed, scan_above
+from rollerrig.analysis.limit_cycle import Diagram
+from rollerrig.analysis.limit_cycle_runs import LimitCycleSettings, limit_cycle_table, settling_run
+from rollerrig.analysis.mode_table import stability
 from rollerrig.analysis.stability_sensitivity import stability_sensitivity
 from rollerrig.config import Case, Track
 from rollerrig.config.schema.contact import NORMAL_LAWS

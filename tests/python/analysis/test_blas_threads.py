@@ -11,7 +11,8 @@ import scipy.optimize
 from threadpoolctl import threadpool_info, threadpool_limits
 
 import rollerrig
-from rollerrig.analysis import loop_stability, modes, stability
+from rollerrig.analysis import loop_stability, modes
+from rollerrig.analysis.mode_table import stability
 from rollerrig.analysis.signals import fit
 from rollerrig.common import linear_algebra
 from rollerrig.common.linear_algebra import one_blas_thread

@@ -6,14 +6,13 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
 import rollerrig as rr
+from called import called
 from rollerrig import ConfigError, _core
 from rollerrig.analysis.linear_bench import LinearBench
 from rollerrig.analysis.measured_response import measured_response
 from rollerrig.assembly.actuators import friction_brake
-from rollerrig.cli.app import build_app
 from rollerrig.simulation.starting_state import StartError, starting_state
 from rollerrig.study.runs.adhesion import track_case
 
@@ -138,6 +137,6 @@ def test_the_command_says_the_pressure(tmp_path: Path) -> None:
         "--measured",
         "0",
     ]
-    done = CliRunner().invoke(build_app(), [*words, "--points", "20", "--to-hz", "20", "--out", str(tmp_path / "out")])
+    done = called(*words, "--points", "20", "--to-hz", "20", "--out", tmp_path / "out")
     assert done.exit_code == 0, done.stderr
     assert '"brake_pressure_bar": 2.0' in (tmp_path / "out" / "summary.json").read_text()

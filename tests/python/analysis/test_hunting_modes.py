@@ -7,7 +7,7 @@ import math
 import numpy as np
 import pytest
 
-from rollerrig.analysis import stability
+from rollerrig.analysis.mode_table import stability
 from rollerrig.analysis.modes import frequency_of_hunting, hunts
 from rollerrig.config import load_case
 from rollerrig.study.runs.paper import MATERIALS, VEHICLE, case_of

@@ -8,12 +8,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from rollerrig.analysis import (
-    HuntingSettings,
-    LimitCycleSettings,
-    limit_cycle_table,
-    linear_critical_speed,
-)
+from rollerrig.analysis.critical_speed import linear_critical_speed
+from rollerrig.analysis.hunting import HuntingSettings
 from rollerrig.analysis.limit_cycle import (
     Branch,
     CyclePoint,
@@ -24,6 +20,7 @@ from rollerrig.analysis.limit_cycle import (
     is_settled,
     trace,
 )
+from rollerrig.analysis.limit_cycle_runs import LimitCycleSettings, limit_cycle_table
 from rollerrig.config import Case, load_case
 from rollerrig.study.critical_speeds import brackets, disturbance_rounds
 from rollerrig.study.limit_cycles import continuation_sentences, limit_cycles

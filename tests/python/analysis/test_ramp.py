@@ -9,8 +9,9 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from rollerrig.analysis import HuntingSettings, RampSettings, end_of_hunting, ramp_run
 from rollerrig.analysis import ramp as module
+from rollerrig.analysis.hunting import HuntingSettings
+from rollerrig.analysis.ramp import RampSettings, end_of_hunting, ramp_run
 from rollerrig.config import load_case
 
 RAMP = RampSettings(100 / 3.6, 120 / 3.6, acceleration=20 / 3.6, perturbation_every=10 / 3.6)

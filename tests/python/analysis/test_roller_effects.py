@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rollerrig.analysis import linear_critical_speed
+from rollerrig.analysis.critical_speed import linear_critical_speed
 from rollerrig.config import Case, load_case
 from rollerrig.simulation.run import simulate
 

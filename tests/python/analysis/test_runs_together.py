@@ -6,10 +6,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
 import rollerrig as rr
-from rollerrig.cli.app import build_app
+from called import called
 
 
 @pytest.fixture(scope="module")
@@ -73,16 +72,14 @@ def test_runs_without_names_are_refused(runs) -> None:
 def test_the_command_draws_runs_and_prints_their_differences(runs, tmp_path: Path) -> None:
     files = [str(rr.save_run(run, tmp_path / f"{name}.nc")) for name, run in runs.items()]
     out = tmp_path / "both.svg"
-    done = CliRunner().invoke(
-        build_app(), ["compare-runs", *files, "--signal", "lateral:wheelset_1", "--out", str(out)]
-    )
+    done = called("compare-runs", *files, "--signal", "lateral:wheelset_1", "--out", out)
     assert done.exit_code == 0
     assert out.read_text().startswith("<?xml")
     assert "lateral:wheelset_1" in done.output
     assert " mm" in done.output
-    alone = CliRunner().invoke(build_app(), ["compare-runs", files[0], "--out", str(tmp_path / "no.svg")])
+    alone = called("compare-runs", files[0], "--out", tmp_path / "no.svg")
     assert (alone.exit_code, (tmp_path / "no.svg").exists()) == (2, False)
-    missing = CliRunner().invoke(build_app(), ["compare-runs", files[0], "none.nc", "--out", str(tmp_path / "no.svg")])
+    missing = called("compare-runs", files[0], "none.nc", "--out", tmp_path / "no.svg")
     assert (missing.exit_code, "none.nc: no such file" in missing.output) == (2, True)
 
 
@@ -91,7 +88,7 @@ def test_results_of_something_else_are_one_line(runs, tmp_path: Path) -> None:
     rr.save_run(rr.stability("wheelset_rollers", speeds_kmh=[50.0, 60.0]), tmp_path / "stability.nc")
     for order in (["stability", "run"], ["run", "stability"]):
         files = [str(tmp_path / f"{name}.nc") for name in order]
-        answer = CliRunner().invoke(build_app(), ["compare-runs", *files, "--out", str(tmp_path / "runs.svg")])
+        answer = called("compare-runs", *files, "--out", tmp_path / "runs.svg")
         assert answer.exit_code == 2
         assert "stability: no run over time; needed: results of a run, such as its run.nc" in answer.stderr
         assert "Traceback" not in answer.output

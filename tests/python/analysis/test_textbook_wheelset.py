@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 from rollerrig import _core
-from rollerrig.analysis import Lineariser
+from rollerrig.analysis.modes import Lineariser
 from rollerrig.config import Case, load_case
 from rollerrig.results import Outcome, run_dataset
 

@@ -13,10 +13,9 @@ from importlib.resources import files
 from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner
 
 import rollerrig as rr
-from rollerrig.cli.app import build_app
+from called import called
 from rollerrig.config import case_from_toml
 
 CASE = """
@@ -33,9 +32,7 @@ ENTRY = [sys.executable, "-c", "from rollerrig.cli import main; main()"]
 
 class Done:
     def __init__(self, *arguments: object) -> None:
-        result = CliRunner().invoke(build_app(), [str(argument) for argument in arguments])
-        if result.exception is not None and not isinstance(result.exception, SystemExit):
-            raise result.exception
+        result = called(*arguments)
         self.code, self.out, self.err = result.exit_code, result.stdout, result.stderr
 
 

@@ -7,10 +7,10 @@ import json
 from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner, Result
+from typer.testing import Result
 
+from called import called
 from reported import unexplained, unreported
-from rollerrig.cli.app import build_app
 from rollerrig.study.conicity import ConicityStudy
 
 FILES = {
@@ -27,7 +27,7 @@ QUICK = ("--shift-mm", "4", "--step-mm", "0.5", "--amplitudes-mm", "1:4:1")
 
 
 def conicity(*arguments: object) -> Result:
-    return CliRunner().invoke(build_app(), ["conicity", *map(str, arguments)])
+    return called("conicity", *arguments)
 
 
 @pytest.fixture(scope="module")

@@ -8,11 +8,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner, Result
+from typer.testing import Result
 
+from called import called
 from reported import unexplained
 from rollerrig.assembly.laws import creep_law
-from rollerrig.cli.app import build_app
 from rollerrig.contact_analysis.creep_laws import REFERENCE, compare_laws, error_table
 from rollerrig.study.creep import CreepStudy
 
@@ -28,7 +28,7 @@ FILES = {
 
 
 def creep(*arguments: object) -> Result:
-    return CliRunner().invoke(build_app(), ["creep", *map(str, arguments)])
+    return called("creep", *arguments)
 
 
 @pytest.fixture(scope="module")

@@ -14,11 +14,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
 import rollerrig as rr
+from called import call, called
 from rollerrig.cli import termination
-from rollerrig.cli.app import build_app
 from rollerrig.results import read_manifest
 from rollerrig.results.folder import checksum
 from rollerrig.study.checkpoint import NAME as NAME_OF_JOBS
@@ -68,14 +67,6 @@ def contents(folder: Path) -> dict[str, bytes]:
     """All files but the one whose bytes differ between identical runs."""
     found = (path for path in folder.rglob("*") if path.is_file() and path.name != "timing.json")
     return {path.relative_to(folder).as_posix(): path.read_bytes() for path in found}
-
-
-def call(*arguments: object) -> tuple[int, str]:
-    """In this process: what the others are compared with."""
-    result = CliRunner().invoke(build_app(), [str(argument) for argument in arguments])
-    if result.exception is not None and not isinstance(result.exception, SystemExit):
-        raise result.exception
-    return result.exit_code, result.stdout + result.stderr
 
 
 @pytest.mark.slow
@@ -227,7 +218,7 @@ def test_what_is_found_late_names_the_file_of_the_user(tmp_path: Path) -> None:
     own.write_text('base = "vehicle_track_irregular"\nvehicle.body.car_body.mass = "99900 t"\n')
     further.write_text('base = "own.toml"\n')
     for path in (own, further):
-        done = CliRunner().invoke(build_app(), ["check", str(path)])
+        done = called("check", path)
         assert done.exit_code == 2
         assert done.stderr.startswith(f"rollerrig: {path}: vehicle.element.primary_1_left: ")
 

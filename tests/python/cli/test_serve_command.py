@@ -14,9 +14,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from rich.console import Console
-from typer.testing import CliRunner, Result
+from typer.testing import Result
 
-from rollerrig.cli.app import build_app
+from called import called
 from rollerrig.cli.interfaces import histogram_lines, table
 
 pytestmark = pytest.mark.skipif(not sys.platform.startswith("linux"), reason="the server is written for Linux")
@@ -55,7 +55,7 @@ def case(tmp_path_factory: pytest.TempPathFactory) -> str:
 
 
 def serve(*arguments: object) -> Result:
-    return CliRunner().invoke(build_app(), ["serve", *map(str, arguments)])
+    return called("serve", *arguments)
 
 
 @pytest.fixture(scope="module")
@@ -107,12 +107,7 @@ def test_other_options_than_those_of_the_record_are_refused(case: str, recorded:
 
 def test_a_model_file_is_served_without_its_case(case: str, tmp_path: Path) -> None:
     path = tmp_path / "rig.model"
-    assert (
-        CliRunner()
-        .invoke(build_app(), ["assemble", case, "--out", str(path), "--external", "slide_protection"])
-        .exit_code
-        == 0
-    )
+    assert called("assemble", case, "--out", path, "--external", "slide_protection").exit_code == 0
     records = [tmp_path / "case.npz", tmp_path / "model.npz"]
     for source, record in zip((case, path), records, strict=True):
         options = ["--rate", "200 Hz", "--at-once", "--lock-step", "--record", record]  # the sample time of the file

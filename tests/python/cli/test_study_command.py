@@ -10,6 +10,7 @@ import pytest
 import typer
 from typer.testing import CliRunner
 
+from called import called
 from rollerrig.analysis.mode_table import SPEEDS_KMH
 from rollerrig.cli import commands
 from rollerrig.cli.app import build_app
@@ -78,6 +79,6 @@ def test_an_option_in_another_unit_reaches_the_function_in_si() -> None:
 
 
 def test_numbers_of_a_list_keep_their_range() -> None:
-    done = CliRunner().invoke(build_app(), ["compare", "manchester_vehicle_1", "--radii-m", "0.01", "--out", "x"])
+    done = called("compare", "manchester_vehicle_1", "--radii-m", "0.01", "--out", "x")
     assert done.exit_code == 2
     assert "must lie between 0.05 and 1e+06" in " ".join(re.sub("[│╭╮╰╯─]", " ", done.output).split())

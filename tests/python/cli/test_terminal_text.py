@@ -5,15 +5,14 @@ from __future__ import annotations
 import logging
 
 import pytest
-from typer.testing import CliRunner
 
-from rollerrig.cli.app import build_app
+from called import called
 from rollerrig.cli.termination import folded
 from rollerrig.config.schema import units
 
 
 def test_the_list_of_commands_cuts_nothing_off() -> None:
-    text = CliRunner().invoke(build_app(), ["--help"]).stdout.partition("Commands:")[2]
+    text = called("--help").stdout.partition("Commands:")[2]
     assert "..." not in text
     assert "…" not in text
     assert "checks against theory, one report." in " ".join(text.split())
@@ -31,7 +30,7 @@ def test_long_lines_are_folded_between_words() -> None:
 @pytest.mark.parametrize("case", ["bogie_rollers_constant", "vehicle_curve"])
 def test_a_check_prints_no_negative_zero(case: str) -> None:
     """Lateral forces of symmetric wheels are round-off of either sign."""
-    found = CliRunner().invoke(build_app(), ["check", case])
+    found = called("check", case)
     assert found.exit_code == 0
     words = found.stdout.replace(",", " ").split()
     assert [word for word in words if word.startswith("-0") and not any(digit in "123456789" for digit in word)] == []

@@ -7,10 +7,9 @@ from importlib.resources import files
 from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner
 
 import rollerrig as rr
-from rollerrig.cli.app import build_app
+from called import call
 from rollerrig.config import ConfigError, case_from_toml, code_of, load_any
 from rollerrig.study.compare import compared_cases
 
@@ -40,13 +39,6 @@ def write_case(path: Path, user: str) -> None:
     text = (files("rollerrig") / "catalog/cases/adhesion_brake.toml").read_text()
     text = text.replace("[rig_control]", f"[rig_control]\nuser = '{user}'")
     path.write_text(re.sub(r'duration = "[^"]*"', 'duration = "0.05 s"', text))
-
-
-def call(*arguments: object) -> tuple[int, str]:
-    result = CliRunner().invoke(build_app(), [str(argument) for argument in arguments])
-    if result.exception is not None and not isinstance(result.exception, SystemExit):
-        raise result.exception
-    return result.exit_code, result.stdout + result.stderr
 
 
 def test_check_names_the_code_and_does_not_run_it(folder: Path) -> None:

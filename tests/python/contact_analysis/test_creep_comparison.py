@@ -7,25 +7,24 @@ import pytest
 import xarray as xr
 
 from rollerrig import load_case
-from rollerrig.contact_analysis.creep_laws import (
+from rollerrig.contact_analysis.comparison import (
     _FIELDS,
     EXACT_EVERY,
     LEAST_SOLUTIONS,
     _Rolling,
-    compare_creep,
-    creep_csv,
-    creep_errors,
-    creep_text,
+    compare_contacts,
+    comparison_rows,
+    comparison_text,
 )
 from rollerrig.contact_analysis.static_contact import contact_table
 from rollerrig.plot.contact import creep_comparison_figure
 
-PLACES = [(1e-3 * y, 2e-3) for y in (-4.0, -2.0, 0.5, 2.0, 4.0)]
+PLACES = [*((1e-3 * y, 2e-3) for y in (-4.0, -2.0, 0.5, 2.0, 4.0)), (3e-3, 2e-3), (-3e-3, -2e-3)]
 
 
 @pytest.fixture(scope="module")
 def comparison() -> xr.Dataset:
-    return compare_creep(load_case("contact_benchmark_track"), PLACES, timed=False)
+    return compare_contacts(load_case("contact_benchmark_track"), PLACES, timed=False)
 
 
 @pytest.mark.parametrize("name", ["contact_benchmark_track", "contact_benchmark_rollers"])
@@ -48,8 +47,8 @@ def test_creepages_are_those_of_one_body_that_rolls(name: str) -> None:
 
 
 def test_laws_against_the_exact_solver(comparison: xr.Dataset) -> None:
-    errors = creep_errors(comparison)
-    solved = errors.sel(law="table").notnull().any(["normal", "side"]).to_numpy()
+    errors = comparison["error"]
+    solved = errors.sel(law="table").notnull().any(["model", "side"]).to_numpy()
     assert list(np.flatnonzero(solved)) == list(range(0, len(PLACES), EXACT_EVERY))
     assert float(errors.sel(law="table").max()) < 0.02  # the table law's own bound
     assert float(errors.sel(law="fastsim").max()) < 0.10
@@ -58,38 +57,36 @@ def test_laws_against_the_exact_solver(comparison: xr.Dataset) -> None:
     assert float(size.max()) < 1.0 + 1e-6
 
 
-def test_the_mirror_image_has_mirrored_forces() -> None:
-    case = load_case("contact_benchmark_track")
-    one, other = (compare_creep(case, [(sign * 3e-3, sign * 2e-3)], timed=False) for sign in (1, -1))
+def test_the_mirror_image_has_mirrored_forces(comparison: xr.Dataset) -> None:
+    one, other = (comparison.drop_sel(law="exact").isel(position=at) for at in (-2, -1))
     for name, sign in (("force_x", 1.0), ("force_y", -1.0)):
         left, right = one[name].sel(side="left"), other[name].sel(side="right")
         np.testing.assert_allclose(left, sign * right, atol=1e-5)  # of the press, in mu N
 
 
 def test_a_row_for_every_force_that_is_known(comparison: xr.Dataset) -> None:
-    rows = [row.split(",") for row in creep_csv(comparison).splitlines()]
-    table = {(normal, law, float(y), side): values for normal, law, y, _, side, *values in rows[1:]}
+    _, rows = comparison_rows(comparison)
+    table = {(model, law, y, side): values for model, law, y, _, side, *values in rows[1:]}
     assert len(table) == len(rows) - 1 == 2 * (13 * len(PLACES) + 2 * 2)  # the exact solver at two positions
-    errors = creep_errors(comparison)
-    for (normal, law, y, side), texts in table.items():
-        at = {"normal": normal, "side": side, "position": [y for y, _ in PLACES].index(pytest.approx(1e-3 * y))}
-        if law == "exact":
-            expected = [comparison["exact_x"].sel(at), comparison["exact_y"].sel(at), 0.0]
-        else:
-            at["law"] = law
-            expected = [comparison["force_x"].sel(at), comparison["force_y"].sel(at), errors.sel(at)]
-        found = [float(text) if text else np.nan for text in texts]
-        assert found == pytest.approx([100 * float(e) for e in expected], rel=1e-5, nan_ok=True)  # six digits
-    assert set(comparison["law"].to_numpy()) <= {
-        line.split()[0] for line in creep_text(comparison).splitlines() if line
-    }
+    for (model, law, y, side), found in table.items():
+        at = {
+            "model": model,
+            "side": side,
+            "position": [y for y, _ in PLACES].index(pytest.approx(1e-3 * y)),
+            "law": law,
+        }
+        expected = [100 * float(comparison[name].sel(at)) for name in ("force_x", "force_y", "error")]
+        assert found == pytest.approx(expected, nan_ok=True)
+        assert law != "exact" or found[2] == 0.0
+    told = {line.split()[0] for line in comparison_text(comparison).splitlines() if line}
+    assert set(comparison["law"].to_numpy()) - {"exact"} <= told
 
 
 def test_a_statistic_says_what_it_rests_on_and_is_not_given_from_too_few(comparison: xr.Dataset) -> None:
-    text = creep_text(comparison)
+    text = comparison_text(comparison)
     assert f"exact solutions: hertz 4, strips 4; '-': fewer than {LEAST_SOLUTIONS}" in text  # two positions, two wheels
     assert all(line.split()[1:5] == ["-"] * 4 for line in text.splitlines() if line.startswith(("table", "fastsim")))
-    more = creep_text(comparison.isel(position=[0, 4, 0, 4]))
+    more = comparison_text(comparison.isel(position=[0, 4, 0, 4]))
     assert "hertz 8, strips 8" in more
     assert "fewer" not in more
     assert all("-" not in line.split()[1:5] for line in more.splitlines() if line.startswith("table"))
@@ -98,16 +95,18 @@ def test_a_statistic_says_what_it_rests_on_and_is_not_given_from_too_few(compari
 def test_the_picture_shows_the_forces(comparison: xr.Dataset) -> None:
     axes = creep_comparison_figure(comparison, side="right").axes
     assert len(axes) == 4
-    for (name, normal), panel in zip([(n, c) for n in "xy" for c in ("hertz", "strips")], axes, strict=True):
-        shown = comparison.sel(normal=normal, side="right")
+    for (name, model), panel in zip(
+        [(n, c) for n in ("force_x", "force_y") for c in ("hertz", "strips")], axes, strict=True
+    ):
+        shown = comparison.sel(model=model, side="right")
         lines = {line.get_label(): line for line in panel.get_lines()}
-        assert lines.keys() == {*comparison["law"].to_numpy(), "exact solver"}
+        lines["exact"] = lines.pop("exact solver")
+        assert lines.keys() == {*comparison["law"].to_numpy()}
         for law in comparison["law"].to_numpy():
-            np.testing.assert_array_equal(lines[law].get_ydata(), 100 * shown[f"force_{name}"].sel(law=law))
-        np.testing.assert_array_equal(lines["exact solver"].get_ydata(), 100 * shown[f"exact_{name}"])
-        np.testing.assert_allclose(lines["exact solver"].get_xdata(), [1e3 * y for y, _ in PLACES])
+            np.testing.assert_array_equal(lines[law].get_ydata(), 100 * shown[name].sel(law=law))
+        np.testing.assert_allclose(lines["exact"].get_xdata(), [1e3 * y for y, _ in PLACES])
 
 
 def test_a_case_that_stands_still_is_refused() -> None:
     with pytest.raises(ValueError, match=r"motion\.speed"):
-        compare_creep(load_case("contact_benchmark_track").with_changes({"motion.speed": 0.0}), PLACES)
+        compare_contacts(load_case("contact_benchmark_track").with_changes({"motion.speed": 0.0}), PLACES)

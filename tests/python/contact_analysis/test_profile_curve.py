@@ -6,14 +6,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
 import rollerrig as rr
-from rollerrig.cli.app import build_app
+from called import called
 from rollerrig.contact_analysis.profile_curve import profile_csv, simpack_text
 from rollerrig.profiles.analytic import s1002_height
-
-RUNNER = CliRunner()
 
 
 @pytest.fixture
@@ -73,10 +70,10 @@ def test_the_table_has_units_in_its_names() -> None:
 def test_the_command_writes_picture_and_file(tmp_path: Path) -> None:
     arguments = ["profile", "cone_1_20", "--out", str(tmp_path / "p.pdf"), "--export", str(tmp_path / "p.prw")]
     for _ in range(2):  # what it wrote it may write again
-        done = RUNNER.invoke(build_app(), arguments)
+        done = called(*arguments)
         assert done.exit_code == 0, done.output
     assert (tmp_path / "p.pdf").read_bytes().startswith(b"%PDF")
-    assert RUNNER.invoke(build_app(), ["show", "wheelset_rollers", "--out", str(tmp_path / "v.png")]).exit_code == 0
+    assert called("show", "wheelset_rollers", "--out", tmp_path / "v.png").exit_code == 0
     assert (tmp_path / "v.png").read_bytes().startswith(b"\x89PNG")
 
 
@@ -95,7 +92,7 @@ def test_what_cannot_be_drawn_is_said(
     arguments: list[str], line: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    done = RUNNER.invoke(build_app(), arguments)
+    done = called(*arguments)
     assert done.exit_code == 2
     assert line in " ".join(done.output.replace("│", " ").split())
     assert not list(tmp_path.iterdir())

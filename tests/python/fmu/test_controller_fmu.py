@@ -16,10 +16,9 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from typer.testing import CliRunner
 
+from called import called
 from rollerrig import Case, _core, export_part, load_case, simulate
-from rollerrig.cli.app import build_app
 from rollerrig.cli.describe import describe_case
 from rollerrig.config import ConfigError, case_from_toml
 from rollerrig.simulation.fmu_file import cut_off
@@ -116,7 +115,7 @@ def test_the_same_part_gives_the_same_bytes(protection: Path, tmp_path: Path) ->
     ],
 )
 def test_a_part_that_is_not_there_is_refused(arguments: tuple[str, ...], message: str, tmp_path: Path) -> None:
-    done = CliRunner().invoke(build_app(), ["export-fmu", *arguments, "--out", str(tmp_path / "part.fmu")])
+    done = called("export-fmu", *arguments, "--out", tmp_path / "part.fmu")
     assert done.exit_code == 2
     assert re.search(message, " ".join(done.stderr.split()))
     assert not list(tmp_path.iterdir())
@@ -231,7 +230,7 @@ def test_a_case_finds_its_fmu_beside_it_and_none_elsewhere(protection: Path, tmp
     shutil.copy(protection, own / "wsp.fmu")
     text = 'base = "adhesion_brake"\n[time]\nduration = "0.05 s"\n[slide_protection]\nfmu = "{}"\n'
     (own / "case.toml").write_text(text.format("wsp.fmu"))
-    done = CliRunner().invoke(build_app(), ["check", str(own / "case.toml")])
+    done = called("check", own / "case.toml")
     assert done.exit_code == 0, done.stderr
     shown = " ".join(done.stdout.split())
     assert f"slide_protection.fmu: brings code: {own / 'wsp.fmu'}" in shown

@@ -7,13 +7,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
 import rollerrig as rr
+from called import called
 from rollerrig import _core, load_case
 from rollerrig.assembly.actuators import assemble_with_actuators
 from rollerrig.assembly.model import assemble
-from rollerrig.cli.app import build_app
 from rollerrig.config import Case, ConfigError
 from rollerrig.interfaces.plant import ModelFileError, assembled_model
 from rollerrig.simulation.run import prepare
@@ -92,14 +91,14 @@ def test_what_is_no_model_file_is_refused_by_name(tmp_path: Path) -> None:
 def test_the_command_writes_the_file_and_says_its_inputs(tmp_path: Path) -> None:
     path = tmp_path / "rig.model"
     arguments = ["assemble", "adhesion_brake", "--out", str(path), "--external", "slide_protection"]
-    done = CliRunner().invoke(build_app(), arguments)
+    done = called(*arguments)
     assert done.exit_code == 0
     assert "wheelset_1.valve_command [1]" in done.stderr
     assert rr.read_model(path).name == "adhesion_brake"
     before = path.read_bytes()
-    assert CliRunner().invoke(build_app(), arguments).exit_code == 0  # our own file may be replaced
+    assert called(*arguments).exit_code == 0  # our own file may be replaced
     assert path.read_bytes() == before
-    refused = CliRunner().invoke(build_app(), [*arguments[:-1], "anti_slip"])
+    refused = called(*arguments[:-1], "anti_slip")
     assert refused.exit_code == 2
     assert "anti_slip" in refused.stderr
     assert path.read_bytes() == before

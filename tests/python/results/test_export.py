@@ -12,10 +12,9 @@ import pyarrow.parquet
 import pytest
 import scipy.io
 import xarray as xr
-from typer.testing import CliRunner
 
 import rollerrig as rr
-from rollerrig.cli.app import build_app
+from called import called
 from rollerrig.results import ResultsError, export
 from rollerrig.results.logs import read_log
 
@@ -31,7 +30,7 @@ def file(run: xr.Dataset, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def command(*arguments: object) -> tuple[int, str]:
-    done = CliRunner().invoke(build_app(), ["export", *map(str, arguments)])
+    done = called("export", *arguments)
     return done.exit_code, done.stderr
 
 

@@ -15,9 +15,9 @@ from typing import Any
 import h5py
 import pytest
 import xarray as xr
-from typer.testing import CliRunner
 
 import rollerrig as rr
+from called import call
 from rollerrig.cli.app import build_app
 from rollerrig.plot import figure_bytes
 from rollerrig.plot.style import new_figure
@@ -92,13 +92,6 @@ def test_a_link_is_not_written_through(tmp_path: Path) -> None:
 
 
 CONTACT = ("contact", "contact_benchmark_track", "--lateral-mm=0")
-
-
-def call(*arguments: object) -> tuple[int, str]:
-    result = CliRunner().invoke(build_app(), [str(argument) for argument in arguments])
-    if result.exception is not None and not isinstance(result.exception, SystemExit):
-        raise result.exception
-    return result.exit_code, result.stdout + result.stderr
 
 
 def test_the_table_of_a_command_does_not_replace_the_case(tmp_path: Path) -> None:

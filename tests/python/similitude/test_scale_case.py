@@ -13,7 +13,7 @@ import xarray as xr
 from pydantic import BaseModel
 
 import rollerrig as rr
-from rollerrig.analysis import linear_critical_speed
+from rollerrig.analysis.critical_speed import linear_critical_speed
 from rollerrig.config import ConfigError, case_from_toml
 from rollerrig.config.schema.adhesion import Adhesion
 from rollerrig.config.schema.base import Table
@@ -132,11 +132,11 @@ def test_linear_critical_speed_scales_with_speed(strategy: str) -> None:
     model = scale_case(case, factors, strategy=strategy, keep=())
     speeds = [60.0, 70.0, 80.0]
     full = linear_critical_speed(case, speeds)
-    found = linear_critical_speed(model, [v / factors.speed for v in speeds])
+    found = linear_critical_speed(model, [v / factors.factor("m/s") for v in speeds])
     assert full is not None
     assert found is not None
     # the root is found to 1e-4 km/h, of 250 km/h or, mmu, of 50 km/h: 2e-6; Brent's last step is far smaller
-    assert found.speed * factors.speed == pytest.approx(full.speed, rel=1e-6)
+    assert found.speed * factors.factor("m/s") == pytest.approx(full.speed, rel=1e-6)
     assert found.frequency / factors.time == pytest.approx(full.frequency, rel=1e-6)
 
 

@@ -6,15 +6,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
+from called import called
 from rollerrig import _core
-from rollerrig.analysis import HuntingSettings, LimitCycleSettings
-from rollerrig.analysis.hunting import hunting_run
+from rollerrig.analysis.hunting import HuntingSettings, hunting_run
+from rollerrig.analysis.limit_cycle_runs import LimitCycleSettings
 from rollerrig.assembly.model import assemble
 from rollerrig.cases import on_track
 from rollerrig.catalog import catalog_names
-from rollerrig.cli.app import build_app
 from rollerrig.common.linear_algebra import eigenvalues
 from rollerrig.config import Case, ConfigError, load_case
 from rollerrig.simulation.run import simulate
@@ -65,7 +64,7 @@ def test_commands_refuse_it_by_name(command: str, tmp_path) -> None:
         "run": ["--out", str(tmp_path)],
         "stability": ["--speeds-kmh", "80:80:1", "--out", str(tmp_path)],
     }
-    result = CliRunner().invoke(build_app(), [command, str(WAGON), *options[command]])
+    result = called(command, WAGON, *options[command])
     assert result.exit_code == 2, result.output
     line = " ".join(result.output.split())
     assert "nothing holds the vehicle 'two_axle_wagon' along the track" in line

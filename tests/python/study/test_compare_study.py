@@ -8,24 +8,22 @@ from functools import partial
 from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner
 
+from called import called
 from reported import unexplained, unreported
-from rollerrig.analysis import HuntingSettings
 from rollerrig.analysis.critical_speed import EFFECTS, TRACK, CriticalSpeedOverRadius, EffectSplit, LinearCriticalSpeed
+from rollerrig.analysis.hunting import HuntingSettings
 from rollerrig.analysis.mode_table import Crossing
-from rollerrig.cli.app import build_app
 from rollerrig.config import ConfigError, Rig, Track, load_case, load_support
 from rollerrig.study.assessment import Interval, change_in_words
 from rollerrig.study.compare import QUANTITIES, CompareStudy, compared_cases
 from rollerrig.study.critical_speeds import radius_table
 
-runner = CliRunner()
 BOGIE = "leading_bogie"
 
 
 def run(*arguments: str):
-    return runner.invoke(build_app(), ["compare", *arguments])
+    return called("compare", *arguments)
 
 
 @pytest.fixture(scope="module")

@@ -6,7 +6,8 @@ import math
 
 import pytest
 
-from rollerrig.analysis import LimitCycleSettings, linear_critical_speed
+from rollerrig.analysis.critical_speed import linear_critical_speed
+from rollerrig.analysis.limit_cycle_runs import LimitCycleSettings
 from rollerrig.config import load_case
 from rollerrig.study import stability
 from rollerrig.study.stability import COUNTERPART, contact_effect_jobs

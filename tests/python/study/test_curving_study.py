@@ -7,11 +7,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
 import rollerrig as rr
+from called import called
 from reported import unexplained, unreported
-from rollerrig.cli.app import build_app
 from rollerrig.config import Case
 from rollerrig.study.curving import CurvingStudy
 from rollerrig.study.frame import Outcome
@@ -85,14 +84,14 @@ def test_nothing_but_refused_curves_is_an_error() -> None:
     [(("--radii-m", "5"), "from 20 to"), (("--deficiencies-mm", "-60..150"), "is not a number")],
 )
 def test_what_is_no_curve_is_refused(words: tuple[str, ...], message: str, tmp_path: Path) -> None:
-    done = CliRunner().invoke(build_app(), ["curving", str(WAGON), *words, "--out", str(tmp_path / "out")])
+    done = called("curving", WAGON, *words, "--out", tmp_path / "out")
     assert done.exit_code == 2
     assert message in " ".join(done.stderr.replace("│", " ").split())
 
 
 def test_the_command_writes_its_files(tmp_path: Path) -> None:
     words = ["curving", str(WAGON), "--radii-m", "500", "--deficiencies-mm", "-60,60", "--cant-mm", "120"]
-    done = CliRunner().invoke(build_app(), [*words, "--out", str(tmp_path)])
+    done = called(*words, "--out", tmp_path)
     assert done.exit_code == 0, done.output
     files = {path.relative_to(tmp_path).as_posix() for path in tmp_path.rglob("*") if path.is_file()}
     assert {"curving.nc", "figures/curving.png", "summary.json", "report.html"} <= files
@@ -103,7 +102,7 @@ def test_the_command_writes_its_files(tmp_path: Path) -> None:
 
 def test_what_moves_the_tightest_curve_is_drawn_and_tabled(tmp_path: Path) -> None:
     words = ["curving", str(WAGON), "--radii-m", "500,1000", "--deficiencies-mm", "0,60", "--sensitivity"]
-    done = CliRunner().invoke(build_app(), [*words, "--out", str(tmp_path)])
+    done = called(*words, "--out", tmp_path)
     assert done.exit_code == 0, done.output
     summary = json.loads((tmp_path / "summary.json").read_text())
     assert unexplained(CurvingStudy.quantities, summary) == []

@@ -13,15 +13,14 @@ from typing import Any
 import numpy as np
 import pytest
 import xarray as xr
-from typer.testing import CliRunner
 
+from called import called
 from reported import unexplained
 from rollerrig import ConfigError, StartError, _core, envelope, load_case, simulate
 from rollerrig.analysis.envelope_borders import Border, borders, slides
 from rollerrig.analysis.rig_limits import NUMBERS, assess_limits, closed_forms, persists_since, rig_limits
 from rollerrig.analysis.virtual_rail import Patch, creep_curve, creep_peak, grip_slip, patch_of
 from rollerrig.assembly.model import assemble
-from rollerrig.cli.app import build_app
 from rollerrig.config import Case
 from rollerrig.results.run_info import describe
 from rollerrig.study import envelope as module
@@ -444,9 +443,7 @@ GRID = ["--torques-knm=-8,-4,-2", "--adhesions=0.05,0.3", "--loads=1", "--durati
 
 
 def invoke(*arguments: object) -> tuple[int, str, str]:
-    done = CliRunner().invoke(build_app(), ["envelope", *map(str, arguments)])
-    if done.exception is not None and not isinstance(done.exception, SystemExit):
-        raise done.exception
+    done = called("envelope", *arguments)
     return done.exit_code, done.stdout, done.stderr
 
 

@@ -10,13 +10,12 @@ from typing import Any
 import numpy as np
 import pytest
 import tomli_w
-from typer.testing import CliRunner
 
 import rollerrig as rr
+from called import called
 from reported import unexplained
 from rollerrig.analysis.equivalent_dead_time import predicted_dead_time
 from rollerrig.analysis.signals import low_pass
-from rollerrig.cli.app import build_app
 from rollerrig.config.load.fit import WholeFit, load_fit
 from rollerrig.config.read import Document, catalog_file, read_document
 from rollerrig.results.logs import log_of, read_log, time_problem
@@ -573,7 +572,7 @@ def test_the_command_refuses_a_log_in_a_line(
     monkeypatch.chdir(tmp_path)
     for name in ("log.csv", "log.txt"):
         Path(name).write_text("time,y\n0,1\n0.1,2\n")
-    result = CliRunner().invoke(build_app(), ["fit", "creep_curve", log, "--out", "out"])
+    result = called("fit", "creep_curve", log, "--out", "out")
     assert (result.exit_code, result.output.strip()) == (2, line)
     assert not Path("out").exists()
 

@@ -10,15 +10,14 @@ import pytest
 import xarray as xr
 from numpy.typing import NDArray
 from scipy.io import savemat
-from typer.testing import CliRunner
 
+from called import called
 from reported import unexplained, unreported
 from rollerrig import ConfigError, ResultsError, load_case, simulate
 from rollerrig import replay as replay_log
 from rollerrig.analysis.controller_replay import episodes, replay
 from rollerrig.analysis.rig_log import check_case, read_rig_log
 from rollerrig.cli import main
-from rollerrig.cli.app import build_app
 from rollerrig.config import Case
 from rollerrig.results import export
 from rollerrig.study.replay import ReplayStudy
@@ -346,7 +345,7 @@ def test_what_the_server_records_is_a_log(tmp_path: Path) -> None:
     changes = {**SHORT, "time.duration": "0.7 s"}
     (tmp_path / "case.toml").write_text(load_case("adhesion_brake").with_changes(changes).to_toml())
     options = ["--at-once", "--lock-step", "--record", str(tmp_path / "run.npz"), "--outputs", "wheelset_*,train.speed"]
-    done = CliRunner().invoke(build_app(), ["serve", str(tmp_path / "case.toml"), *options])
+    done = called("serve", tmp_path / "case.toml", *options)
     assert done.exit_code == 0, done.output
     case = load_case(str(tmp_path / "case.toml"))
     found = replay(case, read_rig_log(tmp_path / "run.npz", case))

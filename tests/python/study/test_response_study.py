@@ -9,13 +9,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 import scipy.io
-from typer.testing import CliRunner
 
 import rollerrig as rr
+from called import called
 from reported import unexplained
 from rollerrig.analysis.linear_bench import LinearBench
 from rollerrig.analysis.measured_response import measured_response
-from rollerrig.cli.app import build_app
 from rollerrig.study.frame import Outcome
 from rollerrig.study.response import ResponseStudy
 
@@ -77,7 +76,7 @@ def test_a_wrong_name_leaves_no_folder(tmp_path: Path) -> None:
         "--out",
         str(tmp_path / "out"),
     ]
-    done = CliRunner().invoke(build_app(), words)
+    done = called(*words)
     assert done.exit_code != 0
     assert list(tmp_path.iterdir()) == []
 
@@ -112,7 +111,7 @@ def test_files(outcome: Outcome, folder: Path) -> None:
     ],
 )
 def test_bad_input_is_one_line_and_leaves_nothing(options: list[str], message: str, tmp_path: Path) -> None:
-    done = CliRunner().invoke(build_app(), ["response", "adhesion_brake", "--out", str(tmp_path / "out"), *options])
+    done = called("response", "adhesion_brake", "--out", tmp_path / "out", *options)
     assert done.exit_code == 2
     assert message in " ".join(done.stderr.split())
     assert not list((tmp_path / "out").glob("*")) if (tmp_path / "out").exists() else True

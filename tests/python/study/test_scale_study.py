@@ -9,12 +9,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from typer.testing import CliRunner
 
 import rollerrig as rr
+from called import called
 from reported import unexplained
 from rollerrig.analysis.scaled_model import at_times_of, axle_torque
-from rollerrig.cli.app import build_app
 from rollerrig.config.write.toml import to_short_toml
 from rollerrig.similitude import scale_case, similitude
 from rollerrig.study.frame import Outcome, Study
@@ -137,7 +136,6 @@ def test_the_shipped_model_is_what_its_heading_says() -> None:
 
 
 def test_the_command(tmp_path: Path) -> None:
-    runner = CliRunner()
     arguments = [
         "scale",
         "adhesion_brake",
@@ -150,7 +148,7 @@ def test_the_command(tmp_path: Path) -> None:
         "--out",
         str(tmp_path),
     ]
-    done = runner.invoke(build_app(), [*arguments, "--set", "motion.stop_speed=0.5"])
+    done = called(*arguments, "--set", "motion.stop_speed=0.5")
     assert done.exit_code == 0, done.output
     assert "a 1:8 model of adhesion_brake, INRETS type" in done.output
     assert "All requirements of similitude are met." in done.output
@@ -171,7 +169,7 @@ def test_the_command(tmp_path: Path) -> None:
     ],
 )
 def test_bad_input_ends_with_code_2(arguments: list[str], message: str, tmp_path: Path) -> None:
-    done = CliRunner().invoke(build_app(), ["scale", "adhesion_brake", "--out", str(tmp_path / "out"), *arguments])
+    done = called("scale", "adhesion_brake", "--out", tmp_path / "out", *arguments)
     assert done.exit_code == 2
     assert message in re.sub(r"[\s│]+", " ", done.output)
     assert not (tmp_path / "out").exists()

@@ -11,20 +11,18 @@ import time
 from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner
 
+from called import called
 from reported import unexplained, unreported
-from rollerrig.analysis import LimitCycleSettings, bifurcation
-from rollerrig.cli.app import build_app
+from rollerrig.analysis import bifurcation
+from rollerrig.analysis.limit_cycle_runs import LimitCycleSettings
 from rollerrig.config import ConfigError, load_case
 from rollerrig.results import load_run
 from rollerrig.study.stability import MOST_CYCLE_SPEEDS, StabilityStudy, branch_sentences, cycle_speeds, line_sentences
 
-runner = CliRunner()
-
 
 def run(*arguments: str):
-    return runner.invoke(build_app(), ["stability", *arguments])
+    return called("stability", *arguments)
 
 
 @pytest.fixture(scope="module")

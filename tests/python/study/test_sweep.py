@@ -21,11 +21,10 @@ import numpy as np
 import pytest
 import xarray as xr
 from scipy import stats
-from typer.testing import CliRunner
 
 import rollerrig as rr
+from called import called
 from reported import unexplained
-from rollerrig.cli.app import build_app
 from rollerrig.config import Case, ConfigError, WholePlan, load_case, load_plan
 from rollerrig.config.schema.plan import CriticalSpeedMeasure
 from rollerrig.results import load_run
@@ -433,7 +432,7 @@ def test_many_workers_write_the_same_bytes_as_one(tmp_path: Path) -> None:
     plan_of(tmp_path, PLAN)
     for workers in ("1", "2"):
         arguments = ["sweep", str(tmp_path / "plan.toml"), "--out", str(tmp_path / workers), "--workers", workers]
-        assert CliRunner().invoke(build_app(), arguments).exit_code == 0
+        assert called(*arguments).exit_code == 0
     assert_same_bytes(tmp_path / "1", tmp_path / "2")
 
 
@@ -448,7 +447,7 @@ def test_the_command_writes_all_files_and_explains_its_numbers(tmp_path: Path) -
     plan_of(tmp_path, PLAN.replace("critical_speed", "stability"))
     out = tmp_path / "out"
     arguments = ["sweep", str(tmp_path / "plan.toml"), "--out", str(out), "--workers", "1", "--samples", "2"]
-    assert CliRunner().invoke(build_app(), arguments).exit_code == 0
+    assert called(*arguments).exit_code == 0
     numbers = json.loads((out / "summary.json").read_text())
     assert not unexplained(SweepStudy.quantities, {k: v for k, v in numbers.items() if k != "keys"})
     assert numbers["finished"] == 4
@@ -565,7 +564,7 @@ def test_a_distribution_without_mass_between_its_ends_is_refused() -> None:
 def test_bad_input_leaves_nothing_behind(tmp_path: Path) -> None:
     (tmp_path / "plan.toml").write_text(PLAN.replace("count = 3", "count = 0"))
     out = tmp_path / "out"
-    done = CliRunner().invoke(build_app(), ["sweep", str(tmp_path / "plan.toml"), "--out", str(out)])
+    done = called("sweep", tmp_path / "plan.toml", "--out", out)
     assert done.exit_code == 2
     assert not out.exists()
 

@@ -14,9 +14,8 @@ from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
-from typer.testing import CliRunner
 
-from rollerrig.cli.app import build_app
+from called import called
 from rollerrig.study.checkpoint import NAME
 from rollerrig.study.cluster import ClusterError, cluster
 
@@ -43,7 +42,7 @@ def free_port() -> int:
 def sweep(folder: Path, out: str, *options: str) -> int:
     (folder / "plan.toml").write_text(PLAN)
     arguments = ["sweep", str(folder / "plan.toml"), "--out", str(folder / out), *options]
-    return CliRunner().invoke(build_app(), arguments).exit_code
+    return called(*arguments).exit_code
 
 
 @pytest.mark.parametrize("address", ["tcp://127.0.0.1:{port}", "127.0.0.1:{port}", "nonsense:address"])

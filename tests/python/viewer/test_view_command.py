@@ -7,14 +7,13 @@ from pathlib import Path
 
 import pytest
 import xarray as xr
-from typer.testing import CliRunner
 
 import rollerrig as rr
-from rollerrig.cli.app import build_app
+from called import called
 
 
 def run(*args: object) -> tuple[int, str]:
-    done = CliRunner().invoke(build_app(), ["view", *map(str, args)])
+    done = called("view", *args)
     return done.exit_code, done.output
 
 
@@ -77,8 +76,8 @@ def test_play_says_in_a_line_what_is_in_its_way(tmp_path: Path) -> None:
         taken.bind(("127.0.0.1", 0))
         taken.listen()
         port = taken.getsockname()[1]
-        done = CliRunner().invoke(build_app(), ["play", "wheelset_rollers", "--port", str(port), "--no-browser"])
+        done = called("play", "wheelset_rollers", "--port", port, "--no-browser")
     assert (done.exit_code, done.output.count("\n")) == (2, 1), done.output
     assert "choose another one, or 0 for any free one" in done.output
-    done = CliRunner().invoke(build_app(), ["play", "no_such_case"])
+    done = called("play", "no_such_case")
     assert done.exit_code == 2

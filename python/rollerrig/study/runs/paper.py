@@ -14,10 +14,16 @@ from typing import Any
 
 import xarray as xr
 
-from rollerrig.analysis import CriticalSpeedByDisturbance, HuntingSettings, RampSettings, hunting_table, ramp_run
 from rollerrig.analysis.control_loop import ContactState, contact_state
-from rollerrig.analysis.critical_speed import RADII, CriticalSpeedOverRadius, EffectSplit, scan_linear
-from rollerrig.analysis.hunting import HuntingRun
+from rollerrig.analysis.critical_speed import (
+    RADII,
+    CriticalSpeedByDisturbance,
+    CriticalSpeedOverRadius,
+    EffectSplit,
+    scan_linear,
+)
+from rollerrig.analysis.hunting import HuntingRun, HuntingSettings, hunting_table
+from rollerrig.analysis.ramp import RampSettings, ramp_run
 from rollerrig.analysis.traction import asymmetry, carried_weight, sliding_course, spin_balance, with_theory
 from rollerrig.cases import restrained_along_track
 from rollerrig.config import Case, load_case
