@@ -66,17 +66,11 @@ def onset_from(
 
 @dataclass(frozen=True)
 class LinearCriticalSpeed:
-    """Linear critical speed of one case in a range.
+    """Linear critical speed of one case in a range."""
 
-    Attributes:
-        onset: the lowest speed above which an oscillation grows; None if there is none in the range.
-        grows_at_start: names of the modes that grow already at the lowest speed.
-        problem: why nothing could be computed; '' if it could.
-    """
-
-    onset: Crossing | None = None
-    grows_at_start: tuple[str, ...] = ()
-    problem: str = ""
+    onset: Crossing | None = None  # the lowest speed above which an oscillation grows; None: there is none
+    grows_at_start: tuple[str, ...] = ()  # names of the modes that grow already at the lowest speed
+    problem: str = ""  # why nothing could be computed; '' if it could
 
     @property
     def speed_kmh(self) -> float:
@@ -134,19 +128,12 @@ def scan_above(case: Case, above_kmh: float, progress: Progress | None = None) -
 
 @dataclass(frozen=True)
 class CriticalSpeedByDisturbance:
-    """Between which speeds a perturbation of one size begins to persist.
+    """Between which speeds a perturbation of one size begins to persist."""
 
-    Attributes:
-        decays: highest speed, below the onset, at which it decayed [m/s]; NaN if it never did.
-        persists: lowest speed at which it persisted [m/s]; NaN if it never did.
-        disturbance: its size, lateral offset of the leading wheelset [m].
-        runs: all runs made for it, by speed; those that did not come to their end count neither way.
-    """
-
-    decays: float
-    persists: float
-    disturbance: float
-    runs: list[HuntingRun]
+    decays: float  # highest speed, below the onset, at which it decayed [m/s]; NaN if it never did
+    persists: float  # lowest speed at which it persisted [m/s]; NaN if it never did
+    disturbance: float  # its size, lateral offset of the leading wheelset [m]
+    runs: list[HuntingRun]  # all runs made for it, by speed; those that did not come to their end count neither way
 
     def further_speeds(self, width: float) -> list[float]:
         """Speeds of the next round of runs, the bracket in thirds [m/s]; none if it is narrower than a width [m/s].

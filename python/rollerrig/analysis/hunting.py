@@ -45,42 +45,25 @@ LATERAL = [name for name, _, _ in _core.body_fields].index("y")
 
 @dataclass(frozen=True)
 class HuntingSettings:
-    """How the runs of a hunting study are done.
+    """How the runs of a hunting study are done."""
 
-    Attributes:
-        disturbance: lateral offset of the leading wheelset at the start [m].
-        duration: length of each run [s].
-        output_step: interval of the samples [s].
-        relative_tolerance: of the integrator.
-        absolute_tolerance: of the integrator, for displacements [m].
-        longest: to which a run is prolonged while it is open whether its motion persists [s].
-    """
-
-    disturbance: float = 3e-3
-    duration: float = 6.0
-    output_step: float = 5e-3
-    relative_tolerance: float = 1e-4
-    absolute_tolerance: float = 1e-7
-    longest: float = 30.0
+    disturbance: float = 3e-3  # lateral offset of the leading wheelset at the start [m]
+    duration: float = 6.0  # length of each run [s]
+    output_step: float = 5e-3  # interval of the samples [s]
+    relative_tolerance: float = 1e-4  # of the integrator
+    absolute_tolerance: float = 1e-7  # of the integrator, for displacements [m]
+    longest: float = 30.0  # to which a run is prolonged while it is open whether its motion persists [s]
 
 
 @dataclass(frozen=True)
 class HuntingRun:
-    """One run.
+    """One run."""
 
-    Attributes:
-        speed: running speed [m/s].
-        body: whose lateral motion decides.
-        motion: Dataset over time and body, with the run's attributes.
-        final: the motion at the end of the run.
-        decision: whether it persists or decays.
-    """
-
-    speed: float
-    body: str
-    motion: xr.Dataset
-    final: FinalMotion
-    decision: Decision
+    speed: float  # running speed [m/s]
+    body: str  # whose lateral motion decides
+    motion: xr.Dataset  # Dataset over time and body, with the run's attributes
+    final: FinalMotion  # the motion at the end of the run
+    decision: Decision  # whether it persists or decays
 
     @property
     def valid(self) -> bool:

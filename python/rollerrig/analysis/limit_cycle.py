@@ -35,30 +35,19 @@ ALIKE = 0.1
 
 @dataclass(frozen=True)
 class CyclePoint:
-    """What a run at one speed ends in.
+    """What a run at one speed ends in."""
 
-    Attributes:
-        speed: running speed [m/s].
-        amplitude: half the range of the lateral displacement of that wheelset which moves most [m]; 0 at rest.
-        peak: largest lateral displacement of any wheelset [m]; 0 at rest.
-        frequency: of the oscillation [Hz]; NaN at rest.
-        guiding_force: largest |Y| of any wheel, unfiltered [N].
-        rate: growth rate of the amplitude at the end [1/s].
-        duration: simulated time [s].
-        status: 'ok'; 'not_decided', where the amplitude had neither come to stay nor decayed before the longest time was over;
-            or why the run ended early: such a run is neither a limit cycle nor rest.
-        message: the same as a sentence, with time, wheel and remedy; '' if it came to its end.
-    """
-
-    speed: float
-    amplitude: float
-    peak: float = 0.0
-    frequency: float = math.nan
-    guiding_force: float = math.nan
-    rate: float = math.nan
-    duration: float = 0.0
+    speed: float  # running speed [m/s]
+    amplitude: float  # half the range of the lateral displacement of that wheelset which moves most [m]; 0 at rest
+    peak: float = 0.0  # largest lateral displacement of any wheelset [m]; 0 at rest
+    frequency: float = math.nan  # of the oscillation [Hz]; NaN at rest
+    guiding_force: float = math.nan  # largest |Y| of any wheel, unfiltered [N]
+    rate: float = math.nan  # growth rate of the amplitude at the end [1/s]
+    duration: float = 0.0  # simulated time [s]
+    # 'ok'; 'not_decided', where the amplitude had neither come to stay nor decayed before the longest time was over; or why the
+    # run ended early: such a run is neither a limit cycle nor rest
     status: str = "ok"
-    message: str = ""
+    message: str = ""  # the same as a sentence, with time, wheel and remedy; '' if it came to its end
 
     @property
     def valid(self) -> bool:
@@ -154,21 +143,13 @@ KIND_SENTENCES: dict[Kind, str] = {
 
 @dataclass(frozen=True)
 class Diagram:
-    """The limit-cycle diagram.
+    """The limit-cycle diagram."""
 
-    Attributes:
-        up: points of the upward sweep, by speed.
-        down: points of the downward sweep and of the halving, by speed.
-        linear: linear critical speed [m/s]; NaN if there is none in the range.
-        tolerance: of the critical speed by continuation [m/s].
-        interrupted: whether Ctrl-C came before the end.
-    """
-
-    up: list[CyclePoint]
-    down: list[CyclePoint]
-    linear: float
-    tolerance: float
-    interrupted: bool = False
+    up: list[CyclePoint]  # points of the upward sweep, by speed
+    down: list[CyclePoint]  # points of the downward sweep and of the halving, by speed
+    linear: float  # linear critical speed [m/s]; NaN if there is none in the range
+    tolerance: float  # of the critical speed by continuation [m/s]
+    interrupted: bool = False  # whether Ctrl-C came before the end
 
     @property
     def lowest_cycle(self) -> float:

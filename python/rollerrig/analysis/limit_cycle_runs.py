@@ -30,27 +30,16 @@ SAMPLES_BY = 8
 
 @dataclass(frozen=True)
 class LimitCycleSettings:
-    """How the runs are done.
+    """How the runs are done."""
 
-    Attributes:
-        disturbance: lateral offset of the leading wheelset at the start of the downward sweep [m].
-        perturbation: the same on the upward sweep [m].
-        window: amplitudes are compared between pieces of a run of this length [s], or of four waves if that is longer.
-        longest: time after which a run ends, decided or not [s].
-        output_step: interval of the samples [s].
-        relative_tolerance: of the integrator.
-        absolute_tolerance: of the integrator, for displacements [m].
-        tolerance_kmh: to which the critical speed by continuation is found [km/h].
-    """
-
-    disturbance: float = 3e-3
-    perturbation: float = 1e-4
-    window: float = 0.8
-    longest: float = 16.0
-    output_step: float = 5e-3
-    relative_tolerance: float = 1e-4
-    absolute_tolerance: float = 1e-7
-    tolerance_kmh: float = 1.0
+    disturbance: float = 3e-3  # lateral offset of the leading wheelset at the start of the downward sweep [m]
+    perturbation: float = 1e-4  # the same on the upward sweep [m]
+    window: float = 0.8  # pieces of a run between which amplitudes are compared [s]; four waves if that is longer
+    longest: float = 16.0  # time after which a run ends, decided or not [s]
+    output_step: float = 5e-3  # interval of the samples [s]
+    relative_tolerance: float = 1e-4  # of the integrator
+    absolute_tolerance: float = 1e-7  # of the integrator, for displacements [m]
+    tolerance_kmh: float = 1.0  # to which the critical speed by continuation is found [km/h]
 
 
 def settling_run(

@@ -38,21 +38,13 @@ DIRECTIONS = ("longitudinal", "lateral", "vertical", "roll", "pitch", "yaw")
 
 @dataclass(frozen=True)
 class Linearisation:
-    """x' = A x for small motions around steady rolling.
+    """x' = A x for small motions around steady rolling."""
 
-    Attributes:
-        speed: running speed [m/s].
-        matrix: A, shape (states, states).
-        equilibrium: all states of the core at the equilibrium, driven rates included.
-        rate_rows: per moving body coordinate (body, direction), the row of its rate in A.
-        inertia: mass [kg] or moment of inertia [kg m^2] that belongs to each of them.
-    """
-
-    speed: float
-    matrix: Array
-    equilibrium: Array
-    rate_rows: dict[tuple[str, str], int]
-    inertia: dict[tuple[str, str], float]
+    speed: float  # running speed [m/s]
+    matrix: Array  # A, shape (states, states)
+    equilibrium: Array  # all states of the core at the equilibrium, driven rates included
+    rate_rows: dict[tuple[str, str], int]  # per moving body coordinate (body, direction), the row of its rate in A
+    inertia: dict[tuple[str, str], float]  # mass [kg] or moment of inertia [kg m^2] that belongs to each of them
 
 
 class Lineariser:

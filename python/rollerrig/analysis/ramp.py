@@ -29,25 +29,15 @@ LATERAL = 1
 
 @dataclass(frozen=True)
 class RampSettings:
-    """How fast the rollers are sped up and how the bogie is perturbed.
+    """How fast the rollers are sped up and how the bogie is perturbed."""
 
-    Attributes:
-        low: speed at the start [m/s].
-        high: highest speed [m/s].
-        acceleration: of the rollers' surface [m/s^2].
-        down: whether the rollers are slowed down to `low` again afterwards.
-        perturbation: jump of lateral velocity [m/s]; 0 for none.
-        perturbation_every: change of speed between perturbations [m/s].
-        disturbance: lateral offset of the leading wheelset at the start [m].
-    """
-
-    low: float = 60 / 3.6
-    high: float = 300 / 3.6
-    acceleration: float = 2 / 3.6
-    down: bool = True
-    perturbation: float = 0.05
-    perturbation_every: float = 10 / 3.6
-    disturbance: float = 3e-3
+    low: float = 60 / 3.6  # speed at the start [m/s]
+    high: float = 300 / 3.6  # highest speed [m/s]
+    acceleration: float = 2 / 3.6  # of the rollers' surface [m/s^2]
+    down: bool = True  # whether the rollers are slowed down to `low` again afterwards
+    perturbation: float = 0.05  # jump of lateral velocity [m/s]; 0 for none
+    perturbation_every: float = 10 / 3.6  # change of speed between perturbations [m/s]
+    disturbance: float = 3e-3  # lateral offset of the leading wheelset at the start [m]
 
 
 def ramp_run(job: tuple[Case, RampSettings, HuntingSettings], progress: Callable[[float, str], None]) -> xr.Dataset:

@@ -188,31 +188,18 @@ QUANTITIES = Quantities("compare")
 
 @dataclass
 class Results:
-    """What was computed, by label of the support; parts that Ctrl-C cut off are missing.
+    """What was computed, by label of the support; parts that Ctrl-C cut off are missing."""
 
-    Attributes:
-        modes: Datasets of `stability`.
-        linear: linear critical speeds in RANGE_KMH, whatever the range of the modes.
-        states: steady rolling at the lowest speed.
-        shifts: Datasets of `shift_table`.
-        conicity: Datasets of `conicity_table`.
-        over_radius: critical speeds over the rollers' radius.
-        effects: of the rollers on the critical speed.
-        by_disturbance: critical speeds by disturbance, with their runs.
-        disturbed: filtered forces of the disturbed run, with the motion of the leading wheelset.
-        disturbed_kmh: its speed [km/h]; NaN if it was not run.
-    """
-
-    modes: dict[str, xr.Dataset]
-    linear: dict[str, LinearCriticalSpeed]
-    states: dict[str, RollingState]
-    shifts: dict[str, xr.Dataset]
-    conicity: dict[str, xr.Dataset]
-    over_radius: CriticalSpeedOverRadius | None
-    effects: EffectSplit | None
-    by_disturbance: dict[str, CriticalSpeedByDisturbance]
-    disturbed: dict[str, xr.Dataset]
-    disturbed_kmh: float
+    modes: dict[str, xr.Dataset]  # Datasets of `stability`
+    linear: dict[str, LinearCriticalSpeed]  # linear critical speeds in RANGE_KMH, whatever the range of the modes
+    states: dict[str, RollingState]  # steady rolling at the lowest speed
+    shifts: dict[str, xr.Dataset]  # Datasets of `shift_table`
+    conicity: dict[str, xr.Dataset]  # Datasets of `conicity_table`
+    over_radius: CriticalSpeedOverRadius | None  # critical speeds over the rollers' radius
+    effects: EffectSplit | None  # of the rollers on the critical speed
+    by_disturbance: dict[str, CriticalSpeedByDisturbance]  # critical speeds by disturbance, with their runs
+    disturbed: dict[str, xr.Dataset]  # filtered forces of the disturbed run, with the motion of the leading wheelset
+    disturbed_kmh: float  # its speed [km/h]; NaN if it was not run
 
     def linear_kmh(self, label: str) -> float:
         """Linear critical speed [km/h]; NaN if there is none or it was not computed."""
@@ -234,23 +221,14 @@ def between(found: CriticalSpeedByDisturbance) -> str:
 
 @dataclass(frozen=True)
 class CompareStudy(Study[Results]):
-    """One vehicle on several supports.
+    """One vehicle on several supports."""
 
-    Attributes:
-        supports: label -> case at a constant speed, of `compared_cases`.
-        speeds_kmh: of the modes [km/h], rising; runs are made at those at least LEAST_RUN_STEP apart.
-        parts: cuts of the vehicle in the table of critical speeds.
-        radii: of its rollers [m].
-        bracket_kmh: width to which the critical speeds by disturbance are narrowed down [km/h].
-        hunting: disturbance, length and tolerances of the runs.
-    """
-
-    supports: Mapping[str, Case]
-    speeds_kmh: tuple[float, ...]
-    parts: tuple[str, ...] = ()
-    radii: tuple[float, ...] = RADII
-    bracket_kmh: float = 3.0
-    hunting: HuntingSettings = field(default_factory=HuntingSettings)
+    supports: Mapping[str, Case]  # label -> case at a constant speed, of `compared_cases`
+    speeds_kmh: tuple[float, ...]  # of the modes [km/h], rising; runs are made at those at least LEAST_RUN_STEP apart
+    parts: tuple[str, ...] = ()  # cuts of the vehicle in the table of critical speeds
+    radii: tuple[float, ...] = RADII  # of its rollers [m]
+    bracket_kmh: float = 3.0  # width to which the critical speeds by disturbance are narrowed down [km/h]
+    hunting: HuntingSettings = field(default_factory=HuntingSettings)  # disturbance, length and tolerances of the runs
 
     command = "compare"
     quantities = QUANTITIES

@@ -106,21 +106,13 @@ MICROMETRE = 1e-6
 
 @dataclass(frozen=True)
 class Scaled:
-    """Results at full scale.
+    """Results at full scale."""
 
-    Attributes:
-        full: run of the full-scale case.
-        mapped: runs of the models by name of LABELS, mapped back; 'model' first.
-        critical: linear critical speed by name [m/s], mapped back; NaN: none.
-        violations: all requirements, met or not.
-        contact: the contact at rest of full scale and model, each at its own scale.
-    """
-
-    full: xr.Dataset
-    mapped: Mapping[str, xr.Dataset]
-    critical: Mapping[str, float]
-    violations: Sequence[Requirement]
-    contact: tuple[ContactAtRest, ContactAtRest]
+    full: xr.Dataset  # run of the full-scale case
+    mapped: Mapping[str, xr.Dataset]  # runs of the models by name of LABELS, mapped back; 'model' first
+    critical: Mapping[str, float]  # linear critical speed by name [m/s], mapped back; NaN: none
+    violations: Sequence[Requirement]  # all requirements, met or not
+    contact: tuple[ContactAtRest, ContactAtRest]  # the contact at rest of full scale and model, each at its own scale
 
 
 @dataclass(frozen=True)

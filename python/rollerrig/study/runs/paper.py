@@ -59,23 +59,16 @@ FRONT, REAR = "wheelset_1_right", "wheelset_2_right"
 
 @dataclass(frozen=True)
 class PaperPlan:
-    """Speeds and lengths of what is computed.
+    """Speeds and lengths of what is computed."""
 
-    Attributes:
-        linear_kmh: speeds at which modes are computed [km/h].
-        runs_kmh: material -> speeds of runs at constant speed [km/h], of the bogie on the rig and of the vehicle on track.
-        bracket_kmh: width to which the critical speed by disturbance is narrowed down [km/h].
-        radii: of the rollers in the table of critical speeds [m].
-        mark: said on every page, table and figure; None: the numbers may be relied on.
-    """
-
-    linear_kmh: tuple[float, ...]
+    linear_kmh: tuple[float, ...]  # speeds at which modes are computed [km/h]
+    # material -> speeds of runs at constant speed [km/h], of the bogie on the rig and of the vehicle on track
     runs_kmh: dict[str, tuple[float, ...]]
-    bracket_kmh: float
+    bracket_kmh: float  # width to which the critical speed by disturbance is narrowed down [km/h]
     ramps: dict[str, RampSettings]
     hunting: HuntingSettings = field(default_factory=HuntingSettings)
-    radii: tuple[float, ...] = RADII
-    mark: Mark | None = None
+    radii: tuple[float, ...] = RADII  # of the rollers in the table of critical speeds [m]
+    mark: Mark | None = None  # said on every page, table and figure; None: the numbers may be relied on
 
 
 def _kmh(low: float, high: float, acceleration: float, perturbation_every: float) -> RampSettings:
@@ -159,29 +152,17 @@ Place = tuple[str, str, str]
 
 @dataclass
 class Results:
-    """What was computed; parts that Ctrl-C cut off are missing.
+    """What was computed; parts that Ctrl-C cut off are missing."""
 
-    Attributes:
-        modes: material -> variant -> Dataset of `stability`, with the paper's contact.
-        linear: linear critical speed [km/h] and its frequency [Hz]; NaN: none.
-        runs: critical speed by disturbance, with its runs.
-        contact: the wheels' contact in steady rolling on the rig, by material.
-        ramps: Datasets of `ramp_run`, by material.
-        over_radius: critical speeds over the rollers' radius, by material.
-        effects: of the rollers on the bogie's critical speed, by material.
-        traction: the traction run, all signals.
-        theory: the same wheels beside the closed forms; those with the exact contact.
-    """
-
-    modes: dict[str, dict[str, xr.Dataset]]
-    linear: dict[Place, tuple[float, float]]
-    runs: dict[Place, CriticalSpeedByDisturbance]
-    contact: dict[str, ContactState]
-    ramps: dict[str, xr.Dataset]
-    over_radius: dict[str, CriticalSpeedOverRadius]
-    effects: dict[str, EffectSplit]
-    traction: xr.Dataset | None
-    theory: xr.Dataset | None
+    modes: dict[str, dict[str, xr.Dataset]]  # material -> variant -> Dataset of `stability`, with the paper's contact
+    linear: dict[Place, tuple[float, float]]  # linear critical speed [km/h] and its frequency [Hz]; NaN: none
+    runs: dict[Place, CriticalSpeedByDisturbance]  # critical speed by disturbance, with its runs
+    contact: dict[str, ContactState]  # the wheels' contact in steady rolling on the rig, by material
+    ramps: dict[str, xr.Dataset]  # Datasets of `ramp_run`, by material
+    over_radius: dict[str, CriticalSpeedOverRadius]  # critical speeds over the rollers' radius, by material
+    effects: dict[str, EffectSplit]  # of the rollers on the bogie's critical speed, by material
+    traction: xr.Dataset | None  # the traction run, all signals
+    theory: xr.Dataset | None  # the same wheels beside the closed forms; those with the exact contact
     exact_theory: xr.Dataset | None
     checks: list[Check] = field(default_factory=list)
 
