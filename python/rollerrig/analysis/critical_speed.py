@@ -21,6 +21,7 @@ Source: O. Polach, On non-linear methods of bogie stability assessment, Proc. IM
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -34,34 +35,6 @@ from rollerrig.simulation.starting_state import StartError
 
 HIGHEST_KMH = 600.0
 """Where a linear critical speed is looked for at most, unless higher speeds are asked for [km/h]: no train runs faster."""
-
-
-def onset_from(
-    case: Case, speeds_kmh: Sequence[float], progress: Progress | None = None
-) -> tuple[Crossing | None, float]:
-    """Lowest onset of growth at the speeds asked for or above them, up to HIGHEST_KMH.
-
-    Args:
-        case: the case.
-        speeds_kmh: range of speeds [km/h], rising.
-        progress: called with the fraction done and a short text.
-
-    Returns:
-        The onset, None if there is none, and the highest speed looked at [km/h].
-
-    Raises:
-        KeyboardInterrupt: Ctrl-C came before the end.
-        ValueError: speeds not positive and rising.
-        StartError: no rolling equilibrium at one of the speeds asked for.
-    """
-    here = _critical(case, [v / 3.6 for v in speeds_kmh], progress)
-    if here.onset is not None or here.grows_at_start or speeds_kmh[-1] >= HIGHEST_KMH:
-        return here.onset, speeds_kmh[-1]
-    above = scan_above(case, speeds_kmh[-1], progress)
-    return above.onset, speeds_kmh[-1] if above.problem else HIGHEST_KMH
-
-
-# ---------------------------------------------------------------------------------------------------------- linear
 
 
 @dataclass(frozen=True)
@@ -95,32 +68,39 @@ def linear_critical_speed(case: Case | Lineariser, speeds: Sequence[float]) -> C
     return first_onset(zero_crossings(modes_over_speed(case, speeds)))
 
 
-def scan_linear(job: tuple[Case, Sequence[float]], progress: Progress | None = None) -> LinearCriticalSpeed:
-    """Linear critical speed of one case between speeds [m/s]; a missing equilibrium is returned as `problem`, not raised.
+def scan_linear(case: Case, speeds_kmh: Sequence[float], progress: Progress | None = None) -> LinearCriticalSpeed:
+    """Linear critical speed of one case between speeds [km/h]; a missing equilibrium is returned as `problem`, not raised.
 
     Raises:
         KeyboardInterrupt: Ctrl-C came before the end.
+        ValueError: speeds not positive and rising.
     """
     try:
-        return _critical(*job, progress)
+        modes = modes_over_speed(case, [v / 3.6 for v in speeds_kmh], progress)
     except StartError as problem:
         return LinearCriticalSpeed(problem=str(problem))
-
-
-def _critical(case: Case, speeds: Sequence[float], progress: Progress | None) -> LinearCriticalSpeed:
-    modes = modes_over_speed(case, speeds, progress)
     if modes.followed.interrupted:
         raise KeyboardInterrupt
     return LinearCriticalSpeed(first_onset(zero_crossings(modes)), growing_at_start(modes))
 
 
-def scan_above(case: Case, above_kmh: float, progress: Progress | None = None) -> LinearCriticalSpeed:
-    """Linear critical speed of a case between a speed and HIGHEST_KMH [km/h]; a missing equilibrium is its `problem`.
+def onset_from(
+    case: Case, speeds_kmh: Sequence[float], progress: Progress | None = None
+) -> tuple[Crossing | None, float]:
+    """Lowest onset of growth at the speeds asked for [km/h] or above them, up to HIGHEST_KMH; and the highest looked at [km/h].
 
     Raises:
         KeyboardInterrupt: Ctrl-C came before the end.
+        ValueError: speeds not positive and rising.
+        StartError: no rolling equilibrium at one of the speeds asked for.
     """
-    return scan_linear((case, [above_kmh / 3.6, HIGHEST_KMH / 3.6]), progress)
+    here, highest = scan_linear(case, speeds_kmh, progress), speeds_kmh[-1]
+    if here.problem:
+        raise StartError(here.problem)
+    if here.onset is not None or here.grows_at_start or highest >= HIGHEST_KMH:
+        return here.onset, highest
+    above = scan_linear(case, [highest, HIGHEST_KMH], progress)
+    return above.onset, highest if above.problem else HIGHEST_KMH
 
 
 # -------------------------------------------------------------------------------------------------- by disturbance
@@ -199,84 +179,37 @@ On = frozenset[str]
 """Effects that are on."""
 
 
-@dataclass(frozen=True)
-class CriticalSpeedOverRadius:
-    """Linear critical speeds of parts of a vehicle on track and on rollers."""
-
-    parts: tuple[str, ...]  # cuts of the vehicle
-    radii: tuple[float, ...]  # of the rollers [m], rising; last TRACK
-    found: Mapping[Place, LinearCriticalSpeed]  # (part, radius) -> what was found; absent where Ctrl-C came first
-
-    def kmh(self, part: str, radius: float) -> float:
-        """Critical speed [km/h]; NaN if there is none or it was not computed."""
-        return self.found.get((part, radius), LinearCriticalSpeed()).speed_kmh
-
-
-@dataclass(frozen=True)
-class EffectSplit:
-    """Linear critical speeds on a rig with some of the roller's effects switched off, by those that are on."""
-
-    found: Mapping[On, LinearCriticalSpeed]
-
-    def kmh(self, on: On) -> float:
-        """Critical speed with these effects [km/h]; NaN if there is none or it was not computed."""
-        return self.found.get(on, LinearCriticalSpeed()).speed_kmh
-
-    @property
-    def rig(self) -> float:
-        """All effects on [km/h]."""
-        return self.kmh(frozenset(EFFECTS))
-
-    @property
-    def track(self) -> float:
-        """All effects off: the track of the same head [km/h]."""
-        return self.kmh(frozenset())
-
-    @property
-    def loss(self) -> float:
-        """Loss from track to rig [km/h]."""
-        return self.track - self.rig
-
-    @property
-    def switched_off(self) -> dict[str, float]:
-        """Effect -> what the rig gains without it [km/h]."""
-        return {effect: self.kmh(frozenset(EFFECTS) - {effect}) - self.rig for effect in EFFECTS}
-
-    @property
-    def alone(self) -> dict[str, float]:
-        """Effect -> what it alone takes from the track [km/h]."""
-        return {effect: self.track - self.kmh(frozenset({effect})) for effect in EFFECTS}
-
-    def interaction(self, parts: Mapping[str, float]) -> float:
-        """What the sum of single effects leaves of the loss [km/h]."""
-        return self.loss - sum(parts.values())
-
-
 def radius_cases(rig: Case, parts: Sequence[str], radii: Sequence[float] = RADII) -> dict[Place, Case]:
-    """Cases of the table: each part on rollers of each radius and on the track of the same head."""
+    """Each part of the vehicle on rollers of each radius, rising, and on the track of the same head."""
     track = on_track(rig)
-    cases: dict[Place, Case] = {}
-    for part in parts:
-        own = part_of(rig, part)
-        for radius in sorted(radii):
-            cases[part, radius] = on_rig(own, radius)
-        cases[part, TRACK] = part_of(track, part)
-    return cases
+    return {
+        (part, radius): part_of(track, part) if radius == TRACK else on_rig(part_of(rig, part), radius)
+        for part in parts
+        for radius in (*sorted(radii), TRACK)
+    }
+
+
+ALL_ON, ALL_OFF = frozenset(EFFECTS), frozenset[str]()
 
 
 def effect_cases(rig: Case) -> dict[On, Case]:
     """The rig with all effects, without each one, with each one alone, and with none."""
-    every = frozenset(EFFECTS)
-    wanted = [every, *(every - {e} for e in EFFECTS), *(frozenset({e}) for e in EFFECTS), frozenset[str]()]
+    wanted = (ALL_ON, *(ALL_ON - {e} for e in EFFECTS), *(frozenset({e}) for e in EFFECTS), ALL_OFF)
     return {
         on: rig.with_changes({f"contact.roller_effects.{effect}": effect in on for effect in EFFECTS}) for on in wanted
     }
 
 
-def critical_speed_over_radius(
-    places: Sequence[Place], found: Mapping[Place, LinearCriticalSpeed]
-) -> CriticalSpeedOverRadius:
-    """The table of all places of `radius_cases`, from what was computed for them."""
-    parts = tuple(dict.fromkeys(part for part, _ in places))
-    radii = tuple(sorted({radius for _, radius in places}))
-    return CriticalSpeedOverRadius(parts, radii, dict(found))
+def effect_split(found: Mapping[On, LinearCriticalSpeed]) -> dict[str, Any]:
+    """What each effect of a roller costs, of the critical speeds of `effect_cases` [km/h]; NaN where one is missing.
+
+    Returns:
+        As in summary.json: all effects off, the track of the same head, and on, the rig; what the rig gains without one effect;
+        what one alone takes from the track; what the sums of either leave of the loss from track to rig.
+    """
+    kmh = {on: scan.speed_kmh for on, scan in found.items()}
+    rig, track = (kmh.get(on, math.nan) for on in (ALL_ON, ALL_OFF))
+    off = {effect: kmh.get(ALL_ON - {effect}, math.nan) - rig for effect in EFFECTS}
+    alone = {effect: track - kmh.get(frozenset({effect}), math.nan) for effect in EFFECTS}
+    left = {f"interaction_{n}_kmh": track - rig - sum(v.values()) for n, v in (("switched_off", off), ("alone", alone))}
+    return {"track_kmh": track, "rig_kmh": rig, "gain_switched_off_kmh": off, "loss_alone_kmh": alone, **left}

@@ -107,6 +107,12 @@ def curving_parameters(case: Case) -> Iterator[str]:
         yield "contact.gauge_face_friction"
 
 
+def largest_change(found: xr.Dataset, output: str) -> xr.DataArray:
+    """What 1 % more of each number of a Dataset of `curving_sensitivity` does to an output where its magnitude is largest."""
+    one = found[output]
+    return 0.01 * found["value"] * found[f"{output}_derivative"].sel({one.dims[0]: abs(one).idxmax()})
+
+
 def _state(
     case: Case, radius: float, deficiency: float, cant: float | None, direction: str, near: SteadyState | None = None
 ) -> tuple[Array, SteadyState]:

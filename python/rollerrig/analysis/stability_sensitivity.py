@@ -13,7 +13,8 @@ Source: L. C. Rogers, Derivatives of eigenvalues and eigenvectors, AIAA J. 8 (19
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -109,6 +110,20 @@ def suspension_parameters(case: Case) -> Iterator[str]:
     for (stem, rest), found in groups.items():
         names = [stem] if len(set(found.values())) == 1 else list(found)
         yield from (f"vehicle.element.{name}.{rest}" for name in names)
+
+
+def parameter_rows(found: xr.Dataset, changes: Mapping[str, xr.DataArray]) -> list[dict[str, Any]]:
+    """A row per number of the case, of a sensitivity's Dataset: key, value, unit, changes; the largest first one on top."""
+    rows = [
+        {
+            "parameter": str(found["parameter"][k].item()),
+            "value": float(found["value"][k]),
+            "unit": str(found["parameter_unit"][k].item()),
+            **{key: float(change[k]) for key, change in changes.items()},
+        }
+        for k in range(found.sizes["parameter"])
+    ]
+    return sorted(rows, key=lambda row: -abs(row[next(iter(changes))]))
 
 
 def _dataset(keys: list[str], values: Array, slope: Array, roots: Complex, derivatives: Complex) -> xr.Dataset:

@@ -11,6 +11,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from rollerrig.analysis.curving_sensitivity import largest_change
 from rollerrig.common.arrays import Mask
 from rollerrig.plot.style import (
     COLOURS,
@@ -196,8 +197,7 @@ def tornado_diagram(sensitivity: xr.Dataset, output: str = "") -> Figure:
         one = sensitivity[output]
         largest = abs(one).idxmax()
         whole, unit = float(abs(one).max()), one.attrs["units"].replace("1", "-")
-        slope = sensitivity[f"{output}_derivative"].sel({one.dims[0]: largest})
-        change = (0.01 * sensitivity["value"] * slope).to_numpy()
+        change = largest_change(sensitivity, output).to_numpy()
         of = f"{output.replace('_', ' ')}, {str(largest.item()).replace('_', ' ')}"
     else:
         whole, unit, of = float(sensitivity.attrs["linear_critical_speed_kmh"]), "km/h", "linear critical speed"

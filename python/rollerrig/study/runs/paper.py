@@ -16,7 +16,7 @@ import xarray as xr
 
 from rollerrig.analysis import CriticalSpeedByDisturbance, HuntingSettings, RampSettings, hunting_table, ramp_run
 from rollerrig.analysis.control_loop import ContactState, contact_state
-from rollerrig.analysis.critical_speed import RADII, CriticalSpeedOverRadius, EffectSplit, scan_linear
+from rollerrig.analysis.critical_speed import RADII, effect_split, scan_linear
 from rollerrig.analysis.hunting import HuntingRun
 from rollerrig.analysis.traction import asymmetry, carried_weight, sliding_course, spin_balance, with_theory
 from rollerrig.cases import restrained_along_track
@@ -124,14 +124,12 @@ def _label(contact: str, material: str, variant: str) -> str:
 
 def rounds(plan: PaperPlan, done: Done) -> Iterator[Round]:
     """All jobs: what is linear first, then ramps and runs."""
-    scanned = [v / 3.6 for v in plan.linear_kmh]
     linear: dict[str, Job] = {}
     further: dict[str, Job] = {}
     for m in MATERIALS:
         for variant in VARIANTS:
             linear[f"modes {m}, {variant}"] = job(whole_modes, case_of(variant, m), plan.linear_kmh)
-            exact = case_of(variant, m, EXACT)
-            further[f"{EXACT} linear {m}, {variant}"] = job(scan_linear, (exact, scanned))
+            further[f"{EXACT} linear {m}, {variant}"] = job(scan_linear, case_of(variant, m, EXACT), plan.linear_kmh)
         rig = rig_case(m)
         linear[f"contact {m}"] = job(contact_state, rig)
         linear |= speeds.roller_jobs(rig, TABLE_PARTS, plan.radii, plan.linear_kmh, f" {m}")
@@ -159,8 +157,8 @@ class Results:
     runs: dict[Place, CriticalSpeedByDisturbance]  # critical speed by disturbance, with its runs
     contact: dict[str, ContactState]  # the wheels' contact in steady rolling on the rig, by material
     ramps: dict[str, xr.Dataset]  # Datasets of `ramp_run`, by material
-    over_radius: dict[str, CriticalSpeedOverRadius]  # critical speeds over the rollers' radius, by material
-    effects: dict[str, EffectSplit]  # of the rollers on the bogie's critical speed, by material
+    over_radius: dict[str, speeds.Scans]  # critical speeds over the rollers' radius, by material
+    effects: dict[str, speeds.Split]  # of the rollers on the bogie's critical speed, by material
     traction: xr.Dataset | None  # the traction run, all signals
     theory: xr.Dataset | None  # the same wheels beside the closed forms; those with the exact contact
     exact_theory: xr.Dataset | None
@@ -199,8 +197,7 @@ def results_of(plan: PaperPlan, done: Done) -> Results:
         if (scan := done.get(f"{EXACT} linear {m}, {v}")) is not None:
             linear[EXACT, m, v] = scan.speed_kmh, math.nan if scan.onset is None else scan.onset.frequency
     runs = {key: one for key in RUNS for one in speeds.brackets([_label(*key)], plan.hunting, done).values()}
-    radii = {m: speeds.over_radius(done, TABLE_PARTS, plan.radii, f" {m}") for m in MATERIALS}
-    splits = {m: speeds.effect_split(done, f" {m}") for m in MATERIALS}
+    rollers = {m: speeds.roller_results(rig_case(m), TABLE_PARTS, plan.radii, done, f" {m}") for m in MATERIALS}
     run, exact = done.get("traction"), done.get(f"{EXACT} traction")
     found = Results(
         modes={m: variants for m, variants in modes.items() if variants},
@@ -208,8 +205,8 @@ def results_of(plan: PaperPlan, done: Done) -> Results:
         runs=runs,
         contact={m: done[n] for m in MATERIALS if (n := f"contact {m}") in done},
         ramps={m: done[n] for m in MATERIALS if (n := f"ramp {m}") in done},
-        over_radius={m: one for m, one in radii.items() if one is not None},
-        effects={m: one for m, one in splits.items() if one is not None},
+        over_radius={m: one for m, (one, _) in rollers.items() if one},
+        effects={m: effect_split(one) for m, (_, one) in rollers.items() if one},
         traction=run,
         theory=None if run is None else with_theory(run, traction_case()),
         exact_theory=None if exact is None else with_theory(exact, traction_case(EXACT)),
@@ -348,7 +345,7 @@ def _material_numbers(results: Results, material: str) -> dict[str, Any]:
     if material in results.over_radius:
         found["critical_speed_over_radius_kmh"] = speeds.radius_numbers(results.over_radius[material])
     if material in results.effects:
-        found["roller_effects"] = speeds.effect_numbers(results.effects[material])
+        found["roller_effects"] = results.effects[material]
     return found
 
 
