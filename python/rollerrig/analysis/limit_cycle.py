@@ -76,15 +76,10 @@ class NotMadeError(Exception):
 
 @dataclass
 class Branch:
-    """Points of a sweep in the order in which they were computed: at the speeds asked for, and of the halving (`refined`).
+    """Points of a sweep in the order in which they were computed, those of the halving last."""
 
-    It is interrupted where a run that belongs to it was not made.
-    """
-
-    sweep: Literal["up", "down"]
     points: list[CyclePoint] = field(default_factory=list)
-    refined: list[CyclePoint] = field(default_factory=list)
-    interrupted: bool = False
+    interrupted: bool = False  # whether a run that belongs to it was not made
 
 
 def trace(
@@ -98,12 +93,11 @@ def trace(
 
     With a tolerance [m/s], the speed at which the limit cycle ends is found to it.
     """
-    branch = Branch(sweep)
-    ordered = sorted(speeds, reverse=sweep == "down")
+    branch = Branch()
     state: State | None = None
     lowest: tuple[float, State] | None = None  # the limit cycle at the lowest speed so far
     try:
-        for speed in ordered:
+        for speed in sorted(speeds, reverse=sweep == "down"):
             point, state = settle(speed, state)
             branch.points.append(point)
             if state is not None and (lowest is None or speed < lowest[0]):
@@ -120,7 +114,7 @@ def _halve(settle: Settle[State], branch: Branch, low: float, high: float, state
     while high - low > tolerance:  # not where low is NaN: there is a limit cycle at the lowest speed
         middle = 0.5 * (low + high)
         point, found = settle(middle, state)
-        branch.refined.append(point)
+        branch.points.append(point)
         if point.decays:
             low = middle
             continue
@@ -205,12 +199,9 @@ def _alike(one: CyclePoint, other: CyclePoint) -> bool:
 
 def diagram(up: Branch | None, down: Branch | None, linear: float, tolerance: float) -> Diagram:
     """Put the two sweeps together, with the linear critical speed (NaN: none) and the tolerance of the halving [m/s]."""
-
-    def ordered(branch: Branch | None) -> list[CyclePoint]:
-        return [] if branch is None else sorted([*branch.points, *branch.refined], key=lambda p: p.speed)
-
+    rising, falling = (sorted(branch.points, key=lambda p: p.speed) if branch else [] for branch in (up, down))
     stopped = any(branch is None or branch.interrupted for branch in (up, down))
-    return Diagram(ordered(up), ordered(down), linear, tolerance, stopped)
+    return Diagram(rising, falling, linear, tolerance, stopped)
 
 
 # ---------------------------------------------------------------------------------------------------- settling

@@ -60,10 +60,8 @@ def nearly_the_same(case: Case, count: int) -> list[Case]:
     """An ensemble: the case, and others of which each is displaced by 1e-9 more than the one before."""
 
     def displaced(larger: float) -> Case:
-        moved = [
-            one.model_copy(update={"lateral": larger * one.lateral, "yaw": larger * one.yaw})
-            for one in case.disturbance
-        ]
+        changes = [{"lateral": larger * one.lateral, "yaw": larger * one.yaw} for one in case.disturbance]
+        moved = (one.model_copy(update=change) for one, change in zip(case.disturbance, changes, strict=True))
         return case.model_copy(update={"disturbance": tuple(moved)})
 
     return [displaced(1.0 + NEARLY * k) for k in range(count)]
@@ -124,64 +122,40 @@ def run_numbers(run: xr.Dataset, slide: float) -> dict[str, Any]:
 
 def control_text(numbers: Numbers) -> Iterator[str]:
     """How lateral motion disturbs the control of the rig."""
-    runs, again = numbers["runs"], numbers["ensemble"]
-    means = {"rig_centred": runs.get("rig_centred"), **{key: again.get(key) for key in ("rig", "rig_rigid")}}
-    if not all(one and one["tracking_rms"] for one in means.values()):
-        return
-    errors = {key: one["tracking_rms"] for key, one in means.items() if one}
-    yield (
-        f"Tracking error, RMS of train speed: {percent(errors['rig_centred'])} while the bogie stays centred, "
-        f"{percent(errors['rig_rigid'])} where it hunts on rigid rollers, {percent(errors['rig'])} on elastic ones "
-        f"({number(errors['rig'] / errors['rig_centred'], 2)} times as much). Wheels then slide on the rollers at up to "
-        f"{_interval(again['rig'])} m/s, rigid {_interval(again['rig_rigid'])} m/s, centred "
-        f"{number(runs['rig_centred']['real_sliding_largest_mps'], 2)} m/s: means of runs whose disturbances differ by 10⁻⁹, and "
-        "their standard errors, as flanges that strike move every single figure."
-    )
+    members = {
+        "rig_centred": numbers["runs"].get("rig_centred"),
+        **{key: numbers["ensemble"].get(key) for key in REPEATED},
+    }
+    for key, one in members.items():
+        if one and one["tracking_rms"]:
+            yield (
+                f"{LABELS[key].capitalize()}: tracking error {percent(one['tracking_rms'])} of train speed (RMS), wheels slide "
+                f"on the rollers at up to {_interval(one)} m/s."
+            )
 
 
 def hunting_text(numbers: Numbers) -> Iterator[str]:
     """What becomes of hunting in a slide, on track and on the rig, and which of its causes ends it."""
-    runs = numbers["runs"]
-
-    def sizes(key: str) -> str:
-        run = runs[key]
-        return f"{number(run['amplitude_before_mm'], 2)} and {number(run['amplitude_in_slide_mm'], 2)} mm"
-
-    def known(*keys: str) -> bool:
-        return all(key in runs and runs[key]["amplitude_in_slide_mm"] is not None for key in keys)
-
-    if known("track", "rig"):
+    parts = []
+    for key, run in numbers["runs"].items():
+        before, later = run["amplitude_before_mm"], run["amplitude_in_slide_mm"]
+        if "centred" not in key and later is not None:
+            end = "dies" if later < LEFT * before else "goes on"
+            parts.append(f"{LABELS[key]}: {number(before, 2)} and {number(later, 2)} mm, {end}")
+    if parts:
         yield (
-            "Hunting, amplitude of the leading wheelset before the slide and later than 1 s into it: on track "
-            f"{sizes('track')}, on the rig {sizes('rig')}: its real wheels keep rolling on dry rollers."
+            "Hunting, amplitude of the leading wheelset before the slide and later than 1 s into it: "
+            f"{'; '.join(parts)}. Unbraked no wheel slides: what dies there too dies of the flatter creep curve of the "
+            "contaminated rail (k_A, k_S), or near the limit of friction of Polach's softer one; the pair with k_A = k_S = 1 "
+            "separates the slide from the rail."
         )
-    if known("track_unbraked"):
-        end = "it goes on, and the slide is what ends it."
-        if runs["track_unbraked"]["amplitude_in_slide_mm"] < LEFT * runs["track_unbraked"]["amplitude_before_mm"]:
-            end = (
-                "hunting dies there too, of the flatter creep curve of the contaminated rail (k_A, k_S) alone, and the run with "
-                "braking does not show what sliding does."
-            )
-        yield f"On the same rail without braking it is {sizes('track_unbraked')} at these times: {end}"
-    if known("track_stiff", "track_stiff_unbraked"):
-        text = (
-            f"With k_A = k_S = 1, where only friction is low, it is {sizes('track_stiff_unbraked')} unbraked and "
-            f"{sizes('track_stiff')} braked: this pair separates the slide from the rail."
-        )
-        if known("track_polach_stiff_unbraked"):
-            unbraked = sizes("track_polach_stiff_unbraked")
-            text += f" With Polach's creep law it is {unbraked} unbraked: near the limit of friction it is softer."
-        yield text
 
 
 def guidance_text(numbers: Numbers) -> Iterator[str]:
     """What is left of lateral creep on a sliding wheel, with which creep law."""
-    laws = {"track": "the case's creep law", "track_paper": "the paper's law"}
-    found = {law: numbers["guidance"][key] for key, law in laws.items() if key in numbers["guidance"]}
-    if laws["track"] not in found:
+    if (own := numbers["guidance"].get("track")) is None:
         return
-    own = found[laws["track"]]
-    slopes = ", ".join(f"{one['slope']:z.2f} with {law}" for law, one in found.items())
+    slopes = ", ".join(f"{one['slope']:z.2f} ({LABELS[key]})" for key, one in numbers["guidance"].items())
     yield (
         f"What remains of lateral creep on a sliding wheel is viscous, {number(own['sliding_ns_per_m'], 3)} N s/m instead of "
         f"{number(own['rolling_ns_per_m'], 3)}. Against −F v_y/v_s its slope is {slopes}."
@@ -193,8 +167,8 @@ LEFT = 0.2
 
 
 def _interval(one: Numbers) -> str:
-    """Largest sliding of an ensemble [m/s]; without an error where that is round-off."""
-    mean, error = one["real_sliding_largest_mps"], one["real_sliding_largest_mps_standard_error"]
+    """Largest sliding [m/s], of an ensemble with its standard error; without it where that is round-off."""
+    mean, error = one["real_sliding_largest_mps"], one.get("real_sliding_largest_mps_standard_error", 0.0)
     return number(mean, 2) + (f" ± {number(error, 1)}" if error > 1e-3 * mean else "")
 
 
@@ -297,8 +271,7 @@ class LateralStudy(Study[Found]):
         return lateral_guidance.guidance(run, lateral_guidance.lateral_creep_coefficient(self.case, run))
 
     def summary(self, results: Found, numbers: Numbers) -> list[str]:
-        lines = [*control_text(numbers), *hunting_text(numbers)]
-        lines += guidance_text(numbers)
+        lines = [*control_text(numbers), *hunting_text(numbers), *guidance_text(numbers)]
         ended = {key: run for key, run in results.runs.items() if run.attrs["status"] not in COMPLETED}
         return lines + [f"{LABELS[key]}: {run.attrs['status_message']}" for key, run in ended.items()]
 

@@ -96,9 +96,20 @@ def _branch(
     return trace(settle, sweep, tuple(float(v) / 3.6 for v in speeds_kmh), tolerance=tolerance), missing
 
 
+POINT = {
+    "speed_kmh": ("speed", 3.6),
+    "amplitude_mm": ("amplitude", 1e3),
+    "peak_mm": ("peak", 1e3),
+    "frequency_hz": ("frequency", 1.0),
+    "guiding_force_n": ("guiding_force", 1.0),
+    "growth_rate_at_end_per_s": ("rate", 1.0),
+    "duration_s": ("duration", 1.0),
+}
+"""Number of a point -> attribute of CyclePoint, and factor."""
+
+
 def cycle_numbers(found: Diagram, settings: LimitCycleSettings) -> dict[str, Any]:
     """The diagram and what follows from it."""
-    sweeps: tuple[tuple[str, list[CyclePoint]], ...] = (("up", found.up), ("down", found.down))
     return {
         "bifurcation": found.kind,
         "critical_speed_by_continuation_kmh": 3.6 * found.lowest_cycle,
@@ -112,16 +123,10 @@ def cycle_numbers(found: Diagram, settings: LimitCycleSettings) -> dict[str, Any
         "points": [
             {
                 "sweep": sweep,
-                "speed_kmh": round(3.6 * point.speed, 6),
-                "amplitude_mm": 1e3 * point.amplitude,
-                "peak_mm": 1e3 * point.peak,
-                "frequency_hz": point.frequency,
-                "guiding_force_n": point.guiding_force,
-                "growth_rate_at_end_per_s": point.rate,
-                "duration_s": point.duration,
+                **{key: factor * getattr(point, name) for key, (name, factor) in POINT.items()},
                 "status": point.status,
             }
-            for sweep, points in sweeps
+            for sweep, points in (("up", found.up), ("down", found.down))
             for point in points
         ],
     }

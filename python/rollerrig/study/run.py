@@ -109,33 +109,33 @@ def safety_sections(assessment: Assessment, rows: Sequence[Row], along: xr.DataA
     angle = math.degrees(forces.attrs["flange_angle_rad"])
     nadal = f"Nadal, δ = {angle:.1f}°, μ = {forces.attrs['friction']:g}"
     limits = {nadal: float(forces["nadal_limit"]), "EN 14363": QUOTIENT_LIMIT}
-    drawings = [
-        (
-            "Wheel forces",
-            figures.wheel_forces_over_time(forces, along),
-            "Wheel loads Q, and guiding forces Y on the rails or rollers.",
-        ),
-        ("Y/Q", figures.quotient(forces, along, limits), "Guiding force over wheel load, with its limits."),
-        (
-            "Sum of guiding forces",
-            figures.track_shifting(forces, along),
-            "Lateral force of each wheelset on the track.",
-        ),
-        (
-            "Wear number",
-            figures.wear(forces, along),
-            "Work of the creep forces per metre of distance, all patches of a wheel.",
-        ),
-    ]
+    drawn = {
+        "Wheel forces": figures.wheel_forces_over_time(forces, along),
+        "Y/Q": figures.quotient(forces, along, limits),
+        "Sum of guiding forces": figures.track_shifting(forces, along),
+        "Wear number": figures.wear(forces, along),
+    }
     framed = assessment.points["on_wheelsets"].to_numpy()
     for title, kept in (("Accelerations of the car body", ~framed), ("Accelerations of the frames", framed)):
         if kept.any():
-            figure = figures.accelerations_along(assessment.points.isel(point=kept), along)
-            drawings.append((title, figure, "At the centre of mass, and above the suspension."))
-    for title, figure, text in drawings:
-        found.append(Section(title, [Picture(title.lower().replace("/", "_over_").replace(" ", "_"), figure, text)]))
+            drawn[title] = figures.accelerations_along(assessment.points.isel(point=kept), along)
+    for title, figure in drawn.items():
+        name = title.lower().replace("/", "_over_").replace(" ", "_")
+        found.append(
+            Section(
+                title, [Picture(name, figure, FORCES.get(title, "At the centre of mass, and above the suspension."))]
+            )
+        )
     return found
 
+
+FORCES = {
+    "Wheel forces": "Wheel loads Q, and guiding forces Y on the rails or rollers.",
+    "Y/Q": "Guiding force over wheel load, with its limits.",
+    "Sum of guiding forces": "Lateral force of each wheelset on the track.",
+    "Wear number": "Work of the creep forces per metre of distance, all patches of a wheel.",
+}
+"""Section -> caption of its figure."""
 
 VIBRATING = 0.1
 """Share of the static wheel load: the report speaks of a larger r.m.s. of what the filter takes away."""
@@ -150,18 +150,20 @@ def vibrations(assessment: Assessment) -> list[str]:
     assessed, raw = assessment.assessed["wheel_load"], unfiltered(assessment.forces)["wheel_load"]
     if "filter" not in assessed.attrs:
         return []
-    part = ((raw.std("time") ** 2 - assessed.std("time") ** 2).clip(min=0.0) ** 0.5) / assessment.forces[
-        "static_wheel_load"
-    ]
+    vibration = (raw.std("time") ** 2 - assessed.std("time") ** 2).clip(min=0.0) ** 0.5
+    part = vibration / assessment.forces["static_wheel_load"]
     if not bool((part > VIBRATING).any()):
         return []
-    wheel = str(part["wheel"].to_numpy()[int(part.to_numpy().argmax())])
     unloaded = ", until wheels are unloaded for moments" if float(raw.min()) <= 0.0 else ""
     return [
         f"Above the filter the wheel loads vibrate by up to {number(100 * float(part.max()), 2)} % of the static load (r.m.s., "
-        f"{wheel.replace('_', ' ')}){unloaded}: wheelsets on the springs of their contacts, which nothing damps on rigid rails "
-        "or rollers, struck by irregularities and by jumps between contact patches. The filtered forces are free of it."
+        f"{_words(part.idxmax().item())}){unloaded}: wheelsets on the springs of their contacts, which nothing damps on rigid "
+        "rails or rollers, struck by irregularities and by jumps between patches. The filtered forces are free of it."
     ]
+
+
+def _words(name: object) -> str:
+    return str(name).replace("_", " ")
 
 
 def _most_critical(rows: Sequence[Row], caption: str = "") -> Table:
@@ -170,12 +172,13 @@ def _most_critical(rows: Sequence[Row], caption: str = "") -> Table:
     for key in dict.fromkeys((row.quantity, row.filter) for row in rows):
         row = max((one for one in rows if (one.quantity, one.filter) == key), key=_outer)
         quantity = SAFETY[row.quantity]
-        statistics = ("quasi_static", "percentile_0_15", "percentile_99_85", "rms")
-        cells = [quantity.cell(value) for value in (*(row.statistics[name] for name in statistics), row.limit)]
-        part = Quantity("", "", digits=3).cell(100.0 * row.part_of_limit)
-        lines.append([quantity.heading, row.filter, row.place.replace("_", " "), *cells, part])
-    header = ("", "filter", "at", "quasi-static", "0.15 %", "99.85 %", "r.m.s.", "limit", "of it [%]")
-    return Table(header, lines, caption)
+        cells = [quantity.cell(value) for value in (*(row.statistics[name] for name in SHOWN), row.limit)]
+        lines.append([quantity.heading, row.filter, _words(row.place), *cells, number(100.0 * row.part_of_limit, 3)])
+    return Table(("", "filter", "at", *SHOWN.values(), "limit", "of it [%]"), lines, caption)
+
+
+SHOWN = {"quasi_static": "quasi-static", "percentile_0_15": "0.15 %", "percentile_99_85": "99.85 %", "rms": "r.m.s."}
+"""Statistics in the report -> heading."""
 
 
 def _outer(row: Row) -> float:
@@ -202,53 +205,46 @@ def rest_numbers(rest: LateralRest) -> dict[str, Any]:
 
 def answer(numbers: Numbers, rest: LateralRest | None, rows: Sequence[Row]) -> list[str]:
     """The findings, the one that the run was made for first."""
-    lines = [] if rest is None else [_rest(rest)]
-    if safe := _safety(rows):
-        lines.append(safe)
-    lines.append(f"{numbers['case']}: {numbers['stopped_at_s']:g} s computed. {numbers['status_message']}")
-    speeds = ""
-    if numbers["samples"]:
-        speeds = f"Speed {numbers['speed_start_kmh']:.4g} km/h at the start, {numbers['speed_end_kmh']:.4g} km/h at the end. "
     energy = numbers["energy_turned_over_j"]
-    lines.append(
-        f"{speeds}Energy balance closed to {number(numbers['energy_relative_residual'], 2)} of the "
-        f"{number(energy and energy / 1e3)} kJ turned over."
-    )
-    return [*lines, *(f"Warning: {line}." for line in numbers["warnings"].splitlines())]
+    speeds = (number(numbers[f"speed_{end}_kmh"]) for end in ("start", "end"))
+    return [
+        *([] if rest is None else [_rest(rest)]),
+        *_safety(rows),
+        f"{numbers['case']}: {numbers['stopped_at_s']:g} s computed. {numbers['status_message']}",
+        f"Speed at the start and at the end {' and '.join(speeds)} km/h. Energy balance closed to "
+        f"{number(numbers['energy_relative_residual'], 2)} of the {number(energy and energy / 1e3)} kJ turned over.",
+        *(f"Warning: {line}." for line in numbers["warnings"].splitlines()),
+    ]
+
+
+DECISIONS = {"persists": "It hunts", "open": "Not decided whether it hunts", "decays": "The motion decays"}
 
 
 def _rest(rest: LateralRest) -> str:
-    body, final = rest.body.replace("_", " "), rest.final
-    motion = f"by ±{number(1e3 * final.amplitude, 2)} mm at {number(final.frequency, 2)} Hz"
-    if rest.decision == "persists":
-        return f"It hunts: in the last third of the run {body} still moves sideways {motion}."
-    if rest.decision == "open":
-        change = f", which changes by {100.0 * final.rate:+.2g} %/s" if math.isfinite(final.rate) else ""
-        return (
-            f"Not decided whether it hunts: in the last third of the run {body} still moves sideways {motion}{change}; a "
-            "longer run (time.duration) tells."
-        )
-    was = f"by up to {number(1e3 * rest.largest, 2)} mm"
-    if final.amplitude == 0.0:
-        return f"The motion decays: {body} moved sideways {was}, and no longer does so in the last third of the run."
-    return f"The motion decays: {body} moved sideways {was}, in the last third of the run {motion}, and less and less."
-
-
-def _safety(rows: Sequence[Row]) -> str:
-    """The quantities with a limit, each where it comes nearest to it."""
-    known = [row for row in rows if row.quantity in _LIMITED and math.isfinite(row.part_of_limit)]
-    nearest = {row.quantity: max((one for one in known if one.quantity == row.quantity), key=lambda one: one.part_of_limit)
-               for row in known}  # fmt: skip
-    if not nearest:
-        return ""
-    beyond = any(row.part_of_limit > 1.0 for row in nearest.values())
-    parts = (
-        f"{_LIMITED[name]} reaches {number(100.0 * row.part_of_limit, 2)} % ({row.place.replace('_', ' ')})"
-        for name, row in nearest.items()
+    final, text = (
+        rest.final,
+        f"{DECISIONS[rest.decision]}: {_words(rest.body)} moved sideways by up to {number(1e3 * rest.largest, 2)} mm",
     )
-    *others, last = parts
-    listed = f"{', '.join(others)} and {last}" if others else last
-    return f"Running safety: {listed} of the limit{', which it exceeds' if beyond else ''}."
+    if final.amplitude == 0.0:
+        return f"{text}, and no longer does so in the last third of the run."
+    change = f", which changes by {100.0 * final.rate:+.2g} %/s" if math.isfinite(final.rate) else ""
+    longer = " A longer run (time.duration) tells." if rest.decision == "open" else ""
+    motion = f"±{number(1e3 * final.amplitude, 2)} mm at {number(final.frequency, 2)} Hz"
+    return f"{text}, in the last third of the run by {motion}{change}.{longer}"
+
+
+def _safety(rows: Sequence[Row]) -> Iterator[str]:
+    """The quantities with a limit, each where it comes nearest to it."""
+    known = sorted((row for row in rows if math.isfinite(row.part_of_limit)), key=lambda row: row.part_of_limit)
+    nearest = {row.quantity: row for row in known if row.quantity in _LIMITED}
+    if nearest:
+        parts = [
+            f"{name} reaches {number(100.0 * nearest[key].part_of_limit, 2)} % ({_words(nearest[key].place)})"
+            for key, name in _LIMITED.items()
+            if key in nearest
+        ]
+        beyond = ", which it exceeds" if any(row.part_of_limit > 1.0 for row in nearest.values()) else ""
+        yield f"Running safety: {', '.join(parts)} of the limit{beyond}."
 
 
 QUANTITIES = Quantities(

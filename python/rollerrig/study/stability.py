@@ -93,8 +93,8 @@ def shape_blocks(modes: xr.Dataset) -> list[Block]:
         Text(
             f"All at {speed:g} km/h, the speed of the table nearest to the linear critical one, or the highest. Displacements "
             f"are not to scale; outlines are schematic, dashed in their design position: wheelset red, bogie blue, car body "
-            "green. x points forward, y to the left. In the tables: displacement amplitudes in m and rad, the largest 1, phase in "
-            "degrees, without parts below 0.02. All modes at all speeds are in shapes.csv."
+            "green. x points forward, y to the left. In the tables: displacement amplitudes in m and rad, the largest 1, phase "
+            "in degrees, without parts below 0.02. All modes at all speeds are in shapes.csv."
         )
     ]
     critical = modes.attrs["linear_critical_mode"] or modes.attrs["hunting_mode"]
