@@ -116,10 +116,12 @@ class PaperStudy(Study[Results]):
 
         ramp = self.chosen.ramps[MATERIALS[0]]
         every, rate = (round(3.6 * value, 6) for value in (ramp.perturbation_every, ramp.acceleration))
+        ends = {m: 3.6 * end_of_hunting(run, "front_frame") for m, run in results.ramps.items()}
         stability: list[Block] = [
             *self._critical_table(results),
-            *map(Text, _critical_paragraphs(results)),
+            Text(TEXT["hysteresis"]),
             Text(TEXT["ramp"].format(every=every, perturbation=1e3 * ramp.perturbation, rate=rate)),
+            *(Text(TEXT["ramp_end"].format(NAMES[m], end)) for m, end in ends.items() if math.isfinite(end)),
             *pictures("figure_7a_ramp"),
             Text(TEXT["constant_speed"]),
             *pictures("figure_7a_time_steel", "figure_7a_time_paper", "figure_7a_amplitude"),
@@ -127,10 +129,6 @@ class PaperStudy(Study[Results]):
             *pictures("figure_7b_steel", "figure_7b_paper"),
         ]
         rig: list[Block] = [
-            *(
-                Text(f"{NAMES[m].capitalize()}, bogie. {speeds.effects_sentence(one)}")
-                for m, one in results.effects.items()
-            ),
             *(speeds.radius_table(one, TEXT["radii"].format(NAMES[m])) for m, one in results.over_radius.items()),
             *pictures("radius_steel", "radius_paper"),
             *(speeds.effects_table(one, TEXT["effects"].format(NAMES[m])) for m, one in results.effects.items()),
@@ -222,10 +220,6 @@ def _figures(results: Results) -> dict[str, Figure]:
 Row = Sequence[str]
 
 
-def _percents(values: list[float]) -> str:
-    return f"{100 * min(values):+z.0f} to {100 * max(values):+z.0f} %"
-
-
 def _speeds(results: Results, material: str, contact: str) -> str:
     """The critical speed on the rig by both definitions."""
     linear, by = results.linear_kmh(material, RIG, contact), results.by_disturbance(material, RIG, contact)
@@ -233,27 +227,12 @@ def _speeds(results: Results, material: str, contact: str) -> str:
     return f"{small} for small motions and {by.text('km/h', 1) if by.known else 'not computed'} from the offset"
 
 
-def _critical_paragraphs(results: Results) -> Iterator[str]:
-    """What figure 7 says about the critical speed."""
-    for material, found in results.runs_of(RIG).items():
-        small, large = results.linear_kmh(material), results.by_disturbance(material)
-        if not (math.isfinite(small) and large.known):
-            continue
-        offset, words = 1e3 * found.disturbance, large.text("km/h", 1)
-        text = TEXT["critical"].format(material=NAMES[material].capitalize(), small=small, offset=offset, large=words)
-        if large.high < small - 5:
-            text += TEXT["hysteresis"].format(high=large.high, small=small)
-        ramp = results.ramps.get(material)
-        end = 3.6 * end_of_hunting(ramp, "front_frame") if ramp is not None else math.nan
-        yield text + (f" On the ramp down, the hunting ends at {end:z.0f} km/h." if math.isfinite(end) else "")
-
-
 def _rig_and_rails(results: Results) -> Iterator[Row]:
     """Figure 7b: bogie on the rig against the whole vehicle on the rails."""
     for m in MATERIALS:
         if apart := results.frequency_differences(m):
             what = f"frequency of hunting, rig against rails, {NAMES[m]} (figure 7b)"
-            yield what, "similar", f"differs by {_percents(apart)}", TEXT["short"]
+            yield what, "similar", f"differs by {100 * min(apart):+z.0f} to {100 * max(apart):+z.0f} %", TEXT["short"]
         rig, rails = results.by_disturbance(m), results.by_disturbance(m, VEHICLE)
         if rig.known and rails.known:
             here = f"{rig.text('km/h')} on the rig, {rails.text('km/h')} on the rails"

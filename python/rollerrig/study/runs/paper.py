@@ -285,16 +285,10 @@ def traction_checks(run: xr.Dataset, study: xr.Dataset, case: Case) -> Iterator[
 
 
 def around_onset(runs: list[HuntingRun], onset: float, count: int = 6) -> list[HuntingRun]:
-    """Runs on both sides of the onset [m/s] and further away, by speed; spread evenly if there is no onset."""
-    if not math.isfinite(onset):
-        return runs[:: max(1, math.ceil(len(runs) / count))]
-    below = [run for run in runs if run.speed < onset]
-    above = [run for run in runs if run.speed >= onset]
-    far_below = [run for run in below[:-1] if run.speed < onset - 8 / 3.6]
-    far_above = [run for run in above[1:] if run.speed > onset + 8 / 3.6]
-    picked = below[-1:] + above[:1] + far_below[-1:] + far_above[:1] + far_above[2:3] + far_above[-1:]
-    unique = {run.speed: run for run in picked}
-    return [unique[speed] for speed in sorted(unique)][:count]
+    """Runs spread evenly over the speeds, and those next to the onset [m/s] on either side if there is one, by speed."""
+    near = [i for i, run in enumerate(runs) if run.speed >= onset][:1]
+    step = math.ceil(len(runs) / (count - 2 * len(near)))
+    return [runs[i] for i in sorted({*range(0, len(runs), step), *near, *(max(i - 1, 0) for i in near)})]
 
 
 ENDS = (
