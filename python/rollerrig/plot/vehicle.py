@@ -78,8 +78,7 @@ def vehicle(case: Case | str) -> Figure:
         panels[view].set_title(_TITLES[view], loc="left", fontsize=8.5, pad=room(rows))
     for view, axes in panels.items():
         into = {"side": "y into the page", "plan": "z towards you", "end": "x into the page"}[view]
-        across, up = VIEWS[view]
-        triad(axes, (across, up), into, mirrored=view == "end")
+        triad(axes, VIEWS[view], into, mirrored=view == "end")
     return figure
 
 
@@ -115,7 +114,7 @@ def _sheet(scene: Scene) -> tuple[Figure, dict[str, Axes], bool]:
     gap, width = 0.55, 11.0
     scale = (width - 3 * gap) / ((x1 - x0) + (y1 - y0))  # inches per metre
     upright, flat = scale * (z1 - z0), scale * (y1 - y0)
-    rows = len(bodies(scene)) + len(scene.families) + 4
+    rows = len(scene.families) + 4
     beside = scale * (x1 - x0) < 0.6 * width  # room for the names at the right of the plan
     strip = 0.0 if beside else 0.055 * rows + 0.25
     lower = max(flat, 0.17 * rows) if beside else strip + flat
@@ -261,21 +260,12 @@ def _element(axes: Axes, scene: Scene, element: Element, view: str, ink: str) ->
 def _turning(axes: Axes, scene: Scene) -> None:
     """Senses of turning in which forward running, driving torques and brakes are counted."""
     case, support = scene.case, scene.case.support.data
-    radius = case.vehicle.data.wheel.radius
     for body in wheelsets(case):
         middle = scene.place(body.position, "side")
-        turning(axes, middle, 0.55 * radius, INK)
-        acting = scene.acting_on(body)
-        if acting and radius > 0.1 * scene.span:
-            place = tuple(middle - [0.0, 0.42 * radius])
-            axes.annotate(", ".join(acting), place, ha="center", va="center", fontsize=6.5, zorder=9)
+        turning(axes, middle, 0.55 * case.vehicle.data.wheel.radius, INK)
         if isinstance(support, Rig):
             below = np.array([middle[0], -support.roller_radius])
             turning(axes, below, 0.4 * support.roller_radius, INK, clockwise=False)
-            controlled = "drive, rig control" if case.rig_control else f"drive: {case.motion.drive.replace('_', ' ')}"
-            if radius > 0.1 * scene.span:
-                place = tuple(below - [0.0, 0.28 * support.roller_radius])
-                axes.annotate(controlled, place, ha="center", va="center", fontsize=6.5)
     if isinstance(support, Rig) and support.restraint:
         low = axes.get_xlim()[0]
         start = np.array([low + 0.02, support.restraint.height])

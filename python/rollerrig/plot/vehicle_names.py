@@ -1,7 +1,7 @@
 """Names in the drawing of a vehicle: in a row above each view, each with a line to what it names, and the legend.
 
 view, names with places -> [callouts] -> texts and lines
-Scene -> [named_bodies, named_elements] -> Callouts;  Scene -> [legend] -> rows at the lower right of the sheet
+Scene -> [named_bodies, named_elements] -> Callouts;  Scene -> [legend] -> laws, at the lower right of the sheet
 """
 
 from collections.abc import Sequence
@@ -17,7 +17,7 @@ from matplotlib.lines import Line2D
 from rollerrig.cases import ACTUATORS, wheelsets
 from rollerrig.config import Element, Rig
 from rollerrig.plot.style import colour
-from rollerrig.plot.vehicle_scene import BODY, HELD, INK, STEEL, WHEELSET, Scene, bodies, box
+from rollerrig.plot.vehicle_scene import INK, STEEL, Scene, bodies, box
 
 _LINE, _GAP, _ABOVE = 11.0, 5.0, 6.0
 """Height of a row, least room between two names, and between the view and the lowest row [points]."""
@@ -161,32 +161,26 @@ def named_elements(scene: Scene) -> list[Callout]:
 
 
 def legend(figure: Figure, scene: Scene, beside: bool) -> None:
-    """What everything is called, at the lower right of the sheet."""
-    case, part = scene.case, scene.case.vehicle.part
-    handles: list[Line2D] = []
-
-    def row(text: str, **look: Any) -> None:
-        handles.append(Line2D([], [], **{"linestyle": "none", **look}, label=text))
-
-    for body in bodies(scene):
-        face = WHEELSET if body.kind == "wheelset" else HELD if body.name in part.fixed else BODY
-        words = [body.name, *(["held"] if body.name in part.fixed else [])]
-        words += [f"locked: {', '.join(body.locked)}"] if body.locked else []
-        row(", ".join(words), marker="s", markersize=7, markerfacecolor=face, markeredgecolor=INK)
+    """The laws of the elements, the support and what acts, at the lower right of the sheet."""
+    case, support = scene.case, scene.case.support.data
+    rows: dict[str, dict[str, Any]] = {}
     for number, (name, elements) in enumerate(scene.families.items()):
-        row(f"{name}{f' ×{len(elements)}' if len(elements) > 1 else ''}: {_laws(elements[0])}", marker="o", markersize=4,
-            linestyle="-", color=colour(number), linewidth=1.5)  # fmt: skip
-    support = case.support.data
-    under = (
-        f"{support.name}, rollers of {1e3 * support.roller_radius:g} mm" if isinstance(support, Rig) else support.name
-    )
-    row(under, marker="s", markersize=7, markerfacecolor=STEEL, markeredgecolor=INK)
+        count = f" ×{len(elements)}" if len(elements) > 1 else ""
+        look = {"marker": "o", "markersize": 4, "linestyle": "-", "color": colour(number), "linewidth": 1.5}
+        rows[f"{name}{count}: {_laws(elements[0])}"] = look
+    rollers = f", rollers of {1e3 * support.roller_radius:g} mm" if isinstance(support, Rig) else ""
+    rows[f"{support.name}{rollers}"] = {
+        "marker": "s",
+        "markersize": 7,
+        "markerfacecolor": STEEL,
+        "markeredgecolor": INK,
+    }
     acting = [name.replace("_", " ") for name in ACTUATORS if getattr(case, name)]
-    acting += ["axle torque"] if case.axle_torque else []
-    if acting:
-        row(f"acting: {', '.join(acting)}", marker=".", markersize=0)
+    if acting := acting + ["axle torque"] * bool(case.axle_torque):
+        rows[f"acting: {', '.join(acting)}"] = {}
     arrows = "arrows: senses of forward running, + for torques on wheelsets"
-    row(arrows, marker=r"$\circlearrowright$", markersize=8, color=INK)
+    rows[arrows] = {"marker": r"$\circlearrowright$", "markersize": 8, "color": INK}
+    handles = [Line2D([], [], **{"linestyle": "none", **look}, label=text) for text, look in rows.items()]
     figure.legend(handles=handles, loc="lower right", bbox_to_anchor=(0.995, 0.01), fontsize=6.8, frameon=False,
                   title=f"{case.name}: {case.vehicle.data.name}, {case.vehicle.cut}", title_fontsize=8, alignment="left",
                   ncols=1 if beside else 3)  # fmt: skip

@@ -13,12 +13,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import FancyArrowPatch
 
-from rollerrig.cases import wheelsets
 from rollerrig.common.arrays import Array
 from rollerrig.config import Body, Case, Element
 
-STEEL, BODY, HELD = "#d7dde3", "#f3efe4", "#e4e4e4"
-WHEELSET = "#b9c4cf"
+STEEL, BODY, WHEELSET = "#d7dde3", "#f3efe4", "#b9c4cf"
 
 VIEWS = {"side": ("x", "z"), "plan": ("x", "y"), "end": ("y", "z")}
 """View -> its axes, to the right (from behind: to the left) and up."""
@@ -47,12 +45,6 @@ class Scene:
         """What turns or brakes a wheelset."""
         found = [name for name in ("brake", "traction") if getattr(self.case, name)]
         return found + ["torque"] * any(torque.wheelset == wheelset.name for torque in self.case.axle_torque)
-
-    @property
-    def span(self) -> float:
-        """Distance between the outer axles [m]."""
-        places = [body.position[0] for body in wheelsets(self.case)]
-        return max(places) - min(places)
 
     @property
     def size(self) -> float:
