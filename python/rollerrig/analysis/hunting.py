@@ -84,16 +84,11 @@ class HuntingRun:
 def hunting_case(case: Case, speed: float, settings: HuntingSettings) -> Case:
     """The case at one speed [m/s], disturbed and integrated as the settings say."""
     jumps = case.contact.normal.kind == "hertz"  # from one ellipse to another: no method of several steps passes that
-    return displaced(at_speed(case, speed), settings.disturbance).with_changes(
-        {
-            "time.duration": settings.duration,
-            "time.output_step": settings.output_step,
-            "time.method": "rodas4" if jumps else "exponential_adams",
-            "time.step": None if jumps else longest_step(case),
-            "time.relative_tolerance": settings.relative_tolerance,
-            "time.absolute_tolerance": settings.absolute_tolerance,
-        }
-    )
+    names = ("duration", "output_step", "relative_tolerance", "absolute_tolerance")
+    changes: dict[str, object] = {f"time.{name}": getattr(settings, name) for name in names}
+    changes["time.method"] = "rodas4" if jumps else "exponential_adams"
+    changes["time.step"] = None if jumps else longest_step(case)
+    return displaced(at_speed(case, speed), settings.disturbance).with_changes(changes)
 
 
 def longest_step(case: Case) -> str:
@@ -135,15 +130,8 @@ def hunting_run(job: tuple[Case, float, HuntingSettings], progress: Progress | N
 
     while code == _core.status_codes["ok"] and decision == "open" and at < longest:
         until = min(max(at + PIECE, settings.duration), longest)
-        code, more = march(
-            simulation,
-            until,
-            times[filled:],
-            rows[filled:],
-            slice_length=settings.output_step,
-            begin_at=at,
-            report=report,
-        )
+        room_left = times[filled:], rows[filled:]
+        code, more = march(simulation, until, *room_left, slice_length=settings.output_step, begin_at=at, report=report)
         at, filled = until, filled + more
         lateral = rows[:filled, body * len(_core.body_fields) + LATERAL]
         decision = decide_motion(times[:filled], lateral, ended=at >= longest)
@@ -190,26 +178,22 @@ def hunting_table(runs: Sequence[HuntingRun], disturbance: float) -> xr.Dataset:
     A run that did not come to its end or to a decision does neither; amplitude, frequency and growth rate are NaN.
     """
     ordered = sorted(runs, key=lambda run: run.speed)
-    ended = [run.final if run.valid else FinalMotion(math.nan, math.nan, math.nan) for run in ordered]
-    amplitude = np.array([final.amplitude for final in ended])
-    frequency = np.array([final.frequency for final in ended])
-    rate = np.array([final.rate for final in ended])
-    persists = np.array([run.persists for run in ordered], dtype=np.int8)
-    decays = np.array([run.decays for run in ordered], dtype=np.int8)
-    decaying = np.array([decay_frequency(run) for run in ordered])
-    body = ordered[0].body if ordered else ""
-    return xr.Dataset(
-        {
-            "amplitude": variable("speed", amplitude, "m", f"lateral amplitude of {body} at the end"),
-            "oscillation_frequency": variable("speed", frequency, "Hz", "frequency at the end"),
-            "decay_frequency": variable("speed", decaying, "Hz", "frequency while it decays"),
-            "rate_at_end": variable("speed", rate, "1/s", "growth rate at the end"),
-            "persists": variable("speed", persists, "1", "1: the run ends in an oscillation that persists"),
-            "decays": variable("speed", decays, "1", "1: the oscillation decays; neither: the run was not decided"),
-        },
-        {"speed": variable("speed", np.array([3.6 * r.speed for r in ordered]), "km/h", "running speed")},
-        {"disturbance_mm": 1e3 * disturbance, "body": body},
-    )
+    unknown, body = FinalMotion(math.nan, math.nan, math.nan), ordered[0].body if ordered else ""
+    ended = [run.final if run.valid else unknown for run in ordered]
+    columns: dict[str, tuple[list[float], str, str]] = {
+        "amplitude": ([one.amplitude for one in ended], "m", f"lateral amplitude of {body} at the end"),
+        "oscillation_frequency": ([one.frequency for one in ended], "Hz", "frequency at the end"),
+        "decay_frequency": ([decay_frequency(run) for run in ordered], "Hz", "frequency while it decays"),
+        "rate_at_end": ([one.rate for one in ended], "1/s", "growth rate at the end"),
+        "persists": ([run.persists for run in ordered], "1", "1: the run ends in an oscillation that persists"),
+        "decays": ([run.decays for run in ordered], "1", "1: the oscillation decays; neither: the run was not decided"),
+    }
+    variables = {
+        name: variable("speed", np.array(values, dtype=np.int8 if name in ("persists", "decays") else float), *said)
+        for name, (values, *said) in columns.items()
+    }
+    speeds = variable("speed", np.array([3.6 * run.speed for run in ordered]), "km/h", "running speed")
+    return xr.Dataset(variables, {"speed": speeds}, {"disturbance_mm": 1e3 * disturbance, "body": body})
 
 
 CONSTANT = 0.01

@@ -16,7 +16,7 @@ from rollerrig.analysis.signals import half_waves
 from rollerrig.assembly.model import AssembledModel, assemble
 from rollerrig.common.arrays import Array
 from rollerrig.config import Case
-from rollerrig.results import Outcome, run_dataset, variable
+from rollerrig.results import run_dataset, variable
 from rollerrig.simulation.run import Progress, begin, march, outcome
 from rollerrig.simulation.starting_state import starting_state
 
@@ -117,10 +117,6 @@ class _Windows:
     def _decision(self) -> Decision:
         return decide(self._amplitudes, self._window, ended=self._is_over)
 
-    @property
-    def _outcome(self) -> Outcome:
-        return outcome(self._simulation, self._model, self._code)
-
     def advance(self) -> None:
         """One window more."""
         step = self._settings.output_step
@@ -128,7 +124,9 @@ class _Windows:
         room = math.ceil((until - self.time) / step) + SAMPLES_BY
         times, rows = np.empty(room), np.empty((room, self._simulation.width))
         self._code, filled = march(self._simulation, until, times, rows, slice_length=self._window, begin_at=self.time)
-        data = run_dataset(self._model, times[:filled], rows[:filled], self._outcome)
+        data = run_dataset(
+            self._model, times[:filled], rows[:filled], outcome(self._simulation, self._model, self._code)
+        )
         part = data[["lateral", "lateral_force"]].sel(body=list(self._model.wheelsets)).load()
         self._parts = [*self._parts[-2:], part]
         self.time = until
@@ -144,9 +142,7 @@ class _Windows:
         most = int(np.argmax(np.ptp(lateral.to_numpy(), axis=0)))
         signal = lateral.to_numpy()[:, most]
         waves = half_waves(lateral["time"].to_numpy(), signal, 0.25 * 0.5 * float(np.ptp(signal)) + 1e-9)
-        if len(waves.duration) < 2:
-            return 0.0
-        return 0.5 * len(waves.duration) / float(waves.duration.sum())
+        return 0.5 / float(waves.duration.mean()) if len(waves.duration) > 1 else 0.0
 
     def _rate(self) -> float:
         last = self._amplitudes[-4:]
@@ -156,19 +152,21 @@ class _Windows:
 
     def point(self, speed: float) -> CyclePoint:
         """What the run ended in."""
-        status, message = self._outcome.status, self._outcome.message
+        ended = outcome(self._simulation, self._model, self._code)
+        status, message = ended.status, ended.message
         rate, amplitude = self._rate(), self._amplitudes[-1] if self._amplitudes else 0.0
         if status == "ok" and self._decision == "decays":
             return CyclePoint(speed, 0.0, rate=rate, duration=self.time)
         if status == "ok" and self._decision == "open":
             status, message = NOT_DECIDED, not_decided(self.time, amplitude, rate)
         last = self._parts[-1]
+        largest = {name: float(abs(one).max()) if one.size else math.nan for name, one in last.items()}
         return CyclePoint(
             speed=speed,
             amplitude=amplitude if status == "ok" else math.nan,
-            peak=float(np.abs(last["lateral"]).max()) if last.sizes["time"] else math.nan,
+            peak=largest["lateral"],
             frequency=self._frequency() or math.nan,
-            guiding_force=float(np.abs(last["lateral_force"]).max()) if last.sizes["time"] else math.nan,
+            guiding_force=largest["lateral_force"],
             rate=rate,
             duration=self.time,
             status=status,
@@ -196,11 +194,8 @@ def limit_cycle_table(found: Diagram) -> xr.Dataset:
         values = 3.6 * values if unit == "km/h" else values
         variables[f"cycle_{name}"] = variable("cycle_point", values, unit, meaning)
     sweeps, statuses = ["up"] * len(found.up) + ["down"] * len(found.down), [point.status for point in points]
-    for name, texts, meaning in (
-        ("sweep", sweeps, "sweep through the speeds"),
-        ("status", statuses, "how the run ended"),
-    ):
-        variables[f"cycle_{name}"] = ("cycle_point", np.array(texts, dtype=str), {"long_name": meaning})
+    for name, texts in (("sweep", sweeps), ("status", statuses)):
+        variables[f"cycle_{name}"] = ("cycle_point", np.array(texts, dtype=str), {"long_name": f"{name} of the run"})
     attributes = {
         "critical_speed_by_continuation_kmh": 3.6 * found.lowest_cycle,
         "decays_kmh": 3.6 * found.decays,
