@@ -15,7 +15,6 @@ import xarray as xr
 from rollerrig.analysis import lateral_guidance
 from rollerrig.analysis.lateral_guidance import amplitude, creep_force, leading_lateral, slide_begins, train_slip
 from rollerrig.analysis.slide_statistics import following, largest, real_sliding, wheel_radius
-from rollerrig.common.formatting import number, percent
 from rollerrig.config import Case, Condition, ConfigError, ConfigProblem, Rig
 from rollerrig.config.validate.check_actuators import simulated_axles
 from rollerrig.plot import adhesion as figures
@@ -94,6 +93,12 @@ CHAOTIC = ("tracking_rms", "real_sliding_largest_mps", "amplitude_before_mm", "a
 """Quantities of a run that the smallest change moves."""
 
 
+CAUSES = (
+    "Unbraked no wheel slides: hunting that dies there too dies of the flatter creep curve of the contaminated rail (k_A, k_S), "
+    "or of Polach's, softer near the limit of friction; the pair with k_A = k_S = 1 separates the slide from the rail."
+)
+
+
 def run_measured(case: Case, slide: float, progress: Progress | None = None) -> dict[str, Any]:
     """The numbers of one more member of an ensemble."""
     return run_numbers(whole_run(case, progress), slide)
@@ -120,56 +125,10 @@ def run_numbers(run: xr.Dataset, slide: float) -> dict[str, Any]:
     }
 
 
-def control_text(numbers: Numbers) -> Iterator[str]:
-    """How lateral motion disturbs the control of the rig."""
-    members = {
-        "rig_centred": numbers["runs"].get("rig_centred"),
-        **{key: numbers["ensemble"].get(key) for key in REPEATED},
-    }
-    for key, one in members.items():
-        if one and one["tracking_rms"]:
-            yield (
-                f"{LABELS[key].capitalize()}: tracking error {percent(one['tracking_rms'])} of train speed (RMS), wheels slide "
-                f"on the rollers at up to {_interval(one)} m/s."
-            )
-
-
-def hunting_text(numbers: Numbers) -> Iterator[str]:
-    """What becomes of hunting in a slide, on track and on the rig, and which of its causes ends it."""
-    parts = []
-    for key, run in numbers["runs"].items():
-        before, later = run["amplitude_before_mm"], run["amplitude_in_slide_mm"]
-        if "centred" not in key and later is not None:
-            end = "dies" if later < LEFT * before else "goes on"
-            parts.append(f"{LABELS[key]}: {number(before, 2)} and {number(later, 2)} mm, {end}")
-    if parts:
-        yield (
-            "Hunting, amplitude of the leading wheelset before the slide and later than 1 s into it: "
-            f"{'; '.join(parts)}. Unbraked no wheel slides: what dies there too dies of the flatter creep curve of the "
-            "contaminated rail (k_A, k_S), or near the limit of friction of Polach's softer one; the pair with k_A = k_S = 1 "
-            "separates the slide from the rail."
-        )
-
-
-def guidance_text(numbers: Numbers) -> Iterator[str]:
-    """What is left of lateral creep on a sliding wheel, with which creep law."""
-    if (own := numbers["guidance"].get("track")) is None:
-        return
-    slopes = ", ".join(f"{one['slope']:z.2f} ({LABELS[key]})" for key, one in numbers["guidance"].items())
-    yield (
-        f"What remains of lateral creep on a sliding wheel is viscous, {number(own['sliding_ns_per_m'], 3)} N s/m instead of "
-        f"{number(own['rolling_ns_per_m'], 3)}. Against −F v_y/v_s its slope is {slopes}."
-    )
-
-
+CONTROL = ("tracking_rms", "real_sliding_largest_mps", "real_sliding_largest_mps_standard_error")
+HUNTING = ("amplitude_before_mm", "amplitude_in_slide_mm")
 LEFT = 0.2
 """Hunting of which less than this part is left has died [-]."""
-
-
-def _interval(one: Numbers) -> str:
-    """Largest sliding [m/s], of an ensemble with its standard error; without it where that is round-off."""
-    mean, error = one["real_sliding_largest_mps"], one.get("real_sliding_largest_mps_standard_error", 0.0)
-    return number(mean, 2) + (f" ± {number(error, 1)}" if error > 1e-3 * mean else "")
 
 
 @dataclass(frozen=True)
@@ -271,7 +230,21 @@ class LateralStudy(Study[Found]):
         return lateral_guidance.guidance(run, lateral_guidance.lateral_creep_coefficient(self.case, run))
 
     def summary(self, results: Found, numbers: Numbers) -> list[str]:
-        lines = [*control_text(numbers), *hunting_text(numbers), *guidance_text(numbers)]
+        runs = numbers["runs"]
+        control = {"rig_centred": runs.get("rig_centred", {}), **numbers["ensemble"]}
+        lines = [
+            f"{LABELS[key]}: {said}." for key, one in control.items() if (said := self.quantities.said(one, CONTROL))
+        ]
+        for key, run in runs.items():
+            before, later = (run[name] for name in HUNTING)
+            if later is not None and "centred" not in key:
+                end = "dies" if later < LEFT * before else "goes on"
+                lines.append(f"Hunting, {LABELS[key]}: {self.quantities.said(run, HUNTING)}: it {end}.")
+        lines.append(CAUSES)
+        guided = {key: self.quantities.said(one, "guidance.*") for key, one in numbers["guidance"].items()}
+        lines += [
+            f"What remains of lateral creep on a sliding wheel, {LABELS[key]}: {said}." for key, said in guided.items()
+        ]
         ended = {key: run for key, run in results.runs.items() if run.attrs["status"] not in COMPLETED}
         return lines + [f"{LABELS[key]}: {run.attrs['status_message']}" for key, run in ended.items()]
 

@@ -83,6 +83,12 @@ class Quantities:
         rows = [[q.heading, *(q.cell(_value(values, q)) for values in entries.values())] for q in chosen]
         return Table(("", *(label.replace("_", " ") for label in entries)), rows, caption)
 
+    def said(self, entry: Numbers, names: Sequence[str] | str) -> str:
+        """Values in a sentence, 'distance 312.4 m, slip 2.1 %'; arguments as `table`, what an entry lacks is left out."""
+        known = [(q, value) for q in self._chosen(names) if (value := _value(entry, q)) is not None]
+        cells = [f"{q.label or q.in_words} {q.cell(value)} {q.shown_unit}" for q, value in known]
+        return ", ".join(cell.removesuffix(" 1").rstrip() for cell in cells)
+
     def csv(self, rows: Iterable[Numbers], names: Sequence[str] | str) -> list[list[object]]:
         """Rows of a CSV file, header first; every name must be registered."""
         header: list[object] = [quantity.name for quantity in self._chosen(names)]

@@ -75,7 +75,7 @@ def test_the_control_runs_tell_the_slide_from_the_rail(outcome: Study) -> None:
     assert found["track_polach_stiff_unbraked"]["amplitude_in_slide_mm"] < 0.1  # its curve bends long before the limit
     told = str(outcome.summary)
     for key, end in (("track_unbraked", "dies"), ("track_stiff_unbraked", "goes on"), ("track_stiff", "dies")):
-        assert re.search(rf"{LABELS[key]}: \S+ and \S+ mm, {end}", told)
+        assert re.search(rf"Hunting, {LABELS[key]}: [^:]*: it {end}", told)
 
 
 @pytest.mark.slow
