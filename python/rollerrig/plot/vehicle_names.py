@@ -6,7 +6,6 @@ Scene -> [named_bodies, named_elements] -> Callouts;  Scene -> [legend] -> laws,
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import combinations
 from typing import Any, cast
 
 import numpy as np
@@ -45,11 +44,12 @@ def callouts(axes: Axes, named: Sequence[Callout], *, wide: bool) -> int:
     low, high, top = box.x0 * points, right, box.y1 * points + _ABOVE
     widths = _widths(figure, named)
     anchors = [tuple(axes.transData.transform(one.place) * points) for one in named]
-    order = sorted(range(len(named)), key=lambda k: anchors[k])
+    order = in_order(anchors)
     rows = max(1, int(np.ceil((sum(widths) + _GAP * len(named)) / (high - low))))
     placed: dict[int, tuple[float, float]] = {}
     for row in range(rows):
-        placed |= _row(order[row::rows], anchors, widths, (low, high), top + row * _LINE)
+        places = _spread(order[row::rows], anchors, widths, (low, high))
+        placed |= {k: (x, top + row * _LINE) for k, x in places.items()}
     width, height = figure.get_figwidth() * 72.0, figure.get_figheight() * 72.0
     for k, (x, y) in placed.items():
         line = {"arrowstyle": "-", "color": named[k].colour, "linewidth": 0.6, "shrinkA": 0.0, "shrinkB": 0.0}
@@ -76,21 +76,9 @@ def _widths(figure: Figure, named: Sequence[Callout]) -> list[float]:
     return found
 
 
-def _row(
-    order: list[int], anchors: list[tuple[float, ...]], widths: list[float], limits: tuple[float, float], height: float
-) -> dict[int, tuple[float, float]]:
-    """Places of the names of one row: each as near above its anchor as the others let it, in the order of fewest crossings."""
-    best = _spread(order, anchors, widths, limits)
-    improved = True
-    while improved:
-        improved = False
-        for i, j in combinations(range(len(order)), 2):
-            other = list(order)
-            other[i], other[j] = other[j], other[i]
-            tried = _spread(other, anchors, widths, limits)
-            if _crossings(tried, anchors, height) < _crossings(best, anchors, height):
-                order[:], best, improved = other, tried, True
-    return {k: (x, height) for k, x in best.items()}
+def in_order(anchors: Sequence[tuple[float, ...]]) -> list[int]:
+    """Places of the names from left to right, so that few lines cross: of those above each other, the highest first."""
+    return sorted(range(len(anchors)), key=lambda k: (round(anchors[k][0]), -anchors[k][1]))
 
 
 def _spread(
@@ -108,19 +96,6 @@ def _spread(
         found[k] = min(found[k], edge - 0.5 * widths[k])
         edge = found[k] - 0.5 * widths[k] - _GAP
     return found
-
-
-def _crossings(places: dict[int, float], anchors: list[tuple[float, ...]], height: float) -> int:
-    """Pairs of lines that cross on their way to different places."""
-
-    def turn(a: tuple[float, ...], b: tuple[float, ...], c: tuple[float, ...]) -> float:
-        return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
-
-    count = 0
-    for i, j in combinations(places, 2):
-        a, b, c, d = (places[i], height), anchors[i], (places[j], height), anchors[j]
-        count += turn(a, b, c) * turn(a, b, d) < 0.0 and turn(c, d, a) * turn(c, d, b) < 0.0
-    return count
 
 
 def named_bodies(scene: Scene, axes: Axes) -> list[Callout]:

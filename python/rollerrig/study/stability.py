@@ -404,10 +404,12 @@ class StabilityStudy(Study[Results]):
             ("root_locus", plot.root_locus(modes), "Root locus: eigenvalues over speed, the modes of the first figure."),
         )  # fmt: skip
         names = ["crossings.*.speed_kmh", "mode", "crossings.*.frequency_hz", "grows"]
-        found, where = numbers["crossings"], f"from {modes['speed'][0]:g} to {modes['speed'][-1]:g} km/h"
+        where = f"from {modes['speed'][0]:g} to {modes['speed'][-1]:g} km/h"
         crossings: Block = Text(f"No oscillation begins or ends to grow {where}.")
-        if found:
-            crossings = self.quantities.table(found, names, "Speeds at which an oscillation begins or ends to grow.")
+        if numbers["crossings"]:
+            crossings = self.quantities.table(
+                numbers["crossings"], names, "Speeds at which an oscillation begins or ends to grow."
+            )
         return [*(Picture(*one) for one in drawn), crossings, mode_table(modes)]
 
 
@@ -415,15 +417,13 @@ def _linear_sentence(numbers: Numbers, above: LinearCriticalSpeed | None) -> str
     """The linear critical speed, or how far it was looked for."""
     low, high = numbers["speeds_kmh"][0], numbers["speeds_kmh"][-1]
     asked = f"from {low:g} to {high:g} km/h" if high > low else f"at {low:g} km/h"
-    critical = numbers["linear_critical_speed_kmh"]
-    if critical is not None:
+    if (critical := numbers["linear_critical_speed_kmh"]) is not None:
         mode, frequency = numbers["linear_critical_mode"], numbers["linear_critical_frequency_hz"]
         beyond = f" It is above the speeds asked for, {asked}." if above is not None else ""
         return f"Linear critical speed: {critical:.1f} km/h, {mode}, {frequency:.2f} Hz.{beyond}"
-    if above is not None and above.problem:
-        return f"No linear critical speed {asked}: all oscillations are damped. Not looked for above: {above.problem}"
-    searched = f", nor above up to {numbers['linear_searched_to_kmh']:g} km/h" if above is not None else ""
-    return f"No linear critical speed {asked}{searched}: all oscillations are damped."
+    searched = f", nor above up to {numbers['linear_searched_to_kmh']:g} km/h" if above and not above.problem else ""
+    problem = f" Not looked for above: {above.problem}" if above and above.problem else ""
+    return f"No linear critical speed {asked}{searched}: all oscillations are damped.{problem}"
 
 
 def cycle_speeds(speeds_kmh: tuple[float, ...]) -> list[float]:
