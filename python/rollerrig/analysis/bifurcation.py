@@ -40,21 +40,13 @@ from rollerrig.simulation.run import Progress, integrator_settings
 FIRST_AMPLITUDE, LARGEST_AMPLITUDE = 1e-4, 6e-3
 """Amplitudes between which the branch is followed unless another end is asked for [m]."""
 
-LONGEST_STEP, SHORTEST_STEP = 5e-4, 1e-5
-"""Steps from one amplitude to the next [m]."""
-
-STEP, TOLERANCE = 1e-3, 1e-6
-"""Longest step of a run at full scale [s], and its relative tolerance."""
-
-CLOSED = 3e-5
-"""Part of its amplitude by which a limit cycle may miss itself after a period [-]."""
-
-FOLD_WIDTH = 0.002
-"""To which the speed of a fold is found [m/s]."""
+LONGEST_STEP, SHORTEST_STEP = 5e-4, 1e-5  # steps from one amplitude to the next [m]
+STEP, TOLERANCE = 1e-3, 1e-6  # longest step of a run at full scale [s], and its relative tolerance
+CLOSED = 3e-5  # part of its amplitude by which a limit cycle may miss itself after a period [-]
+FOLD_WIDTH = 0.002  # to which the speed of a fold is found [m/s]
 
 _MOST_ITERATIONS, _FEW_ITERATIONS = 8, 4
-_RATE = 100.0
-"""Turns an error of a velocity into that of a displacement [1/s]."""
+_RATE = 100.0  # turns an error of a velocity into that of a displacement [1/s]
 
 _LATERAL, _PITCH, _OK = 1, 4, _core.status_codes["ok"]
 

@@ -103,9 +103,6 @@ def onset_from(
     return above.onset, highest if above.problem else HIGHEST_KMH
 
 
-# -------------------------------------------------------------------------------------------------- by disturbance
-
-
 @dataclass(frozen=True)
 class CriticalSpeedByDisturbance:
     """Between which speeds a perturbation of one size begins to persist."""
@@ -161,22 +158,15 @@ def rounds_by_disturbance(
         yield wanted
 
 
-RADII = (0.46, 0.725, 1.0, 2.0, 5.0, 10.0)
-"""Radii of the rollers in the table [m]."""
-
-TRACK = math.inf
-"""The radius of a track [m]."""
-
-EFFECTS = ("curvature", "conicity", "spin", "yaw")
-"""Switches of `contact.roller_effects`."""
+RADII = (0.46, 0.725, 1.0, 2.0, 5.0, 10.0)  # radii of the rollers in the table [m]
+TRACK = math.inf  # the radius of a track [m]
+EFFECTS = ("curvature", "conicity", "spin", "yaw")  # switches of `contact.roller_effects`
 
 RANGE_KMH = tuple(float(v) for v in range(30, 601, 30))
 """Where critical speeds are looked for; the search refines it [km/h]."""
 
-Place = tuple[str, float]
-"""Part of the vehicle, radius of the rollers [m]."""
-On = frozenset[str]
-"""Effects that are on."""
+Place = tuple[str, float]  # part of the vehicle, radius of the rollers [m]
+On = frozenset[str]  # effects that are on
 
 
 def radius_cases(rig: Case, parts: Sequence[str], radii: Sequence[float] = RADII) -> dict[Place, Case]:

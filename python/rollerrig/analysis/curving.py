@@ -28,8 +28,7 @@ from rollerrig.simulation.starting_state import StartError
 GRID = ("radius", "cant_deficiency")
 RADII = (1000.0, 500.0, 300.0, 250.0, 150.0)
 DEFICIENCIES = (-0.06, 0.0, 0.06, 0.1, 0.15)
-USUAL_CANT = 0.1
-"""Cant of a case without a curve of its own [m]."""
+USUAL_CANT = 0.1  # cant of a case without a curve of its own [m]
 
 SMALLEST_STEP = 1.0 / 64.0
 """Part of the way between two points: where Newton's method fails over this, there is no steady state next to the last one."""

@@ -30,8 +30,7 @@ from rollerrig.results import variable
 from rollerrig.simulation.sensitivity import changed_cases
 from rollerrig.simulation.starting_state import StartError
 
-RELATIVE_WIDTH = 1e-4
-"""Half width of the differences by a number, over its size [1]."""
+RELATIVE_WIDTH = 1e-4  # half width of the differences by a number, over its size [1]
 
 OUTPUTS = (
     "guiding_force",

@@ -29,11 +29,8 @@ from rollerrig.results.dataset import add_energy_audit, run_draft
 from rollerrig.simulation.run import Progress, begin, march, outcome
 from rollerrig.simulation.starting_state import starting_state
 
-NOT_DECIDED = "not_decided"
-"""Status of a run that came to its end, but to no decision."""
-
-PIECE = 2.0
-"""Length by which a run is prolonged until it is decided [s]."""
+NOT_DECIDED = "not_decided"  # status of a run that came to its end, but to no decision
+PIECE = 2.0  # length by which a run is prolonged until it is decided [s]
 
 STEP = 2e-3
 """Longest step of `exponential_adams`, at full scale [s]. A step evaluates the contacts twice, one of `rodas4` some thirty times,
@@ -196,8 +193,7 @@ def hunting_table(runs: Sequence[HuntingRun], disturbance: float) -> xr.Dataset:
     return xr.Dataset(variables, {"speed": speeds}, {"disturbance_mm": 1e3 * disturbance, "body": body})
 
 
-CONSTANT = 0.01
-"""Share of the speed: a run whose speed varies by less is one at constant speed [1]."""
+CONSTANT = 0.01  # share of the speed: a run whose speed varies by less is one at constant speed [1]
 
 
 @dataclass(frozen=True)

@@ -18,14 +18,9 @@ from rollerrig.assembly.laws import linear_coefficients
 from rollerrig.common.arrays import Array
 from rollerrig.config import Case
 
-SLIDES = 0.02
-"""Slip from which on an axle counts as sliding: friction is used up long before, at some 0.5 %."""
-
-FULL_SLIDING = 1.0
-"""Sliding of a wheel [m/s] above which creep is far into saturation, so that its closed form applies."""
-
-LEAST_WAVE = 1e-2
-"""Smaller half-waves are rounding [mm]."""
+SLIDES = 0.02  # slip from which on an axle counts as sliding: friction is used up long before, at some 0.5 %
+FULL_SLIDING = 1.0  # sliding of a wheel [m/s] above which creep is far into saturation, so that its closed form applies
+LEAST_WAVE = 1e-2  # smaller half-waves are rounding [mm]
 
 
 def on_rig(run: xr.Dataset) -> bool:

@@ -23,14 +23,9 @@ from rollerrig.common.arrays import Array
 
 State = TypeVar("State")
 
-LEAST_AMPLITUDE = 2e-5
-"""An oscillation below 0.02 mm is rest [m]."""
-
-WAVES, POINTS = 3, 96
-"""Waves in a window of a signal, and points at which its spline is read there."""
-
-ALIKE = 0.1
-"""Two amplitudes that differ by less than this part of the larger one are of one branch [1]."""
+LEAST_AMPLITUDE = 2e-5  # an oscillation below 0.02 mm is rest [m]
+WAVES, POINTS = 3, 96  # waves in a window of a signal, and points at which its spline is read there
+ALIKE = 0.1  # two amplitudes that differ by less than this part of the larger one are of one branch [1]
 
 
 @dataclass(frozen=True)
@@ -204,15 +199,11 @@ def diagram(up: Branch | None, down: Branch | None, linear: float, tolerance: fl
     return Diagram(rising, falling, linear, tolerance, stopped)
 
 
-# ---------------------------------------------------------------------------------------------------- settling
-
-
 Decision = Literal["persists", "decays", "open"]
 
 SETTLED, WINDOWS = 0.01, 3
 """Amplitudes that differ by less than this part of the largest have come to stay, in so many windows in a row."""
-IRREGULAR, TREND = 8, 0.02
-"""Windows in which amplitudes that scatter may have no trend above this growth rate [1/s]."""
+IRREGULAR, TREND = 8, 0.02  # windows in which amplitudes that scatter may have no trend above this growth rate [1/s]
 FALLEN, NOT_SLOWING = 0.1, 0.9
 """Part by which amplitudes of four windows must fall to decay (of three, where there are no more), and least part of the first
 fall that the last one must have."""

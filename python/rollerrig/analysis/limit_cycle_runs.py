@@ -20,12 +20,10 @@ from rollerrig.results import run_dataset, variable
 from rollerrig.simulation.run import Progress, begin, march, outcome
 from rollerrig.simulation.starting_state import starting_state
 
-LastState = tuple[float, Array]
-"""Speed [m/s] and state in which a run ended."""
+LastState = tuple[float, Array]  # speed [m/s] and state in which a run ended
 
 PITCH = 4
-SAMPLES_BY = 8
-"""Rows of results beyond those a window needs."""
+SAMPLES_BY = 8  # rows of results beyond those a window needs
 
 
 @dataclass(frozen=True)

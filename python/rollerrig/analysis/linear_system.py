@@ -125,8 +125,6 @@ class LinearSystem:
             n = len(system.a)
         return system
 
-    # ------------------------------------------------------------------------------------------- for other tools
-
     def to_dataset(self) -> xr.Dataset:
         """A, B, C, D over `state`, `state_` (columns of A), `input`, `output`, with names and units."""
         return xr.Dataset(

@@ -19,14 +19,9 @@ from rollerrig.config import Case
 HUNTING_SHARE = 0.2
 """Least share of the kinetic energy that a hunting mode has in the lateral motion of wheelsets, on average over speed."""
 
-HUNTING_SPEEDS = 0.9
-"""A mode that hunts at this part of the speeds is called so, whoever has the kinetic energy."""
-
-ONE_BOGIE_SHARE = 0.8
-"""A bogie with more than this part of all bogies' energy names the mode alone: 'front bogie'."""
-
-WORDS = {"vertical": "bounce", "longitudinal": "longitudinal"}
-"""Direction -> word, where the two differ."""
+HUNTING_SPEEDS = 0.9  # a mode that hunts at this part of the speeds is called so, whoever has the kinetic energy
+ONE_BOGIE_SHARE = 0.8  # a bogie with more than this part of all bogies' energy names the mode alone: 'front bogie'
+WORDS = {"vertical": "bounce", "longitudinal": "longitudinal"}  # direction -> word, where the two differ
 
 
 @dataclass(frozen=True)

@@ -183,9 +183,6 @@ def diverging(modes: ModesOverSpeed) -> list[dict[str, object]]:
     return found
 
 
-# ---------------------------------------------------------------------------------------------------- one mode
-
-
 def _of_mode(modes: ModesOverSpeed, mode: int) -> list[Crossing]:
     speeds, values = modes.speeds, modes.values[:, mode]
     rate = np.where(values.imag > LEAST_FREQUENCY, values.real, -np.inf)

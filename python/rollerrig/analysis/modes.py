@@ -99,8 +99,7 @@ class Lineariser:
         return Linearisation(speed, np.array(full[np.ix_(self.kept, self.kept)]), state, self._rows, self._inertia)
 
 
-LEAST_FREQUENCY = 2 * np.pi * 0.05
-"""Below this, an eigenvalue does not count as an oscillation [rad/s]."""
+LEAST_FREQUENCY = 2 * np.pi * 0.05  # below this, an eigenvalue does not count as an oscillation [rad/s]
 
 FOLLOWED_FREQUENCY = 2 * np.pi * 40.0
 """Up to here it is worth a further step to know which mode is which [rad/s]; above are wheels on their Hertz springs."""
@@ -108,8 +107,7 @@ FOLLOWED_FREQUENCY = 2 * np.pi * 40.0
 CLEAR_MARGIN = 0.5
 """A pairing is clear if any other one costs at least this much more, of at most 2 for modes that have nothing in common."""
 
-MOST_HALVINGS = 7
-"""A step is halved at most this often where modes are hard to tell apart."""
+MOST_HALVINGS = 7  # a step is halved at most this often where modes are hard to tell apart
 
 
 @dataclass(frozen=True)
@@ -136,9 +134,6 @@ def eigensystem(matrix: Array) -> Eigensystem:
 def oscillates(values: Complex) -> Mask:
     """Which eigenvalues are oscillations, one of each conjugate pair."""
     return np.asarray(values.imag > LEAST_FREQUENCY)
-
-
-# ---------------------------------------------------------------------------------------------------- following
 
 
 @one_blas_thread()
@@ -273,9 +268,6 @@ def _signs_kept(system: Eigensystem, previous: Eigensystem, sign: Array) -> Eige
     return system.reordered(columns)
 
 
-# ---------------------------------------------------------------------------------------------------- shapes
-
-
 def body_shapes(linearisation: Linearisation, system: Eigensystem, columns: Sequence[int]) -> Complex:
     """Displacement of each body coordinate in some modes, the largest one 1 (rotations: per radian on 1 m).
 
@@ -309,8 +301,7 @@ LEAST_PART = 0.7
 LEAST_DISPLACEMENT = 0.3
 """Least such displacement where the largest displacement of the mode is 1 m or rad: else it is no lateral motion."""
 
-MOST_SLIDING = 0.5
-"""|dy/dt - V psi| of a hunting wheelset is at most this part of |dy/dt| + |V psi| [1]."""
+MOST_SLIDING = 0.5  # |dy/dt - V psi| of a hunting wheelset is at most this part of |dy/dt| + |V psi| [1]
 
 
 def hunts(

@@ -20,8 +20,7 @@ from rollerrig.simulation.starting_state import StartError
 SPEEDS = tuple(v / 3.6 for v in range(40, 521, 40))
 """Full-scale speeds among which the linear critical speed is looked for [m/s]."""
 
-COMPARED = ("lateral", "axle_speed", "train_speed", "train_distance")
-"""Variables that are compared at the same time."""
+COMPARED = ("lateral", "axle_speed", "train_speed", "train_distance")  # variables that are compared at the same time
 
 
 def linear_critical_speed_at_full_scale(case: Case) -> float:

@@ -28,8 +28,7 @@ from rollerrig.config.write.explain import unit_of
 from rollerrig.results import variable
 from rollerrig.simulation.sensitivity import changed_cases
 
-RELATIVE_WIDTH = 1e-4
-"""Half width of the differences by a number, and by speed, over their size [1]."""
+RELATIVE_WIDTH = 1e-4  # half width of the differences by a number, and by speed, over their size [1]
 
 _NUMBERS = ("stiffness", "damping", "damper.damping", "damper.series_stiffness")
 """Numbers of a linear force element in one direction."""

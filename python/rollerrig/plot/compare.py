@@ -25,14 +25,9 @@ from rollerrig.plot.style import (
     panels,
 )
 
-MOST_MODES = 7
-"""Modes in one figure; the others are in the table."""
-
-HIGHEST_FREQUENCY = 20.0
-"""Modes above are left out: supports hardly change them, and they squeeze the rest [Hz]."""
-
-LEAST_DIFFERENCE = 0.2
-"""Modes whose eigenvalues differ by less between the supports are left out [1/s]."""
+MOST_MODES = 7  # modes in one figure; the others are in the table
+HIGHEST_FREQUENCY = 20.0  # modes above are left out: supports hardly change them, and they squeeze the rest [Hz]
+LEAST_DIFFERENCE = 0.2  # modes whose eigenvalues differ by less between the supports are left out [1/s]
 
 
 def telling_modes(modes: Mapping[str, xr.Dataset]) -> list[str]:

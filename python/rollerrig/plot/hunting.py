@@ -153,11 +153,7 @@ def limit_cycle_diagram(cycles: xr.Dataset, modes: xr.Dataset | None = None) -> 
 
 @into_axes
 def bifurcation_diagram(branch: xr.Dataset) -> Figure:
-    """Amplitude of limit cycles over speed along their branch, stable parts solid, unstable ones dashed, with its folds.
-
-    Args:
-        branch: Dataset of `bifurcation`.
-    """
+    """Amplitude over speed along a branch of `bifurcation`, stable parts solid, unstable ones dashed, with its folds."""
     label = "lateral amplitude of the leading wheelset [mm]"
     with panels([label], "speed [km/h]", 4.8, legend=False) as (figure, (axes,)):
         linear = float(branch.attrs["linear_critical_speed_kmh"])
@@ -179,8 +175,7 @@ def bifurcation_diagram(branch: xr.Dataset) -> Figure:
         return figure
 
 
-MOST_BARS, LEAST_BAR = 15, 0.005
-"""Bars in one figure, and the shortest that can be seen, over the longest."""
+MOST_BARS, LEAST_BAR = 15, 0.005  # bars in one figure, and the shortest that can be seen, over the longest
 
 
 @into_axes

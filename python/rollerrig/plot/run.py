@@ -24,8 +24,7 @@ from rollerrig.plot.style import (
 from rollerrig.results import COMPLETED, RunInfo
 from rollerrig.results.summary import contact_losses
 
-STEADY = 1e-3
-"""A speed that changes by no more than this part is not worth a panel."""
+STEADY = 1e-3  # a speed that changes by no more than this part is not worth a panel
 
 
 @into_axes
@@ -102,11 +101,7 @@ _SHOWN = {"m": ("mm", 1e3), "rad": ("mrad", 1e3), "N": ("kN", 1e-3), "m/s": ("km
 
 @into_axes
 def runs_together(comparison: xr.Dataset) -> Figure:
-    """Each signal of several runs in one panel, a line per run.
-
-    Args:
-        comparison: Dataset of `compare_runs`.
-    """
+    """Each signal of `compare_runs` in one panel, a line per run."""
     signals = [str(name) for name, values in comparison.data_vars.items() if "time" in values.dims]
     shown = {name: shown_unit(comparison[name]) for name in signals}
     labels = [f"{name.replace(':', chr(10)).replace('_', ' ')} [{shown[name][0]}]" for name in signals]

@@ -82,9 +82,6 @@ def vehicle(case: Case | str) -> Figure:
     return figure
 
 
-# ---------------------------------------------------------------------------------------------------------- the sheet
-
-
 def _extent(scene: Scene) -> tuple[tuple[float, float], tuple[float, float], tuple[float, float]]:
     """What is shown along x, y and z [m]; of a held body only what is near the others."""
     part, radius = scene.case.vehicle.part, scene.case.vehicle.data.wheel.radius
@@ -144,9 +141,6 @@ def _frame(axes: Axes, view: str) -> None:
     axes.set_xlabel(f"{across} [m]", fontsize=7.5, labelpad=1)
     axes.set_ylabel(f"{up} [m]", fontsize=7.5, labelpad=1)
     axes.set_title(_TITLES[view], loc="left", fontsize=8.5)
-
-
-# ------------------------------------------------------------------------------------------------- wheels, rollers, rails
 
 
 def _ground(axes: Axes, scene: Scene, view: str) -> None:
@@ -212,9 +206,6 @@ def _wheelset(axes: Axes, scene: Scene, body: Body, view: str) -> None:
         axes.add_patch(Polygon(middle * ([1, 0] if view == "plan" else [0, 1]) + rim, closed=True, **steel))
 
 
-# ------------------------------------------------------------------------------------------------------ bodies, elements
-
-
 def _body(axes: Axes, scene: Scene, body: Body, view: str) -> None:
     if body.kind == "wheelset":
         _wheelset(axes, scene, body, view)
@@ -252,9 +243,6 @@ def _element(axes: Axes, scene: Scene, element: Element, view: str, ink: str) ->
         if getattr(element, angle) is not None and axis not in VIEWS[view]:
             turning(axes, middle, 0.45 * size, ink, arrow=False)
     axes.plot(*middle, "o", color=ink, markersize=2.5, zorder=7)
-
-
-# ------------------------------------------------------------------------------------------------- actuators and names
 
 
 def _turning(axes: Axes, scene: Scene) -> None:

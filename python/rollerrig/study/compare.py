@@ -39,8 +39,7 @@ from rollerrig.study.stability import MODE_COLUMNS, mode_rows
 SHORTHANDS = {"rig": CATALOG_RIG, "track": CATALOG_TRACK}
 """What `--on rig,track` means where VEHICLE is no case with a support of that kind."""
 
-MATERIAL, FRICTION = "steel", 0.3
-"""Contact of a vehicle that comes without a case."""
+MATERIAL, FRICTION = "steel", 0.3  # contact of a vehicle that comes without a case
 
 
 def compared_cases(
@@ -165,8 +164,7 @@ def wheel_numbers(state: RollingState) -> dict[str, dict[str, float]]:
 LEAST_RUN_STEP = 20.0
 """Runs are made at speeds at least this far apart [km/h]; further runs narrow the critical speeds down."""
 
-DISTURBED_DURATION = 2.0
-"""Length of the run whose wheel forces are compared [s]."""
+DISTURBED_DURATION = 2.0  # length of the run whose wheel forces are compared [s]
 
 DISTURBED_SHARE = 0.7
 """It runs at the speed of the range nearest to this part of the lowest critical speed: stable on all supports."""
@@ -174,8 +172,7 @@ DISTURBED_SHARE = 0.7
 SHIFT, AMPLITUDES = 8e-3, tuple(1e-4 * k for k in range(5, 71))
 """Lateral shift and amplitudes of the contact characteristics [m]."""
 
-AT_MM = (1.0, 2.0, 3.0, 4.0, 5.0)
-"""Amplitudes at which conicities are reported [mm]."""
+AT_MM = (1.0, 2.0, 3.0, 4.0, 5.0)  # amplitudes at which conicities are reported [mm]
 
 
 @dataclass

@@ -20,11 +20,8 @@ from rollerrig.study.jobs import Done, Round, job
 from rollerrig.study.quantities import Numbers
 from rollerrig.study.report import Block, Picture, Section, Table, Text
 
-REFERENCE_AMPLITUDE = 3e-3
-"""At which conicities are quoted [m]."""
-
-JUMP = 1e-3
-"""A contact that moves further between two rows of the table jumps [m]."""
+REFERENCE_AMPLITUDE = 3e-3  # at which conicities are quoted [m]
+JUMP = 1e-3  # a contact that moves further between two rows of the table jumps [m]
 
 METHOD = (
     "integration of the kinematic motion y'' + Δr(y)/(e r0) = 0 over a wave; EN 15302:2021, clause 9 and annex E "

@@ -98,8 +98,7 @@ def ended_early_sentence(found: CriticalSpeedByDisturbance) -> str:
 
 Scans = Mapping[Place, LinearCriticalSpeed]
 """Linear critical speeds by part of the vehicle and radius of the rollers; absent where Ctrl-C came first."""
-Split = Mapping[str, Any]
-"""What the effects of a roller cost, of `critical_speed.effect_split`."""
+Split = Mapping[str, Any]  # what the effects of a roller cost, of `critical_speed.effect_split`
 
 
 def roller_jobs(

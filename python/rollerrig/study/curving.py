@@ -43,8 +43,7 @@ MOVED = {
     "wear_number_change_n": "wear_number",
 }
 """Key -> variable of whose largest magnitude it is the change by a number that is 1 % larger."""
-LIMITED = {"derailment_quotient": "Y/Q", "guiding_force_sum_n": "ΣY"}
-"""Key of what has a limit -> how texts call it."""
+LIMITED = {"derailment_quotient": "Y/Q", "guiding_force_sum_n": "ΣY"}  # key of what has a limit -> how texts call it
 
 
 @dataclass(frozen=True)

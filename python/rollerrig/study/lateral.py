@@ -26,14 +26,9 @@ from rollerrig.study.quantities import Numbers
 from rollerrig.study.report import VIEW, Block, Picture, Section, Text
 from rollerrig.study.runs.adhesion import track_case
 
-MEMBERS = 8
-"""Runs of an ensemble, the case itself included."""
-
-NEARLY = 1e-9
-"""Relative change of the disturbance from one member to the next: below what any measurement could tell."""
-
-CLEAN_POLACH = {"kind": "polach", "k_A": 1.0, "k_S": 1.0}
-"""Polach's creep law on a clean surface."""
+MEMBERS = 8  # runs of an ensemble, the case itself included
+NEARLY = 1e-9  # relative change of the disturbance from one member to the next: below what any measurement could tell
+CLEAN_POLACH = {"kind": "polach", "k_A": 1.0, "k_S": 1.0}  # Polach's creep law on a clean surface
 
 
 def unbraked(case: Case) -> Case:
@@ -82,8 +77,7 @@ LABELS = {
 }
 """Key of a run -> its label; displaced: by the case's disturbance."""
 
-GUIDED = ("track", "track_paper")
-"""Runs whose lateral creep is compared with the closed form."""
+GUIDED = ("track", "track_paper")  # runs whose lateral creep is compared with the closed form
 
 REPEATED = ("rig", "rig_rigid")
 """Runs in which flanges strike: repeated with a disturbance that differs by 1e-9, since no single figure of theirs is certain."""
@@ -127,8 +121,7 @@ def run_numbers(run: xr.Dataset, slide: float) -> dict[str, Any]:
 
 CONTROL = ("tracking_rms", "real_sliding_largest_mps", "real_sliding_largest_mps_standard_error")
 HUNTING = ("amplitude_before_mm", "amplitude_in_slide_mm")
-LEFT = 0.2
-"""Hunting of which less than this part is left has died [-]."""
+LEFT = 0.2  # hunting of which less than this part is left has died [-]
 
 
 @dataclass(frozen=True)

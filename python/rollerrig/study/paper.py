@@ -31,12 +31,10 @@ from rollerrig.study.runs import paper as computed
 from rollerrig.study.runs.paper import EXACT, FRONT, FULL, MATERIALS, NAMES, OWN, REAR, RIG, VEHICLE, Results
 
 TEXT = tomllib.loads(files("rollerrig.study").joinpath("paper.toml").read_text(encoding="utf-8"))
-CAPTIONS: Mapping[str, str] = TEXT["captions"]
-"""Picture -> what it shows."""
+CAPTIONS: Mapping[str, str] = TEXT["captions"]  # picture -> what it shows
 
 PAPER: str = TEXT["paper"]
-CRITICAL_KMH = 100.0
-"""Speed above which the paper's figure 7a grows [km/h]."""
+CRITICAL_KMH = 100.0  # speed above which the paper's figure 7a grows [km/h]
 
 
 @dataclass(frozen=True)

@@ -47,12 +47,11 @@ def measured_error(found: AtSpeed, output: int, source: int) -> float:
     return float(np.abs(20 * np.log10(np.abs(measured.values[inside, output] / linear))).max())
 
 
-Channel = tuple[str, int, int]
-"""Name, index of output and input."""
+Channel = tuple[str, int, int]  # name, index of output and input
 
 
 def channels_of(inputs: Sequence[str], outputs: Sequence[str]) -> list[Channel]:
-    """From every input to every output."""
+    """Channels from every input to every output."""
     return [(f"{source} to {output}", i, k) for k, source in enumerate(inputs) for i, output in enumerate(outputs)]
 
 

@@ -137,8 +137,7 @@ FORCES = {
 }
 """Section -> caption of its figure."""
 
-VIBRATING = 0.1
-"""Share of the static wheel load: the report speaks of a larger r.m.s. of what the filter takes away."""
+VIBRATING = 0.1  # share of the static wheel load: the report speaks of a larger r.m.s. of what the filter takes away
 
 
 def vibrations(assessment: Assessment) -> list[str]:

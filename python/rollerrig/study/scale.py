@@ -98,10 +98,8 @@ LEFT_OUT = (
     "weight; leave `gravity` out of --keep for such a one. What is computed beside the model, virtual train and rail, pneumatic "
     "brake, slide protection, runs at the model's time."
 )
-CASE_FILE = "case.toml"
-"""The scaled rig, to be run like any other."""
-MICROMETRE = 1e-6
-"""Lateral motion below it is round-off [m]."""
+CASE_FILE = "case.toml"  # the scaled rig, to be run like any other
+MICROMETRE = 1e-6  # lateral motion below it is round-off [m]
 
 
 @dataclass(frozen=True)

@@ -159,8 +159,7 @@ def branch_sentences(branch: Mapping[str, Any], linear_kmh: float) -> list[str]:
 
 
 CONTACT = "contact model"
-CREEP_LAWS = ("kalker_saturated", "table")
-"""The paper's and the exact one; what lies between them is in the theory."""
+CREEP_LAWS = ("kalker_saturated", "table")  # the paper's and the exact one; what lies between them is in the theory
 
 COUNTERPART = {"rig": ("track", "uic60_track"), "track": ("rig", "full_scale_rig")}
 """Kind of support -> the other kind, and the catalogue's support of that kind."""
@@ -209,8 +208,7 @@ def contact_effect(
     }
 
 
-MOST_CYCLE_SPEEDS = 20
-"""Runs are made at no more speeds than this, spread over the range."""
+MOST_CYCLE_SPEEDS = 20  # runs are made at no more speeds than this, spread over the range
 
 
 @dataclass(frozen=True)

@@ -27,11 +27,8 @@ from rollerrig.study.frame import dataset_rows
 from rollerrig.study.jobs import Done, Job, Round, job, whole_modes, whole_run
 from rollerrig.study.report import Mark
 
-MATERIALS = ("steel", "paper")
-"""Names in the catalogue; `paper` has the G = 10 GPa of the paper."""
-
-NAMES = {"steel": "steel", "paper": "the paper's material"}
-"""Material -> what it is called in sentences."""
+MATERIALS = ("steel", "paper")  # names in the catalogue; `paper` has the G = 10 GPa of the paper
+NAMES = {"steel": "steel", "paper": "the paper's material"}  # material -> what it is called in sentences
 
 OWN, EXACT = "own contact", "exact contact"
 CONTACTS: dict[str, dict[str, object]] = {
@@ -47,14 +44,9 @@ VARIANTS = {
 }
 """What is linearised: label -> case, cut."""
 
-RIG, VEHICLE = "bogie on the rig", "vehicle on track"
-"""The variants that figure 7b compares."""
-
-TABLE_PARTS = ("leading_bogie", "vehicle")
-"""Parts in the table of critical speeds over the rollers' radius."""
-
-FRONT, REAR = "wheelset_1_right", "wheelset_2_right"
-"""The wheels of the paper's figure 8."""
+RIG, VEHICLE = "bogie on the rig", "vehicle on track"  # the variants that figure 7b compares
+TABLE_PARTS = ("leading_bogie", "vehicle")  # parts in the table of critical speeds over the rollers' radius
+FRONT, REAR = "wheelset_1_right", "wheelset_2_right"  # the wheels of the paper's figure 8
 
 
 @dataclass(frozen=True)
@@ -144,8 +136,7 @@ def rounds(plan: PaperPlan, done: Done) -> Iterator[Round]:
         further = {}
 
 
-Place = tuple[str, str, str]
-"""Contact, material, variant."""
+Place = tuple[str, str, str]  # contact, material, variant
 
 
 @dataclass
