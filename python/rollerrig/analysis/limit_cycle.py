@@ -78,11 +78,7 @@ class Branch:
 
 
 def trace(
-    settle: Settle[State],
-    sweep: Literal["up", "down"],
-    speeds: Sequence[float],
-    *,
-    tolerance: float | None = None,
+    settle: Settle[State], sweep: Literal["up", "down"], speeds: Sequence[float], *, tolerance: float | None = None
 ) -> Branch:
     """Step through speeds [m/s], given in any order, and carry the state over.
 

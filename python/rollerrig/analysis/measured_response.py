@@ -87,13 +87,7 @@ def measured_response(
 
 @one_blas_thread()
 def _one_sine(
-    plant: _core.Plant,
-    index: int,
-    indices: list[int],
-    count: int,
-    step: float,
-    amplitude: float,
-    bench: LinearBench,
+    plant: _core.Plant, index: int, indices: list[int], count: int, step: float, amplitude: float, bench: LinearBench
 ) -> tuple[Complex, str]:
     """Response at one frequency, `count` samples in a period; and how the run ended where it did so early."""
     period, readings = count * step, 1 if plant.sampling_step else READINGS

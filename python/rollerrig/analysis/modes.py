@@ -305,11 +305,7 @@ MOST_SLIDING = 0.5  # |dy/dt - V psi| of a hunting wheelset is at most this part
 
 
 def hunts(
-    keys: Sequence[tuple[str, str]],
-    speeds: Array,
-    values: Complex,
-    parts: Complex,
-    wheelsets: Collection[str],
+    keys: Sequence[tuple[str, str]], speeds: Array, values: Complex, parts: Complex, wheelsets: Collection[str]
 ) -> Mask:
     """At which speeds a mode hunts.
 
