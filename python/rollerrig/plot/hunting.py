@@ -243,6 +243,17 @@ def _sweep(axes: Sequence[Axes], one: xr.Dataset, sweep: str, drawn: dict[str, A
             amplitude.annotate(str(status).replace("_", " "), (v, 0.5), **place)
 
 
+def _beside_theory(
+    axes: Axes, study: xr.Dataset, wheels: Mapping[str, str], signal: str, factor: float, said: Sequence[str]
+) -> None:
+    """A signal of wheels over time; dotted the closed form of the first ones, with what each is called."""
+    for number, (wheel, label) in enumerate(wheels.items()):
+        axes.plot(study["time"], factor * study[signal].sel(wheel=wheel), label=label, **look(number))
+    for wheel, text in zip(wheels, said, strict=False):
+        theory = factor * study[f"{signal}_theory"].sel(wheel=wheel)
+        axes.plot(study["time"], theory, color="black", linestyle=":", linewidth=1.4, label=text)
+
+
 @into_axes
 def traction_sliding(study: xr.Dataset, wheels: Mapping[str, str]) -> Figure:
     """Absolute sliding of wheels over time, with what the theory gives.
@@ -251,20 +262,15 @@ def traction_sliding(study: xr.Dataset, wheels: Mapping[str, str]) -> Figure:
         study: `sliding` and `sliding_theory` [m/s] over time and wheel, `torque` [N m] and `speed` [m/s] over time.
         wheels: wheel -> label.
     """
-    labels = ("absolute sliding [mm/s]", "torque [kN m]")
+    labels = ("absolute sliding [mm/s]", "torque per wheelset [kN m]")
     with panels(labels, "time [s]", 4.6, legend=False, height_ratios=[2.2, 1]) as (figure, (top, bottom)):
-        time = study["time"].to_numpy()
-        for number, (wheel, label) in enumerate(wheels.items()):
-            top.plot(time, 1e3 * study["sliding"].sel(wheel=wheel), label=label, **look(number))
-        theory = 1e3 * study["sliding_theory"].sel(wheel=next(iter(wheels)))
-        name = "slope of the creep law at the start × force × speed"
-        top.plot(time, theory, color="black", linestyle=":", linewidth=1.6, label=name)
+        _beside_theory(top, study, wheels, "sliding", 1e3, ["slope of the creep law at the start × force × speed"])
         top.set_ylim(bottom=0.0)
         top.legend(loc="upper left")
-        bottom.plot(time, 1e-3 * study["torque"], color=COLOURS[2], label="torque per wheelset [kN m]")
+        bottom.plot(study["time"], 1e-3 * study["torque"], color=COLOURS[2])
         bottom.yaxis.label.set_color(COLOURS[2])
         other = bottom.twinx()
-        other.plot(time, 3.6 * study["speed"], color=COLOURS[4], linestyle="--")
+        other.plot(study["time"], 3.6 * study["speed"], color=COLOURS[4], linestyle="--")
         other.set_ylabel("speed [km/h]", color=COLOURS[4])
         other.grid(visible=False)
         return figure
@@ -280,17 +286,9 @@ def traction_forces(study: xr.Dataset, wheels: Mapping[str, str]) -> Figure:
         wheels: wheel -> label.
     """
     labels = ("longitudinal creep force\non the wheel [kN]", "vertical force\non the wheel [kN]")
-    theory: dict[str, Any] = {"color": "black", "linestyle": ":", "linewidth": 1.2}
     with panels(labels, "time [s]", 4.8, legend=False) as (figure, (top, bottom)):
-        time = study["time"].to_numpy()
-        for number, (wheel, label) in enumerate(wheels.items()):
-            own = study.sel(wheel=wheel)
-            top.plot(time, 1e-3 * own["longitudinal_creep_force"], label=label, **look(number))
-            bottom.plot(time, 1e-3 * own["vertical_force"], label=label, **look(number))
-            named = "closed form" if number == 0 else None
-            bottom.plot(time, 1e-3 * own["vertical_force_theory"], label=named, **theory)
-            if number == 0:
-                top.plot(time, 1e-3 * own["longitudinal_creep_force_theory"], label=named, **theory)
+        _beside_theory(top, study, wheels, "longitudinal_creep_force", 1e-3, ["closed form"])
+        _beside_theory(bottom, study, wheels, "vertical_force", 1e-3, ["closed form", *("",) * (len(wheels) - 1)])
         top.legend(loc="lower right")
         bottom.legend(loc="center right")
         return figure

@@ -90,11 +90,8 @@ def _weighted(assessment: Assessment) -> dict[str, dict[str, float]] | None:
     """Weighted values of points in the car body; frames carry no passengers."""
     if assessment.weighted is None:
         return None
-    passengers = assessment.weighted[~assessment.points["on_wheelsets"].to_numpy()]
-    directions, points = (passengers[name].to_numpy().tolist() for name in ("direction", "point"))
-    return dict(
-        zip(points, (dict(zip(directions, v, strict=True)) for v in passengers.to_numpy().tolist()), strict=True)
-    )
+    passengers = assessment.weighted[~assessment.points["on_wheelsets"].to_numpy()].to_pandas()
+    return {str(point): row.to_dict() for point, row in passengers.iterrows()}
 
 
 def safety_sections(assessment: Assessment, rows: Sequence[Row], along: xr.DataArray) -> list[Section]:
@@ -339,8 +336,10 @@ class RunStudy(Study[Results]):
 
     def sections(self, results: Results, numbers: Numbers) -> list[Section]:
         run, along = results.run, distance_or_time(results.run)
+        bodies = QUANTITIES.table(numbers["bodies"], "bodies.*", head="body")
+        wheels, more = (QUANTITIES.table(numbers["wheels"], names, head="wheel") for names in (FIRST, MORE))
         sections = [
-            Section("Numbers", [_entries("bodies", "bodies.*", numbers), _entries("wheels", FIRST, numbers)]),
+            Section("Numbers", [bodies, wheels]),
             *safety_sections(results.assessment, results.rows, along),
         ]
         if run.sizes["time"] > 1:
@@ -353,7 +352,7 @@ class RunStudy(Study[Results]):
         solver = [(SOLVER.get(name, name.replace("_", " ")), "–" if v is None else v) for name, v in counts]
         contact = [(q.name.replace("_", " "), events[q.name], q.meaning) for q in CONTACT if q.name in events]
         tables: list[Block] = [
-            _entries("wheels", MORE, numbers),
+            more,
             Table(("count", "value"), solver, "integration"),
             Table(("count", "value", "meaning"), contact, "contacts, counted over accepted steps and wheels"),
         ]
@@ -365,7 +364,3 @@ def distance_or_time(run: xr.Dataset) -> xr.DataArray:
     if curved(run) or irregular(run):
         return run["distance"].assign_attrs(long_name="distance")
     return run["time"].assign_attrs(long_name="time")
-
-
-def _entries(group: str, names: Sequence[str] | str, numbers: Numbers) -> Table:
-    return QUANTITIES.table(numbers[group], names, head={"bodies": "body", "wheels": "wheel"}[group])
