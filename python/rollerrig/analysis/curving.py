@@ -65,12 +65,8 @@ def curving_speed(case: Case, radius: float, cant: float, deficiency: float) -> 
 
 def own_rails(case: Case) -> dict[str, Any]:
     """Gauge, inclination and heads that the first curve has in place of those of the track, as keys of a segment."""
-    curve = next(iter(curves_of(case)), None)
-    return (
-        curve.model_dump(include={"gauge", "inclination", "profile", "right_profile"}, exclude_none=True)
-        if curve
-        else {}
-    )
+    keys = {"gauge", "inclination", "profile", "right_profile"}
+    return next((curve.model_dump(include=keys, exclude_none=True) for curve in curves_of(case)), {})
 
 
 def curves_of(case: Case) -> list[Curve]:

@@ -145,15 +145,11 @@ def _as_one(shapes: Shapes, mean: Array, who: Roles, mode: int) -> bool:
     frames = [i for i in rows if shapes.keys[i][0] in who.frames]
     if mean[rows, mode].sum() < 0.5 or not frames:
         return False
-    pairs = [
-        (_row(shapes, frame, "longitudinal"), _row(shapes, wheelset, "longitudinal"))
-        for frame in who.frames
-        for wheelset in who.wheelsets_of[frame]
-    ]
-    return all(
-        f is not None and w is not None and _phase(shapes.parts[:, f, mode], shapes.parts[:, w, mode]) == "in phase"
-        for f, w in pairs
-    )
+    for pair in ((frame, wheelset) for frame in who.frames for wheelset in who.wheelsets_of[frame]):
+        f, w = (_row(shapes, body, "longitudinal") for body in pair)
+        if f is None or w is None or _phase(shapes.parts[:, f, mode], shapes.parts[:, w, mode]) != "in phase":
+            return False
+    return True
 
 
 def _sway(shapes: Shapes, body: str, mode: int) -> str:
@@ -208,14 +204,8 @@ def _hunting(shapes: Shapes, mean: Array, who: Roles) -> dict[int, str]:
 
 
 def _which_bogie(shapes: Shapes, mean: Array, who: Roles, mode: int) -> str:
-    rows = [
-        [
-            i
-            for i, (body, way) in enumerate(shapes.keys)
-            if body in (frame, *who.wheelsets_of[frame]) and way == "lateral"
-        ]
-        for frame in who.frames
-    ]
+    lateral = {i: body for i, (body, way) in enumerate(shapes.keys) if way == "lateral"}
+    rows = [[i for i, b in lateral.items() if b in (frame, *who.wheelsets_of[frame])] for frame in who.frames]
     alone = _alone([float(mean[r, mode].sum()) for r in rows])
     if alone:
         return f"{alone} bogie"

@@ -323,10 +323,8 @@ class CompareStudy(Study[Results]):
         *others, last = self.supports
         for label in others:
             linear = results.linear_kmh(label) / results.linear_kmh(last)
-            ratios = {
-                "linear": Interval(linear, linear),
-                "by disturbance": results.by_disturbance_kmh(label).over(results.by_disturbance_kmh(last)),
-            }
+            by = results.by_disturbance_kmh(label).over(results.by_disturbance_kmh(last))
+            ratios = {"linear": Interval(linear, linear), "by disturbance": by}
             parts = [f"{change_in_words(ratio)} ({kind})" for kind, ratio in ratios.items() if ratio.bounded]
             if parts:
                 lines.append(f"Against {last}, the critical speed on {label} is {' and '.join(parts)}.")
@@ -370,9 +368,9 @@ class CompareStudy(Study[Results]):
             mode = (f"{scan.onset.frequency:.2f}", scan.onset.name) if scan and scan.onset else ("–", "–")
             rows.append((label, speeds.linear_cell(scan), *mode, between(found), amplitude))
         header = ("on", "linear critical speed [km/h]", "frequency [Hz]", "mode", "by disturbance", "limit cycle there")
+        offset, duration = 1e3 * self.hunting.disturbance, self.hunting.duration
         definition = (
-            f"By disturbance: runs of {self.hunting.duration:g} s after a lateral offset of "
-            f"{1e3 * self.hunting.disturbance:g} mm of the leading wheelset."
+            f"By disturbance: runs of {duration:g} s after a lateral offset of {offset:g} mm of the leading wheelset."
         )
         blocks: list[Block] = [Table(header, rows, definition)]
         tables = {label: hunting_table(one.runs, one.disturbance) for label, one in results.by_disturbance.items()}
@@ -398,9 +396,7 @@ class CompareStudy(Study[Results]):
         if not results.effects:
             return []
         split = effect_split(results.effects)
-        caption = (
-            "Linear critical speed, track less rig, by switching the four effects of a roller (contact.roller_effects)."
-        )
+        caption = "Track less rig, by switching the four effects of a roller (contact.roller_effects)."
         picture = speeds.effects_picture("roller_effects", split, CAPTIONS["roller_effects"])
         return [picture, speeds.effects_table(split, caption)]
 
@@ -415,17 +411,11 @@ class CompareStudy(Study[Results]):
     def _disturbed(self, results: Results, numbers: Numbers) -> list[Block]:
         if not results.disturbed:
             return []
-        caption = (
-            f"The leading wheelset after a lateral offset of {1e3 * self.hunting.disturbance:g} mm at "
-            f"{results.disturbed_kmh:g} km/h, where it is stable on all supports; filtered as in EN 14363 but for the "
-            "longitudinal force."
-        )
+        caption = f"Largest magnitudes at {results.disturbed_kmh:g} km/h, where it is stable on all supports."
         entries = {label: numbers["supports"][label]["disturbed"] for label in results.disturbed}
         figure = disturbed_over_time({label: of_leading(run) for label, run in results.disturbed.items()})
-        return [
-            Picture("disturbed", figure, CAPTIONS["disturbed"]),
-            self.quantities.table(entries, list(DISTURBED), caption, "on"),
-        ]
+        table = self.quantities.table(entries, list(DISTURBED), caption, "on")
+        return [Picture("disturbed", figure, CAPTIONS["disturbed"]), table]
 
     def _characteristics(self, results: Results, numbers: Numbers) -> list[Block]:
         if not results.conicity:
@@ -446,7 +436,7 @@ CAPTIONS = {
     "decays. Dashed: linear critical speeds.",
     "radius": "Linear critical speed over the radius of the rollers; horizontal: on track.",
     "roller_effects": "Loss of critical speed from track to rig.",
-    "disturbed": "The leading wheelset after a lateral offset. Y is low-pass filtered at 20 Hz, ΣY averaged over 2 m of distance "
+    "disturbed": "The leading wheelset after the offset. Y is low-pass filtered at 20 Hz, ΣY averaged over 2 m of distance "
     "besides (EN 14363); motion and longitudinal force are unfiltered.",
     "characteristics": "Contact characteristics of the leading wheelset without load. Without yaw the wheels touch rail and "
     "roller in the same points; the rolling radii of the rollers differ.",

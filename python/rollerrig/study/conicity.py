@@ -126,9 +126,8 @@ class ConicityStudy(Study[Characteristics]):
         lines = []
         for label, values in numbers["supports"].items():
             said = self.quantities.said(values, list(AT_3_MM))
-            lines.append(
-                f"{label}: {said or 'no equivalent conicity at 3 mm: nothing restores, or the table ends before'}."
-            )
+            missing = "no equivalent conicity at 3 mm: nothing restores, or the table ends before"
+            lines.append(f"{label}: {said or missing}.")
             lines += [f"{label}: {values['ended']}."] * bool(values["ended"])
         return lines
 

@@ -199,14 +199,10 @@ def effects_sentence(split: Split) -> str:
     track, rig = split["track_kmh"], split["rig_kmh"]
     if not math.isfinite(track - rig):
         return "Track or rig has no critical speed in the range: there is no loss to split."
-    text = (
-        f"The linear critical speed falls from {track:.1f} km/h on track to {rig:.1f} km/h on the rig, by "
-        f"{100 * (1.0 - rig / track):.1f} %."
-    )
+    change = 100 * (rig / track - 1.0)
+    text = f"Linear critical speed: {track:.1f} km/h on track, {rig:.1f} km/h on the rig, {change:+.1f} %."
     gains = {e: gain for e, gain in split["gain_switched_off_kmh"].items() if math.isfinite(gain)}
-    single = ", ".join(
-        f"{EFFECT_LABELS[e].split(':')[0]} {gains[e]:+.1f}" for e in sorted(gains, key=lambda e: -gains[e])
-    )
+    single = ", ".join(f"{EFFECT_LABELS[e].partition(':')[0]} {gain:+.1f}" for e, gain in gains.items())
     return text + (f" Without one effect it rises by, in km/h: {single}." if gains else "")
 
 

@@ -118,11 +118,8 @@ def safety_sections(assessment: Assessment, rows: Sequence[Row], along: xr.DataA
             drawn[title] = figures.accelerations_along(assessment.points.isel(point=kept), along)
     for title, figure in drawn.items():
         name = title.lower().replace("/", "_over_").replace(" ", "_")
-        found.append(
-            Section(
-                title, [Picture(name, figure, FORCES.get(title, "At the centre of mass, and above the suspension."))]
-            )
-        )
+        caption = FORCES.get(title, "At the centre of mass, and above the suspension.")
+        found.append(Section(title, [Picture(name, figure, caption)]))
     return found
 
 
@@ -217,10 +214,8 @@ DECISIONS = {"persists": "It hunts", "open": "Not decided whether it hunts", "de
 
 
 def _rest(rest: LateralRest) -> str:
-    final, text = (
-        rest.final,
-        f"{DECISIONS[rest.decision]}: {_words(rest.body)} moved sideways by up to {number(1e3 * rest.largest, 2)} mm",
-    )
+    final, largest = rest.final, number(1e3 * rest.largest, 2)
+    text = f"{DECISIONS[rest.decision]}: {_words(rest.body)} moved sideways by up to {largest} mm"
     if final.amplitude == 0.0:
         return f"{text}, and no longer does so in the last third of the run."
     change = f", which changes by {100.0 * final.rate:+.2g} %/s" if math.isfinite(final.rate) else ""
@@ -234,10 +229,9 @@ def _safety(rows: Sequence[Row]) -> Iterator[str]:
     known = sorted((row for row in rows if math.isfinite(row.part_of_limit)), key=lambda row: row.part_of_limit)
     nearest = {row.quantity: row for row in known if row.quantity in _LIMITED}
     if nearest:
+        limited = {name: nearest[key] for key, name in _LIMITED.items() if key in nearest}
         parts = [
-            f"{name} reaches {number(100.0 * nearest[key].part_of_limit, 2)} % ({_words(nearest[key].place)})"
-            for key, name in _LIMITED.items()
-            if key in nearest
+            f"{n} reaches {number(100.0 * one.part_of_limit, 2)} % ({_words(one.place)})" for n, one in limited.items()
         ]
         beyond = ", which it exceeds" if any(row.part_of_limit > 1.0 for row in nearest.values()) else ""
         yield f"Running safety: {', '.join(parts)} of the limit{beyond}."

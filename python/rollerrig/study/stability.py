@@ -328,16 +328,13 @@ class StabilityStudy(Study[Results]):
             for one in numbers["diverging"]
         ]
         if self.branch is not None and not math.isfinite(results.modes.attrs["linear_critical_speed_kmh"]):
-            lines.append(
-                "The branch of limit cycles is not followed: it begins at the linear critical speed; ask for speeds around it."
-            )
+            lines.append("No branch of limit cycles: it begins at the linear critical speed; ask for speeds around it.")
         if results.branch is not None:
             lines += branch_sentences(numbers["branch"], numbers["linear_critical_speed_kmh"])
         if numbers.get("sensitivity"):
             most = numbers["sensitivity"][0]
-            lines.append(
-                f"It is moved most by {most['parameter']}: {most['change_kmh']:+.2g} km/h if that is 1 % larger."
-            )
+            change = f"{most['change_kmh']:+.2g} km/h if that is 1 % larger"
+            lines.append(f"It is moved most by {most['parameter']}: {change}.")
         return lines if results.diagram is None else [*lines, *cycles.continuation_sentences(results.diagram)]
 
     def shown(self, results: Results) -> Mapping[str, xr.Dataset]:
@@ -405,9 +402,8 @@ class StabilityStudy(Study[Results]):
         where = f"from {modes['speed'][0]:g} to {modes['speed'][-1]:g} km/h"
         crossings: Block = Text(f"No oscillation begins or ends to grow {where}.")
         if numbers["crossings"]:
-            crossings = self.quantities.table(
-                numbers["crossings"], names, "Speeds at which an oscillation begins or ends to grow."
-            )
+            caption = "Speeds at which an oscillation begins or ends to grow."
+            crossings = self.quantities.table(numbers["crossings"], names, caption)
         return [*(Picture(*one) for one in drawn), crossings, mode_table(modes)]
 
 
