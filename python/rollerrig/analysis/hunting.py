@@ -21,8 +21,9 @@ from rollerrig import _core
 from rollerrig.analysis.limit_cycle import LEAST_AMPLITUDE, Decision, decide_motion
 from rollerrig.analysis.signals import FinalMotion, final_motion, half_waves
 from rollerrig.analysis.wheel_rail_forces import curved, irregular
-from rollerrig.assembly.model import assemble
+from rollerrig.assembly.model import AssembledModel, assemble
 from rollerrig.cases import at_speed, displaced, leading_wheelset
+from rollerrig.common.arrays import Array
 from rollerrig.config import Case
 from rollerrig.results import RunInfo, variable
 from rollerrig.results.dataset import add_energy_audit, run_draft
@@ -36,7 +37,6 @@ STEP = 2e-3
 """Longest step of `exponential_adams`, at full scale [s]. A step evaluates the contacts twice, one of `rodas4` some thirty times,
 most of them for its Jacobian, and through the flange root that is hardly longer: `benchmarks/hunting.py`."""
 
-SIGNALS = ("lateral", "yaw")
 LATERAL = [name for name, _, _ in _core.body_fields].index("y")
 
 
@@ -107,7 +107,6 @@ def hunting_run(job: tuple[Case, float, HuntingSettings], progress: Progress | N
         progress: called with the fraction done and a short text.
 
     Raises:
-        KeyboardInterrupt: Ctrl-C came before the end.
         StartError: no state was found from which the run can start.
     """
     case, speed, settings = job
@@ -132,16 +131,22 @@ def hunting_run(job: tuple[Case, float, HuntingSettings], progress: Progress | N
         at, filled = until, filled + more
         lateral = rows[:filled, body * len(_core.body_fields) + LATERAL]
         decision = decide_motion(times[:filled], lateral, ended=at >= longest)
-    ended = outcome(simulation, model, code)
-    draft = run_draft(model, times[:filled], rows[:filled], ended)
-    add_energy_audit(draft)
-    run = draft.dataset()
-    motion = run[list(SIGNALS)].sel(body=RunInfo.of(run).moving).copy(deep=True)
+    _, motion = audited(simulation, model, times[:filled], rows[:filled], code, ("lateral", "yaw"))
     time, lateral = motion["time"].to_numpy(), motion["lateral"].sel(body=observed).to_numpy()
     final = final_motion(time, lateral, PIECE / at if at > settings.duration else 1 / 3)
-    if ended.status == "ok" and decision == "open":
+    if motion.attrs["status"] == "ok" and decision == "open":
         motion.attrs |= {"status": NOT_DECIDED, "status_message": not_decided(at, final.amplitude, final.rate)}
     return HuntingRun(speed, observed, motion, final, decision)
+
+
+def audited(
+    simulation: _core.Simulation, model: AssembledModel, times: Array, rows: Array, code: int, signals: Sequence[str]
+) -> tuple[xr.Dataset, xr.Dataset]:
+    """A run with its energy audit, and the signals of its moving bodies alone."""
+    draft = run_draft(model, times, rows, outcome(simulation, model, code))
+    add_energy_audit(draft)
+    run = draft.dataset()
+    return run, run[list(signals)].sel(body=RunInfo.of(run).moving).copy(deep=True)
 
 
 def not_decided(time: float, amplitude: float, rate: float) -> str:

@@ -62,7 +62,6 @@ def settling_run(
         What it ends in, and the state there; None at rest or where the run did not come to its end.
 
     Raises:
-        KeyboardInterrupt: Ctrl-C came before the end.
         StartError: no state was found from which the run can start.
     """
     hunting = HuntingSettings(
@@ -85,10 +84,8 @@ def at_other_speed(simulation: _core.Simulation, model: AssembledModel, state: L
     """A state at another speed [m/s]: wheelsets and rollers turn in proportion, all else stays as it is."""
     before, values = state
     changed = np.array(values)
-    for body in (*model.wheelsets, *model.rollers):
-        index = simulation.rate_index[model.body_index(body)][PITCH]
-        if index >= 0:
-            changed[index] *= speed / before
+    spins = [simulation.rate_index[model.body_index(body)][PITCH] for body in (*model.wheelsets, *model.rollers)]
+    changed[[spin for spin in spins if spin >= 0]] *= speed / before
     return changed
 
 
