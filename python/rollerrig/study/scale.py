@@ -212,30 +212,19 @@ class ScaleStudy(Study[Scaled]):
 
     def sections(self, results: Scaled, numbers: Numbers) -> list[Section]:
         runs = {"full scale": numbers["full"], "model, mapped back": numbers["model_mapped_back"]}
-        hidden = {"status", "status_message"}
-        hidden |= set() if _moves_sideways(numbers) else {"lateral_largest_m", "lateral_rms_m"}
-        shown, compared = (
-            [q.name for q in self.quantities.below(group) if q.name in known.keys() - hidden]
-            for group, known in (("*", numbers["full"]), ("fidelity", numbers["fidelity"]))
-        )
-        violations = [
-            [one.name, one.quantity, number(one.required), number(one.actual), one.unit,
-             "met" if one.met else deviation(one.deviation), "" if one.met else one.effect]
-            for one in results.violations
-        ]  # fmt: skip
-        header = ("requirement", "quantity of the model", "needed", "is", "unit", "deviation", "effect on results")
+        violations = self.quantities.table(numbers["violations"], "violations.*", "requirements, met or violated")
         factors = factors_of(self.model)
         scaled = [[name, number(factors.factor(unit)), unit] for name, unit in similitude.FACTORS]
         title = similitude.STRATEGIES[self.record.strategy].title
         scaling = Table(("quantity", "full scale over model", "unit"), scaled, title)
         sections = [
-            Section("Similitude", [scaling, Table(header, violations, "requirements, met or violated")]),
+            Section("Similitude", [scaling, violations]),
             Section("Contact at rest", [contact_at_rest_table(self.model, *results.contact)]),
-            Section("Numbers", [self.quantities.list_table(runs, shown)]),
+            Section("Numbers", [self.quantities.list_table(runs, "*")]),
         ]
         sections += [Section(title, [Picture(*picture)]) for title, *picture in self._pictures(results, numbers)]
         entries = {LABELS[n]: one for n, one in {"model": numbers["fidelity"], **numbers["error_budget"]}.items()}
-        budget = self.quantities.table(entries, compared, "against full scale", "model")
+        budget = self.quantities.table(entries, "fidelity", "against full scale", "model")
         return [*sections, Section("Error budget of the model", [budget])]
 
     def _pictures(self, results: Scaled, numbers: Numbers) -> list[tuple[str, str, Any, str]]:
