@@ -3,6 +3,7 @@
 wheel, rail -> [ConicityStudy] -> tables over lateral shift and amplitude, equivalent conicity
 """
 
+import itertools
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -187,17 +188,15 @@ def _amplitude_table(rows: Mapping[str, xr.DataArray], caption: str, head: str) 
 
 def shift_rows(shifts: Mapping[str, xr.Dataset]) -> list[list[object]]:
     """Table over lateral shift, header first."""
-    header = ["support", "lateral_mm", "roll_mrad", "rolling_radius_difference_mm", "effective_difference_mm"]
-    header += [f"{name}_{side}_{unit}" for side in ("left", "right") for name, (unit, _) in SIDE_COLUMNS.items()]
-    rows: list[list[object]] = [list(header)]
+    names = ("rolling_radius_difference", "effective_difference")
+    rows, columns = [], dict[str, xr.DataArray]()
     for label, table in shifts.items():
-        common = ("lateral", "roll", "rolling_radius_difference", "effective_difference")
-        columns = [1e3 * table[name] for name in common]
-        columns += [
-            table[name].sel(side=s) * factor for s in ("left", "right") for name, (_, factor) in SIDE_COLUMNS.items()
-        ]
-        rows += [[label, *values] for values in (np.stack(columns, axis=1) + 0.0).tolist()]
-    return rows
+        columns = {"lateral_mm": 1e3 * table["lateral"], "roll_mrad": 1e3 * table["roll"]}
+        columns |= {f"{name}_mm": 1e3 * table[name] for name in names}
+        for side, (name, (unit, factor)) in itertools.product(("left", "right"), SIDE_COLUMNS.items()):
+            columns[f"{name}_{side}_{unit}"] = factor * table[name].sel(side=side)
+        rows += [[label, *values] for values in (np.stack(list(columns.values()), axis=1) + 0.0).tolist()]
+    return [["support", *columns], *rows]
 
 
 def conicity_rows(conicity: Mapping[str, xr.Dataset]) -> list[list[object]]:

@@ -141,21 +141,21 @@ def continuation_sentences(found: Diagram) -> list[str]:
 
 
 def _continuation(found: Diagram) -> str:
+    name = "Critical speed by continuation"
     if not math.isfinite(found.lowest_cycle):
         decaying = [p.speed for p in (*found.up, *found.down) if p.decays]
         if not decaying:
-            return "Critical speed by continuation: not found, no run was decided."
+            return f"{name}: not found, no run was decided."
         if found.ended_early:
             return f"No limit cycle was found; the disturbance decays in the {len(decaying)} runs that were decided."
         return f"No limit cycle up to {3.6 * max(decaying):.1f} km/h: every disturbance decays."
-    text = f"Critical speed by continuation: {3.6 * found.lowest_cycle:.1f} km/h, the lowest with a limit cycle"
-    rest = f"; at {3.6 * found.decays:.1f} km/h every motion comes to rest"
-    text += f"{rest if math.isfinite(found.decays) else ' and the lowest run that was decided'}. {KIND_SENTENCES[found.kind]}"
-    if found.hysteresis is not None:
-        low, high = (f"{3.6 * v:.1f}" for v in found.hysteresis)
-        where = f"At {low} km/h" if low == high else f"From {low} to {high} km/h"
-        text += f" {where} the upward and the downward sweep end differently."
-    return text
+    rest = f", at {3.6 * found.decays:.1f} km/h every motion comes to rest"
+    rest = rest if math.isfinite(found.decays) else ", the lowest run that was decided"
+    text = f"{name}: {3.6 * found.lowest_cycle:.1f} km/h, the lowest with a limit cycle{rest}. {KIND_SENTENCES[found.kind]}"
+    if found.hysteresis is None:
+        return text
+    low, high = (3.6 * v for v in found.hysteresis)
+    return f"{text} From {low:.1f} to {high:.1f} km/h the upward and the downward sweep end differently."
 
 
 def cycle_blocks(
