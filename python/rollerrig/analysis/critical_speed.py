@@ -24,8 +24,9 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
+import xarray as xr
 
-from rollerrig.analysis.hunting import HuntingRun
+from rollerrig.analysis.hunting import HuntingRun, hunting_table
 from rollerrig.analysis.mode_table import Crossing, first_onset, growing_at_start, modes_over_speed, zero_crossings
 from rollerrig.analysis.modes import Lineariser
 from rollerrig.cases import on_rig, on_track, part_of
@@ -121,6 +122,11 @@ class CriticalSpeedByDisturbance:
             return []
         tried = {run.speed for run in self.runs}
         return [float(v) for v in np.linspace(self.decays, self.persists, 4)[1:-1] if float(v) not in tried]
+
+    @property
+    def table(self) -> xr.Dataset:
+        """The runs as a Dataset of `hunting_table`."""
+        return hunting_table(self.runs, self.disturbance)
 
     @property
     def ended_early(self) -> list[HuntingRun]:

@@ -12,7 +12,7 @@ from typing import Any
 
 import xarray as xr
 
-from rollerrig.analysis import CriticalSpeedByDisturbance, HuntingSettings, LinearCriticalSpeed, hunting_table
+from rollerrig.analysis import CriticalSpeedByDisturbance, HuntingSettings, LinearCriticalSpeed
 from rollerrig.analysis.control_loop import RollingState, rolling_state
 from rollerrig.analysis.critical_speed import EFFECTS, RADII, RANGE_KMH, On, effect_split, scan_linear
 from rollerrig.analysis.hunting import hunting_case
@@ -373,7 +373,7 @@ class CompareStudy(Study[Results]):
             f"By disturbance: runs of {duration:g} s after a lateral offset of {offset:g} mm of the leading wheelset."
         )
         blocks: list[Block] = [Table(header, rows, definition)]
-        tables = {label: hunting_table(one.runs, one.disturbance) for label, one in results.by_disturbance.items()}
+        tables = {label: one.table for label, one in results.by_disturbance.items()}
         persists = any(bool((table["persists"] == 1).any()) for table in tables.values())
         if persists or any(modes.attrs["hunting_mode"] for modes in results.modes.values()):
             blocks.append(Picture("hunting", hunting_frequencies(results.modes, tables), CAPTIONS["hunting"]))
@@ -389,15 +389,15 @@ class CompareStudy(Study[Results]):
         caption = "Linear critical speeds: rollers and track with the head and gauge of the rig compared."
         rig = self.rig.support.data
         marked = rig.roller_radius if isinstance(rig, Rig) else math.nan
-        picture = speeds.radius_picture("radius", results.over_radius, marked, CAPTIONS["radius"])
-        return [speeds.radius_table(results.over_radius, caption), picture]
+        figure = speeds.radius_figure(results.over_radius, marked)
+        return [speeds.radius_table(results.over_radius, caption), Picture("radius", figure, CAPTIONS["radius"])]
 
     def _effects(self, results: Results) -> list[Block]:
         if not results.effects:
             return []
         split = effect_split(results.effects)
         caption = "Track less rig, by switching the four effects of a roller (contact.roller_effects)."
-        picture = speeds.effects_picture("roller_effects", split, CAPTIONS["roller_effects"])
+        picture = Picture("roller_effects", speeds.effects_figure(split), CAPTIONS["roller_effects"])
         return [picture, speeds.effects_table(split, caption)]
 
     def _steady(self, results: Results, numbers: Numbers) -> list[Block]:

@@ -8,13 +8,15 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+from matplotlib.figure import Figure
+
 from rollerrig.analysis import CriticalSpeedByDisturbance, HuntingSettings, LinearCriticalSpeed, critical_speed
 from rollerrig.analysis.critical_speed import EFFECTS, RANGE_KMH, TRACK, On, Place
 from rollerrig.analysis.hunting import HuntingRun, hunting_run
 from rollerrig.config import Case
 from rollerrig.plot.compare import critical_over_radius, effect_bars
 from rollerrig.study.jobs import Done, Job, Round, job
-from rollerrig.study.report import Picture, Table
+from rollerrig.study.report import Table
 
 EFFECT_LABELS = {
     "curvature": "curvature along x: shorter patch",
@@ -206,17 +208,17 @@ def effects_sentence(split: Split) -> str:
     return text + (f" Without one effect it rises by, in km/h: {single}." if gains else "")
 
 
-def radius_picture(name: str, found: Scans, marked: float, caption: str) -> Picture:
+def radius_figure(found: Scans, marked: float) -> Figure:
     """Critical speed of every part that has one over the rollers' radius."""
     curves: dict[str, dict[float, float]] = {}
     for (part, radius), scan in found.items():
         curves.setdefault(words(part), {})[radius] = scan.speed_kmh
     shown = {label: curve for label, curve in curves.items() if any(map(math.isfinite, curve.values()))}
-    return Picture(name, critical_over_radius(shown, marked), caption)
+    return critical_over_radius(shown, marked)
 
 
-def effects_picture(name: str, split: Split, caption: str) -> Picture:
+def effects_figure(split: Split) -> Figure:
     """The split of the loss as bars."""
     keys = ("gain_switched_off_kmh", "loss_alone_kmh")
     off, alone = ({EFFECT_LABELS[e]: v for e, v in split[key].items()} for key in keys)
-    return Picture(name, effect_bars(off, alone, split["track_kmh"] - split["rig_kmh"]), caption)
+    return effect_bars(off, alone, split["track_kmh"] - split["rig_kmh"])

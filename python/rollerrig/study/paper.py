@@ -14,7 +14,7 @@ from typing import Any
 import xarray as xr
 from matplotlib.figure import Figure
 
-from rollerrig.analysis import end_of_hunting, hunting_table
+from rollerrig.analysis import end_of_hunting
 from rollerrig.analysis.signals import fit
 from rollerrig.analysis.traction import asymmetry, sliding_course
 from rollerrig.common.formatting import number, percent
@@ -93,8 +93,7 @@ class PaperStudy(Study[Results]):
             found |= {f"data/run_{m}_{3.6 * run.speed:.2f}_kmh.nc": run.motion for run in one.runs}
         for variant, name in ((RIG, "figure_7_runs"), (VEHICLE, "figure_7b_vehicle_runs")):
             for m, one in results.runs_of(variant).items():
-                table = hunting_table(one.runs, one.disturbance)
-                found[f"data/{name}_{m}.csv"] = dataset_rows(table, computed.RUN_COLUMNS, "speed")
+                found[f"data/{name}_{m}.csv"] = dataset_rows(one.table, computed.RUN_COLUMNS, "speed")
         if results.modes:
             found["data/figure_7b_linear.csv"] = computed.frequency_rows(results)
         if results.traction is not None and results.theory is not None:
@@ -183,31 +182,28 @@ def _figures(results: Results) -> dict[str, Figure]:
     body, stated = "front_frame", {"the paper": CRITICAL_KMH}  # the one number that the paper states of its figure 7
     runs = results.runs_of(RIG)
     if results.ramps:
-        lines: dict[str, dict[str, float | tuple[float, float]]] = {
-            LABELS[m]: {**stated, "linear": results.linear_kmh(m), "by disturbance": (by.low, by.high)}
-            for m in results.ramps
-            for by in [results.by_disturbance(m)]
-        }
+        lines: dict[str, dict[str, float | tuple[float, float]]] = {}
+        for m in results.ramps:
+            by = results.by_disturbance(m)
+            lines[LABELS[m]] = {**stated, "linear": results.linear_kmh(m), "by disturbance": (by.low, by.high)}
         found["figure_7a_ramp"] = ramp_over_speed({LABELS[m]: ramp for m, ramp in results.ramps.items()}, body, lines)
     for m, one in runs.items():
         chosen = [(3.6 * run.speed, run.motion) for run in computed.around_onset(one.runs, one.persists)]
         found[f"figure_7a_time_{m}"] = hunting_over_time(chosen, body, LABELS[m])
     if runs:
-        tables = {LABELS[m]: hunting_table(one.runs, one.disturbance) for m, one in runs.items()}
-        exact = results.runs_of(RIG, EXACT).items()
-        tables |= {f"{LABELS[m]}, exact contact": hunting_table(one.runs, one.disturbance) for m, one in exact}
+        tables = {LABELS[m]: one.table for m, one in runs.items()}
+        tables |= {f"{LABELS[m]}, exact contact": one.table for m, one in results.runs_of(RIG, EXACT).items()}
         critical = {**stated, **{f"linear, {m}": results.linear_kmh(m) for m in runs}}
         found["figure_7a_amplitude"] = amplitude_over_speed(tables, critical)
     for m, modes in results.modes.items():
-        both = {v: results.runs_of(v)[m] for v in (RIG, VEHICLE) if m in results.runs_of(v)}
-        points = {v: hunting_table(one.runs, one.disturbance) for v, one in both.items()}
+        points = {v: results.runs_of(v)[m].table for v in (RIG, VEHICLE) if m in results.runs_of(v)}
         found[f"figure_7b_{m}"] = hunting_frequencies(modes, points, LABELS[m])
     rig = computed.rig_case(MATERIALS[0]).support.data
     assert isinstance(rig, Rig)
     for m, table in results.over_radius.items():
-        found[f"radius_{m}"] = speeds.radius_picture("", table, rig.roller_radius, "").figure
+        found[f"radius_{m}"] = speeds.radius_figure(table, rig.roller_radius)
     if MATERIALS[0] in results.effects:
-        found["roller_effects"] = speeds.effects_picture("", results.effects[MATERIALS[0]], "").figure
+        found["roller_effects"] = speeds.effects_figure(results.effects[MATERIALS[0]])
     if results.theory is not None:
         wheels = {FRONT: "front right wheel", REAR: "rear right wheel"}
         found["figure_8a"] = traction_sliding(results.theory, wheels)

@@ -14,7 +14,7 @@ from typing import Any
 
 import xarray as xr
 
-from rollerrig.analysis import CriticalSpeedByDisturbance, HuntingSettings, RampSettings, hunting_table, ramp_run
+from rollerrig.analysis import CriticalSpeedByDisturbance, HuntingSettings, RampSettings, ramp_run
 from rollerrig.analysis.control_loop import ContactState, contact_state
 from rollerrig.analysis.critical_speed import RADII, effect_split, scan_linear
 from rollerrig.analysis.hunting import HuntingRun
@@ -169,8 +169,7 @@ class Results:
 
     def frequency_differences(self, material: str) -> list[float]:
         """Frequency of the bogie on the rig over that of the vehicle on track, less one, at each speed both were run at."""
-        both = [one for variant in (RIG, VEHICLE) if (one := self.runs_of(variant).get(material))]
-        tables = [hunting_table(one.runs, one.disturbance) for one in both]
+        tables = [one.table for variant in (RIG, VEHICLE) if (one := self.runs_of(variant).get(material))]
         known = [one["oscillation_frequency"].where(one["persists"] == 1, one["decay_frequency"]) for one in tables]
         found = [one.assign_coords(speed=one["speed"].round(3)) for one in known]
         return (found[0] / found[1] - 1).dropna("speed").to_numpy().tolist() if len(found) == 2 else []
