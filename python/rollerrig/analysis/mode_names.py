@@ -7,7 +7,7 @@ of mass, the **upper sway** about one above it; **hunting** is a wave-like motio
 and of wheelsets, that part names a mode which has the most of its kinetic energy.
 """
 
-from collections import Counter, defaultdict
+from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -49,8 +49,7 @@ def roles(case: Case) -> Roles:
     vehicle = case.vehicle.data
     kinds = {body.name: body.kind for body in vehicle.body}
     neighbours: dict[str, set[str]] = {name: set() for name in kinds}
-    for element in vehicle.element:
-        a, b = element.between
+    for a, b in (element.between for element in vehicle.element):
         neighbours[a].add(b)
         neighbours[b].add(a)
     moving = sorted(case.vehicle.bodies, key=lambda body: -body.position[0])
@@ -111,11 +110,8 @@ def wheelset_lateral_share(keys: Sequence[tuple[str, str]], shares: Array) -> Ar
 
 def unique_names(names: list[str]) -> list[str]:
     """Names made different: 'frame yaw', 'frame yaw 2'."""
-    seen, result = Counter[str](), []
-    for name in names:
-        seen[name] += 1
-        result.append(name if seen[name] == 1 else f"{name} {seen[name]}")
-    return result
+    counts = [names[: k + 1].count(name) for k, name in enumerate(names)]
+    return [name if count == 1 else f"{name} {count}" for name, count in zip(names, counts, strict=True)]
 
 
 def _name(shapes: Shapes, mean: Array, who: Roles, mode: int) -> str:
@@ -170,9 +166,7 @@ def _of_bogies(shapes: Shapes, mean: Array, who: Roles, mode: int, way: str, wor
     if len(who.frames) < 2:
         return f"bogie {word}"
     rows = [_row(shapes, frame, way) for frame in who.frames]
-    shares = [0.0 if row is None else float(mean[row, mode]) for row in rows]
-    alone = _alone(shares)
-    if alone:
+    if alone := _alone([0.0 if row is None else float(mean[row, mode]) for row in rows]):
         return f"{alone} bogie {word}"
     if len(rows) > 2 or rows[0] is None or rows[1] is None:
         return f"bogies {word}"
@@ -181,11 +175,8 @@ def _of_bogies(shapes: Shapes, mean: Array, who: Roles, mode: int, way: str, wor
 
 def _alone(shares: Sequence[float]) -> str:
     """'front' or 'rear' where one of several bogies has nearly all the energy, else ''."""
-    first, last = shares[0], shares[-1]
-    total = sum(shares)
-    if total > 0 and first > ONE_BOGIE_SHARE * total:
-        return "front"
-    return "rear" if total > 0 and last > ONE_BOGIE_SHARE * total else ""
+    ends = {"front": shares[0], "rear": shares[-1]}
+    return next((name for name, share in ends.items() if share > ONE_BOGIE_SHARE * sum(shares)), "")
 
 
 def _phase(front: Complex, rear: Complex) -> str:
@@ -206,8 +197,7 @@ def _hunting(shapes: Shapes, mean: Array, who: Roles) -> dict[int, str]:
 def _which_bogie(shapes: Shapes, mean: Array, who: Roles, mode: int) -> str:
     lateral = {i: body for i, (body, way) in enumerate(shapes.keys) if way == "lateral"}
     rows = [[i for i, b in lateral.items() if b in (frame, *who.wheelsets_of[frame])] for frame in who.frames]
-    alone = _alone([float(mean[r, mode].sum()) for r in rows])
-    if alone:
+    if alone := _alone([float(mean[r, mode].sum()) for r in rows]):
         return f"{alone} bogie"
     front, rear = (shapes.parts[:, r, mode].sum(axis=1) for r in rows)
     return f"bogies {_phase(front, rear)}"

@@ -326,17 +326,11 @@ def hunts(
     lateral = parts[:, [rows[name, "lateral"] for name in free]]
     swept = values[:, None, :] * lateral
     carried = speeds[:, None, None] * parts[:, [rows[name, "yaw"] for name in free]]
-    sliding = np.abs(swept - carried).sum(axis=1)
-    whole = (np.abs(swept) + np.abs(carried)).sum(axis=1)
+    rolls = np.abs(swept - carried).sum(axis=1) <= MOST_SLIDING * (np.abs(swept) + np.abs(carried)).sum(axis=1)
     largest = np.abs(parts[:, [row for (_, way), row in rows.items() if way == "lateral"]]).max(axis=1)
     most = np.abs(lateral).max(axis=1)
-    return np.asarray(
-        (values.imag > LEAST_FREQUENCY)
-        & (most >= LEAST_DISPLACEMENT * np.abs(parts).max(axis=1))
-        & (most > 0.0)
-        & (most >= LEAST_PART * largest)
-        & (sliding <= MOST_SLIDING * whole)
-    )
+    sideways = (most > 0.0) & (most >= LEAST_PART * largest) & (most >= LEAST_DISPLACEMENT * np.abs(parts).max(axis=1))
+    return np.asarray((values.imag > LEAST_FREQUENCY) & sideways & rolls)
 
 
 def frequency_of_hunting(names: Sequence[str], values: Complex, hunting: Mask) -> tuple[Array, Array]:
@@ -353,8 +347,6 @@ def frequency_of_hunting(names: Sequence[str], values: Complex, hunting: Mask) -
     named = np.array([name.startswith("hunting") for name in names], dtype=np.bool_)
     damping = np.where(hunting & named, -values.real / np.maximum(np.abs(values), 1e-30), np.inf)
     found = np.full(len(values), complex(np.nan, np.nan))
-    if values.shape[1]:
-        best = damping.argmin(axis=1)
-        some = np.isfinite(damping.min(axis=1))
-        found[some] = values[some, best[some]]
+    for k in np.flatnonzero(np.isfinite(damping).any(axis=1)):
+        found[k] = values[k, damping[k].argmin()]
     return np.abs(found.imag) / (2 * np.pi), -found.real / np.abs(found)

@@ -12,7 +12,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from rollerrig.analysis.curving_sensitivity import largest_change
-from rollerrig.common.arrays import Mask
+from rollerrig.analysis.slide_statistics import spells
 from rollerrig.plot.style import (
     COLOURS,
     GREY,
@@ -161,8 +161,8 @@ def bifurcation_diagram(branch: xr.Dataset) -> Figure:
         amplitude = np.concatenate([[0.0], 1e3 * branch["amplitude"].to_numpy()])
         stable = branch["stable"].to_numpy() == 1
         for ink, holds, name, style in ((0, True, "stable", "-"), (1, False, "unstable", "--")):
-            for number, part in enumerate(_stretches(stable == holds)):
-                one = slice(part.start, part.stop + 1)  # from the point before it
+            for number, (begin, end) in enumerate(zip(*spells(stable == holds), strict=True)):
+                one = slice(begin, end + 1)  # from the point before it
                 line(axes, speed[one], amplitude[one], ink, style, name if number == 0 else "", linewidth=1.6)
         for fold in json.loads(branch.attrs["folds"]):
             at = fold["speed_kmh"], fold["amplitude_mm"]
@@ -220,12 +220,6 @@ def tornado_diagram(sensitivity: xr.Dataset, output: str = "") -> Figure:
 def _number_words(key: str) -> str:
     """A dotted key in a figure: 'primary, x, stiffness'."""
     return key.removeprefix("vehicle.element.").replace("_*", "").replace(".", ", ").replace("_", " ")
-
-
-def _stretches(holds: Mask) -> list[slice]:
-    """Ranges of places at which something holds."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], holds.astype(int), [0]])))
-    return [slice(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True)]
 
 
 def _sweep(axes: Sequence[Axes], one: xr.Dataset, sweep: str, drawn: dict[str, Any]) -> None:

@@ -163,12 +163,10 @@ def _wheelset(view: str) -> Array:
 
 
 def _box(view: str, half_length: float, half_width: float, bottom: float, top: float) -> Array:
-    corners = {
-        "plan": [(1, 1, 0), (1, -1, 0), (-1, -1, 0), (-1, 1, 0), (1, 1, 0)],
-        "side": [(1, 0, 0), (1, 0, 1), (-1, 0, 1), (-1, 0, 0), (1, 0, 0)],
-        "end": [(0, 1, 0), (0, 1, 1), (0, -1, 1), (0, -1, 0), (0, 1, 0)],
-    }[view]
-    return np.array([(half_length * x, half_width * y, bottom + (top - bottom) * z) for x, y, z in corners])
+    ends = np.array([(-half_length, half_length), (-half_width, half_width), (bottom, top)])
+    line, (first, second) = np.zeros((5, 3)), VIEWS[view]
+    line[:, first], line[:, second] = ends[first][[1, 1, 0, 0, 1]], ends[second][[0, 1, 1, 0, 0]]
+    return line
 
 
 HIGHEST_FREQUENCY = 30.0
@@ -256,9 +254,8 @@ def damping_map(modes: xr.Dataset) -> Figure:
     figure, (axes,) = new_figure(height=max(2.7, 1.3 + 0.185 * len(names)))
     speed = modes["speed"].to_numpy()
     values = 100 * modes["damping"].where(modes["frequency"] > 0.0).transpose("mode", "speed").to_numpy()
-    edges = np.concatenate([[speed[0]], 0.5 * (speed[1:] + speed[:-1]), [speed[-1]]])
-    if len(speed) == 1:
-        edges = np.array([speed[0] - 1.0, speed[0] + 1.0])
+    ends = speed[[0, -1]] if len(speed) > 1 else speed[0] + np.array([-1.0, 1.0])
+    edges = np.concatenate([ends[:1], 0.5 * (speed[1:] + speed[:-1]), ends[1:]])
     shades = ListedColormap(DAMPING_COLOURS)
     steps = BoundaryNorm(DAMPING_STEPS, shades.N, extend="neither")
     shown = np.clip(values, DAMPING_STEPS[0], DAMPING_STEPS[-1] - 1e-9)
