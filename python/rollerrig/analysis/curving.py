@@ -76,19 +76,16 @@ def curves_of(case: Case) -> list[Curve]:
 
 def recorded(states: Sequence[SteadyState]) -> xr.Dataset:
     """What a run records, of states in place of times."""
-    rows = []
-    for one in states:
-        simulation = _core.Simulation(one.model.core)
-        rows.append(simulation.record(0.0, one.state, np.zeros(simulation.quadrature_count)))
+    simulations = [_core.Simulation(one.model.core) for one in states]
+    rows = [s.record(0.0, one.state, np.zeros(s.quadrature_count)) for s, one in zip(simulations, states, strict=True)]
     outcome = Outcome("ok", _core.status_sentence(0), 0.0, "", {}, {})
     return run_dataset(states[0].model, np.arange(float(len(states))), np.array(rows), outcome)
 
 
 def solve(case: Case, at: Array, direction: str, near: SteadyState | None = None) -> SteadyState | float:
     """The steady state near another one, or as the core finds it; what remains unbalanced where there is none [N, N m]."""
-    radius = 1.0 / max(at[0], STRAIGHT)
-    curve = {"kind": "curve", "length": 1.0, "radius": float(radius), "cant": float(at[1]), "direction": direction}
-    curve |= own_rails(case)
+    place = {"radius": float(1.0 / max(at[0], STRAIGHT)), "cant": float(at[1]), "direction": direction}
+    curve = {"kind": "curve", "length": 1.0, **place, **own_rails(case)}
     model = assemble(case.with_changes({"support.segment": [curve], "motion.speed_mps": float(at[2])}))
     simulation = _core.Simulation(model.core)
     start = None
@@ -244,7 +241,7 @@ def _table(found: Mapping[tuple[float, float], SteadyState], direction: str) -> 
     masses = xr.DataArray([model.masses[name] for name in model.bodies], dims="body")
     accelerations = run[[f"{way}_acceleration" for way in ("longitudinal", "lateral", "vertical")]].to_dataarray("way")
     unbalanced = abs(masses * accelerations).max(("way", "body")).to_numpy()
-    linear = [_core.Simulation(one.model.core).jacobian(0.0, one.state)[0] for one in found.values()]
+    linear = (_core.Simulation(one.model.core).jacobian(0.0, one.state)[0] for one in found.values())
     growth = [eigenvalues(matrix).real.max() for matrix in linear]
     flat = read_off(run, model.wheelsets, direction).assign(
         unbalanced_force=variable("time", unbalanced, "N", "largest unbalanced force of a body"),

@@ -33,14 +33,8 @@ from rollerrig.simulation.starting_state import StartError
 RELATIVE_WIDTH = 1e-4  # half width of the differences by a number, over its size [1]
 
 OUTPUTS = (
-    "guiding_force",
-    "wheel_load",
-    "derailment_quotient",
-    "guiding_force_sum",
-    "wear_number",
-    "angle_of_attack",
-    "lateral",
-)
+    "guiding_force", "wheel_load", "derailment_quotient", "guiding_force_sum", "wear_number", "angle_of_attack", "lateral",
+)  # fmt: skip
 """Variables of `curving` that are differentiated."""
 
 

@@ -169,9 +169,7 @@ class Diagram:
         """What the amplitudes say about the bifurcation at the linear critical speed."""
         low, high = self.decays, self.lowest_cycle
         # NaN compares as false: no such limit. At the onset itself nothing ever settles: a run there leaves nothing open.
-        if any(
-            not p.speed < low and not p.speed > high and not high - p.speed <= self.tolerance for p in self.ended_early
-        ):
+        if any(not (v < low or v > high or high - v <= self.tolerance) for v in (p.speed for p in self.ended_early)):
             return "open"
         if not math.isfinite(high):
             return "none"
@@ -183,9 +181,8 @@ class Diagram:
 
 
 def _alike(one: CyclePoint, other: CyclePoint) -> bool:
-    if one.persists != other.persists:
-        return False
-    return abs(one.amplitude - other.amplitude) <= ALIKE * max(one.amplitude, other.amplitude) + LEAST_AMPLITUDE
+    apart = abs(one.amplitude - other.amplitude) - LEAST_AMPLITUDE
+    return one.persists == other.persists and apart <= ALIKE * max(one.amplitude, other.amplitude)
 
 
 def diagram(up: Branch | None, down: Branch | None, linear: float, tolerance: float) -> Diagram:

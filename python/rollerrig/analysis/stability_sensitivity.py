@@ -12,6 +12,7 @@ Source: L. C. Rogers, Derivatives of eigenvalues and eigenvectors, AIAA J. 8 (19
 
 from __future__ import annotations
 
+import itertools
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
@@ -100,12 +101,11 @@ def suspension_parameters(case: Case) -> Iterator[str]:
     groups: dict[tuple[str, str], dict[str, float]] = {}
     for element in case.vehicle.data.elements_in(case.vehicle.part):
         stem = re.sub(r"(_(\d+|left|right|front|rear))+$", "_*", element.name)
-        for direction, law in element.laws.items():
-            for number in _NUMBERS:
-                table, _, name = number.rpartition(".")
-                value = getattr(getattr(law, table, None) if table else law, name, None)
-                if isinstance(value, float) and value != 0.0:
-                    groups.setdefault((stem, f"{direction}.{number}"), {})[element.name] = value
+        for (direction, law), number in itertools.product(element.laws.items(), _NUMBERS):
+            table, _, name = number.rpartition(".")
+            value = getattr(getattr(law, table, None) if table else law, name, None)
+            if isinstance(value, float) and value != 0.0:
+                groups.setdefault((stem, f"{direction}.{number}"), {})[element.name] = value
     for (stem, rest), found in groups.items():
         names = [stem] if len(set(found.values())) == 1 else list(found)
         yield from (f"vehicle.element.{name}.{rest}" for name in names)

@@ -85,16 +85,12 @@ def vehicle(case: Case | str) -> Figure:
 def _extent(scene: Scene) -> tuple[tuple[float, float], tuple[float, float], tuple[float, float]]:
     """What is shown along x, y and z [m]; of a held body only what is near the others."""
     part, radius = scene.case.vehicle.part, scene.case.vehicle.data.wheel.radius
-    points: list[tuple[float, float, float]] = []
-    for body in bodies(scene):
-        if body.name in part.fixed:
-            continue
+    elements = [element for family in scene.families.values() for element in family]
+    points = [np.array(end) for element in elements for end in (element.end_a, element.end_b)]
+    for body in (body for body in bodies(scene) if body.name not in part.fixed):
         edges = (2 * radius, 0.0, 2 * radius) if body.kind == "wheelset" else box(body)
-        for sign in (-0.5, 0.5):
-            points.append(tuple(p + sign * e for p, e in zip(body.position, edges, strict=True)))  # type: ignore[arg-type]
-    for elements in scene.families.values():
-        points += [end for element in elements for end in (element.end_a, element.end_b)]
-    x, y, z = (np.array(values) for values in zip(*points, strict=True))
+        points += [np.array(body.position) + sign * np.array(edges) for sign in (-0.5, 0.5)]
+    x, y, z = np.transpose(points)
     across = max(float(np.abs(y).max()), scene.half_base + 0.25)
     support = scene.case.support.data
     below = -min(2.05 * support.roller_radius, 2.2) if isinstance(support, Rig) else -0.35
@@ -213,14 +209,12 @@ def _body(axes: Axes, scene: Scene, body: Body, view: str) -> None:
     held = body.name in scene.case.vehicle.part.fixed
     if held and view == "plan":  # it would cover all
         return
-    edges = box(body)
-    size = np.array([edges[INDEX[axis]] for axis in VIEWS[view]])
+    size = np.array([box(body)[INDEX[axis]] for axis in VIEWS[view]])
     middle = scene.place(body.position, view)
     look: dict[str, Any] = {"facecolor": BODY, "edgecolor": INK, "zorder": 2.5}
     if held:
         look = {"facecolor": "white", "edgecolor": "#c4c4c4", "zorder": 1.2, "hatch": "////"}
-    corner = (middle[0] - size[0] / 2, middle[1] - size[1] / 2)
-    axes.add_patch(Rectangle(corner, size[0], size[1], alpha=0.75, clip_on=True, linewidth=0.9, **look))
+    axes.add_patch(Rectangle(tuple(middle - size / 2), *size, alpha=0.75, clip_on=True, linewidth=0.9, **look))
 
 
 def _element(axes: Axes, scene: Scene, element: Element, view: str, ink: str) -> None:

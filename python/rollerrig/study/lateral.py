@@ -53,9 +53,8 @@ def whole_creep_slope(case: Case) -> Case:
 def nearly_the_same(case: Case, count: int) -> list[Case]:
     """An ensemble: the case, and others of which each is displaced by 1e-9 more than the one before."""
 
-    def displaced(larger: float) -> Case:
-        changes = [{"lateral": larger * one.lateral, "yaw": larger * one.yaw} for one in case.disturbance]
-        moved = (one.model_copy(update=change) for one, change in zip(case.disturbance, changes, strict=True))
+    def displaced(k: float) -> Case:
+        moved = (one.model_copy(update={"lateral": k * one.lateral, "yaw": k * one.yaw}) for one in case.disturbance)
         return case.model_copy(update={"disturbance": tuple(moved)})
 
     return [displaced(1.0 + NEARLY * k) for k in range(count)]
@@ -286,11 +285,9 @@ def _pictures(results: Mapping[str, xr.Dataset]) -> list[tuple[str, str, Any, st
     sizes = {label: lateral_guidance.amplitudes_over_time(*series) for label, series in motion.items()}
     slips = {label: (run["time"], 100.0 * train_slip(run).isel(axle=0)) for label, run in shown.items()}
     rigs = {LABELS[key]: results[key] for key in ("rig", "rig_rigid", "rig_centred") if key in results}
-    forces = {
-        LABELS[key]: (run["time"], 1e-3 * creep_force(run, "x")[:, 0], 1e-3 * creep_force(run, "y")[:, 0])
-        for key, run in results.items()
-        if key in ("rig", "track")
-    }
+    both = {LABELS[key]: results[key] for key in ("rig", "track") if key in results}
+    along, across = ({n: 1e-3 * creep_force(run, way)[:, 0] for n, run in both.items()} for way in "xy")
+    forces = {name: (run["time"], along[name], across[name]) for name, run in both.items()}
     return [
         ("Disturbance of the control", "disturbed_control", figures.disturbed_control(rigs, wheel_radius(results["rig"])),
          "Leading wheelset: tracking error, and sliding of the real wheel on its roller."),

@@ -5,7 +5,7 @@ Case -> [RunStudy] -> run, wheel-rail forces and running safety (EN 14363)
 """
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,6 +15,7 @@ import xarray as xr
 from rollerrig.analysis.assessment import Assessment, Row, assess, table
 from rollerrig.analysis.hunting import LateralRest, lateral_rest
 from rollerrig.analysis.wheel_rail_forces import QUOTIENT_LIMIT, STATISTICS, curved, irregular, unfiltered
+from rollerrig.common.arrays import Array
 from rollerrig.common.formatting import number
 from rollerrig.config import Case
 from rollerrig.config.schema.faults import fault_text
@@ -64,10 +65,10 @@ def safety_numbers(assessment: Assessment, rows: Sequence[Row]) -> dict[str, Any
     }
 
 
-LARGEST_OF_WHEELS = {
-    "wheel_load": ("wheel_load_least_n", "smallest"),
-    "guiding_force": ("guiding_force_largest_n", "largest"),
-    "derailment_quotient": ("derailment_quotient_largest", "largest"),
+LARGEST_OF_WHEELS: dict[str, tuple[str, Callable[[Array], float]]] = {
+    "wheel_load": ("wheel_load_least_n", np.min),
+    "guiding_force": ("guiding_force_largest_n", lambda force: np.abs(force).max()),
+    "derailment_quotient": ("derailment_quotient_largest", lambda quotient: np.abs(quotient).max()),
 }
 """Quantity -> key of a wheel's number in the summary, and which extreme of the whole run it is."""
 
@@ -75,13 +76,12 @@ LARGEST_OF_WHEELS = {
 def wheel_numbers(assessment: Assessment) -> dict[str, dict[str, float | None]]:
     """Wheel -> extremes of its filtered forces, by the keys of LARGEST_OF_WHEELS; None where they cannot be filtered."""
     found: dict[str, dict[str, float | None]] = {}
-    for name, (key, which) in LARGEST_OF_WHEELS.items():
+    for name, (key, extreme) in LARGEST_OF_WHEELS.items():
         values = assessment.assessed[name]
         for wheel in map(str, values["wheel"].to_numpy()):
             one = values.sel(wheel=wheel).to_numpy()
             known = one[np.isfinite(one)] if "filter" in values.attrs else one[:0]
-            extreme = (known.min() if which == "smallest" else np.abs(known).max()) if known.size else None
-            number = None if extreme is None else float(resolved(extreme, str(values.attrs["units"])))
+            number = float(resolved(extreme(known), str(values.attrs["units"]))) if known.size else None
             found.setdefault(wheel, {})[key] = number
     return found
 
@@ -337,11 +337,11 @@ class RunStudy(Study[Results]):
             *safety_sections(results.assessment, results.rows, along),
         ]
         if run.sizes["time"] > 1:
-            if curved(run) or irregular(run):
+            if along.name == "distance":
                 caption = "Alignment and irregularities of the track, and how the wheelsets follow them."
                 sections.insert(1, Section("Track", [Picture("track", figures.line_and_response(run, along), caption)]))
-            for title, (draw, text) in DRAWINGS.items():
-                sections.append(Section(title, [Picture(title.lower(), draw(run), text)]))
+            drawn = {title: Picture(title.lower(), draw(run), text) for title, (draw, text) in DRAWINGS.items()}
+            sections += [Section(title, [picture]) for title, picture in drawn.items()]
         counts, events = numbers["solver"].items(), numbers["contact"]
         solver = [(SOLVER.get(name, name.replace("_", " ")), "–" if v is None else v) for name, v in counts]
         contact = [(q.name.replace("_", " "), events[q.name], q.meaning) for q in CONTACT if q.name in events]
@@ -355,6 +355,5 @@ class RunStudy(Study[Results]):
 
 def distance_or_time(run: xr.Dataset) -> xr.DataArray:
     """What forces are drawn over: the distance where curves, cant or irregularities lie along it, else time."""
-    if curved(run) or irregular(run):
-        return run["distance"].assign_attrs(long_name="distance")
-    return run["time"].assign_attrs(long_name="time")
+    name = "distance" if curved(run) or irregular(run) else "time"
+    return run[name].assign_attrs(long_name=name)
