@@ -33,12 +33,9 @@ LEAST_DIFFERENCE = 0.2  # modes whose eigenvalues differ by less between the sup
 def telling_modes(modes: Mapping[str, xr.Dataset]) -> list[str]:
     """Names of the modes that differ most between the supports, hunting modes first; those that all supports have."""
     first = next(iter(modes.values()))
-    names = [
-        name
-        for name in shown_modes(first)
-        if all(name in shown_modes(m) for m in modes.values())
-        and float(first["frequency"].sel(mode=name).max()) < HIGHEST_FREQUENCY
-    ]
+    common = set.intersection(*(set(shown_modes(one)) for one in modes.values()))
+    low = first["frequency"].max("speed") < HIGHEST_FREQUENCY
+    names = [name for name in shown_modes(first) if name in common and bool(low.sel(mode=name))]
 
     def apart(name: str) -> float:
         own, of = first.sel(mode=name), [m.sel(mode=name) for m in modes.values()]

@@ -34,14 +34,13 @@ def motion_over_time(run: xr.Dataset) -> Figure:
     changes = float(np.ptp(speed)) > STEADY * float(np.abs(speed).max())
     labels = ["lateral [mm]", "yaw [mrad]", *(["speed [km/h]"] if changes else [])]
     with panels(labels, "time [s]", 5.6 if changes else 4.4) as (figure, axes):
-        for number, body in enumerate(RunInfo.of(run).moving):
-            style = STYLES[number // 2 % len(STYLES)]
-            for panel, name in zip(axes, ("lateral", "yaw"), strict=False):
+        for panel, name in zip(axes, ("lateral", "yaw"), strict=False):
+            for number, body in enumerate(RunInfo.of(run).moving):
+                style = STYLES[number // 2 % len(STYLES)]
                 line(panel, run["time"], 1e3 * run[name].sel(body=body), number, style, body)
+            calm(panel, 1e-2)
         if changes:
             line(axes[2], run["time"], 3.6 * run["speed"], label="running speed")
-        for panel in axes[:2]:
-            calm(panel, 1e-2)
         _mark_end(axes, run)
         return figure
 

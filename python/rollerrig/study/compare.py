@@ -8,7 +8,7 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import xarray as xr
 
@@ -21,7 +21,7 @@ from rollerrig.cases import CATALOG_RIG, CATALOG_TRACK, leading_wheelset, on_rig
 from rollerrig.config import Case, ConfigError, Rig, Vehicle, load_any, load_support
 from rollerrig.config.errors import nearest
 from rollerrig.config.load.case import build_case
-from rollerrig.config.read import Document, catalog_names
+from rollerrig.config.read import CatalogKind, Document, catalog_names
 from rollerrig.config.write.toml import plain
 from rollerrig.contact_analysis import conicity_table, shift_table
 from rollerrig.plot import amplitude_over_speed
@@ -70,14 +70,12 @@ def compared_cases(
 
 
 def _base(source: str, allow_code: bool) -> Case | Vehicle:
-    names = (*catalog_names("vehicle"), *catalog_names("case"))
     needed = "needed: a vehicle or a case, of the catalogue or a TOML file"
     is_file = source.endswith(".toml") or "/" in source or Path(source).exists()
-    kinds = ("vehicle", "support", "profile", "material", "case", "programme")
-    if not is_file and not any(source in catalog_names(kind) for kind in kinds):
-        allowed = f"{needed}; the catalogue has the vehicles {', '.join(catalog_names('vehicle'))} and the cases "
-        allowed += ", ".join(catalog_names("case"))
-        raise ConfigError.of(source, "", "no such file", allowed, nearest(source, names))
+    if not is_file and not any(source in catalog_names(kind) for kind in get_args(CatalogKind)):
+        vehicles, cases = catalog_names("vehicle"), catalog_names("case")
+        has = f"the catalogue has the vehicles {', '.join(vehicles)} and the cases {', '.join(cases)}"
+        raise ConfigError.of(source, "", "no such file", f"{needed}; {has}", nearest(source, (*vehicles, *cases)))
     kind, found = load_any(source, allow_code=allow_code)
     if isinstance(found, Case | Vehicle):
         return found
@@ -96,17 +94,12 @@ def _support(name: str, base: Case | Vehicle) -> dict[str, Any]:
 
 
 def _case(base: Case | Vehicle, name: str, support: Mapping[str, Any], cut: str | None, source: str) -> Case:
-    if isinstance(base, Case):
-        raw = plain(base)
-        chosen = cut or base.vehicle.cut
-    else:
-        contact = {"material": MATERIAL, "friction": FRICTION}
-        raw = {"vehicle": {"data": plain(base)}, "contact": contact, "time": {"duration": 6.0}}
-        chosen = cut or "vehicle"
+    contact = {"material": MATERIAL, "friction": FRICTION}
+    bare = {"vehicle": {"data": plain(base)}, "contact": contact, "time": {"duration": 6.0}}
+    raw = plain(base) if isinstance(base, Case) else bare
     raw |= {"name": name, "description": name.partition("_on_")[0].replace("_", " ")}
-    raw["support"] = {"data": dict(support)}
-    raw["vehicle"]["cut"] = chosen
-    raw["motion"] = {"speed": "100 km/h"}
+    raw |= {"support": {"data": dict(support)}, "motion": {"speed": "100 km/h"}}
+    raw["vehicle"]["cut"] = cut or (base.vehicle.cut if isinstance(base, Case) else "vehicle")
     for key in ("axle_torque", "disturbance"):
         raw.pop(key, None)
     return build_case(Document(raw, source, Path()), allow_code=True)  # that of the case was asked for when it was read

@@ -59,8 +59,7 @@ SHAPE_COLUMNS = {
 
 def line_sentences(case: Case) -> list[str]:
     """That the modes of a line of several segments are those of its first one; nothing for a line of one or none."""
-    support = case.support.data
-    line = support.line if isinstance(support, Track) else None
+    line = case.support.data.line if isinstance(case.support.data, Track) else None
     if line is None or len(line.segments) < 2:
         return []
     return [
@@ -79,9 +78,8 @@ def mode_table(modes: xr.Dataset) -> Table:
     picks = sorted({0, modes.sizes["speed"] // 2, modes.sizes["speed"] - 1})
     rows = []
     for name in shown_modes(modes):
-        one = modes.sel(mode=name)
-        pairs = zip(one["frequency"].to_numpy()[picks], 100 * one["damping"].to_numpy()[picks], strict=True)
-        rows.append([name, *(f"{frequency:.2f},  {damping:.1f}" for frequency, damping in pairs)])
+        pairs = zip(*(modes[what].sel(mode=name).to_numpy()[picks] for what in ("frequency", "damping")), strict=True)
+        rows.append([name, *(f"{frequency:.2f},  {100 * damping:.1f}" for frequency, damping in pairs)])
     header = ["mode", *(f"{modes['speed'][k]:g} km/h: f [Hz], damping [%]" for k in picks)]
     return Table(header, rows, "Frequency and damping; all modes at all speeds are in modes.csv.")
 
@@ -109,14 +107,13 @@ def shape_blocks(modes: xr.Dataset) -> list[Block]:
 
 
 def _shape_table(mode: xr.Dataset) -> Table:
-    directions = [str(name) for name in mode["direction"].to_numpy()]
     rows = []
     for body in mode["body"].to_numpy():
         own = (mode[name].sel(body=body).to_numpy() for name in ("shape_amplitude", "shape_phase"))
         cells = [f"{a:.2f} ∠ {round(float(p)):d}°" if a >= 0.02 else "" for a, p in zip(*own, strict=True)]
         rows.append([str(body).replace("_", " "), *cells])
     caption = f"{mode['mode'].item()}, {float(mode['frequency']):.2f} Hz at {float(mode['speed']):g} km/h"
-    return Table(["body", *directions], rows, caption)
+    return Table(["body", *mode["direction"].to_numpy().tolist()], rows, caption)
 
 
 BRANCH_COLUMNS = {
