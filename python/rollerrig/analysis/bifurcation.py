@@ -279,7 +279,7 @@ def _nonlinear_critical_speed(cycles: Sequence[Cycle], onset: float) -> float:
     return min([one.speed for one in cycles if one.stable] + folds + begins, default=math.nan)
 
 
-COLUMNS: dict[str, tuple[Callable[[Cycle], float], str, str]] = {
+COLUMNS: dict[str, tuple[Callable[[Cycle], float], str, str]] = {  # variable -> its value for a cycle, unit and meaning
     "amplitude": (lambda one: one.amplitude, "m", "lateral amplitude of the leading wheelset"),
     "speed": (lambda one: 3.6 * one.speed, "km/h", "running speed"),
     "frequency": (lambda one: 1.0 / one.period, "Hz", "frequency of the limit cycle"),
@@ -288,7 +288,6 @@ COLUMNS: dict[str, tuple[Callable[[Cycle], float], str, str]] = {
     "speed_slope": (lambda one: 3.6e-3 * one.slope, "km/h per mm", "speed over amplitude along the branch"),
     "missed": (lambda one: one.missed, "m", "by how much it misses itself after a period"),
 }
-"""Variable -> its value for a cycle, unit and meaning."""
 
 
 def _dataset(case: Case, cycles: Sequence[Cycle], onset: float, ended: str) -> xr.Dataset:

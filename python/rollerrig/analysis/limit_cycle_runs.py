@@ -169,7 +169,7 @@ class _Windows:
         )
 
 
-CYCLE_COLUMNS = {
+CYCLE_COLUMNS = {  # attribute of a CyclePoint -> unit and meaning in the table
     "speed": ("km/h", "running speed"),
     "amplitude": ("m", "half the range of the lateral displacement of the wheelset that moves most; 0: rest"),
     "peak": ("m", "largest lateral displacement of a wheelset"),
@@ -178,7 +178,6 @@ CYCLE_COLUMNS = {
     "rate": ("1/s", "growth rate of the amplitude at the end"),
     "duration": ("s", "simulated time"),
 }
-"""Attribute of a CyclePoint -> unit and meaning in the table."""
 
 
 def limit_cycle_table(found: Diagram) -> xr.Dataset:

@@ -118,7 +118,7 @@ def shown_unit(values: xr.DataArray) -> tuple[str, float]:
     return _SHOWN.get(unit, (unit, 1.0))
 
 
-PANELS = {
+PANELS = {  # variable -> label and factor of its panel
     "guiding_force": ("guiding force Y [kN]", 1e-3),
     "wheel_load": ("wheel load Q [kN]", 1e-3),
     "derailment_quotient": ("Y/Q [-]", 1.0),
@@ -126,7 +126,6 @@ PANELS = {
     "wear_number": ("wear number Tγ [N]", 1.0),
     "angle_of_attack": ("angle of attack [mrad]", 1e3),
 }
-"""Variable -> label and factor of its panel."""
 
 
 @into_axes

@@ -105,13 +105,12 @@ def _case(base: Case | Vehicle, name: str, support: Mapping[str, Any], cut: str 
     return build_case(Document(raw, source, Path()), allow_code=True)  # that of the case was asked for when it was read
 
 
-STEADY = {
+STEADY = {  # key of `supports.*.wheels` -> signal in steady rolling, and factor
     "vertical_force_kn": ("vertical_force", 1e-3),
     "lateral_force_kn": ("lateral_force", 1e-3),
     "longitudinal_creep_force_n": ("longitudinal_creep_force", 1.0),
     "patches": ("patch_count", 1),
 }
-"""Key of `supports.*.wheels` -> signal in steady rolling, and factor."""
 
 DISTURBED = {
     "guiding_force": 1e-3,
@@ -420,7 +419,7 @@ class CompareStudy(Study[Results]):
         return [table, Picture("characteristics", figure, CAPTIONS["characteristics"])]
 
 
-CAPTIONS = {
+CAPTIONS = {  # picture -> what it shows
     "modes": "Frequency and damping of the modes over speed: one colour per mode, one line style per support. Drawn are hunting "
     "and the modes that differ most; all are in modes.csv.",
     "hunting": "Frequency of hunting: linear mode (lines, cross where its damping vanishes) and limit cycles of the runs from a "
@@ -434,7 +433,6 @@ CAPTIONS = {
     "characteristics": "Contact characteristics of the leading wheelset without load. Without yaw the wheels touch rail and "
     "roller in the same points; the rolling radii of the rollers differ.",
 }
-"""Picture -> what it shows."""
 
 
 def _rows(entries: Sequence[Mapping[str, Any]]) -> list[list[object]]:

@@ -169,13 +169,12 @@ def support_numbers(table: xr.Dataset) -> dict[str, Any]:
     }
 
 
-AT_3_MM = {
+AT_3_MM = {  # key of what is quoted at REFERENCE_AMPLITUDE -> variable of `conicity_table`
     "conicity_3mm": "conicity",
     "conicity_of_wheels_3mm": "of_wheels",
     "conicity_of_rollers_3mm": "of_rollers",
     "wavelength_3mm_m": "wavelength",
 }
-"""Key of what is quoted at REFERENCE_AMPLITUDE -> variable of `conicity_table`."""
 
 
 def _amplitude_table(rows: Mapping[str, xr.DataArray], caption: str, head: str) -> Table:

@@ -23,7 +23,7 @@ from rollerrig.study.jobs import Done, Round, job
 from rollerrig.study.quantities import Numbers
 from rollerrig.study.report import Picture, Section, Text
 
-MEASURED = {
+MEASURED = {  # key -> variable of which it is the largest magnitude, and factor
     "guiding_force_n": ("guiding_force", 1.0),
     "wheel_load_n": ("wheel_load", 1.0),
     "derailment_quotient": ("derailment_quotient", 1.0),
@@ -32,17 +32,15 @@ MEASURED = {
     "angle_of_attack_mrad": ("angle_of_attack", 1e3),
     "unbalanced_force_n": ("unbalanced_force", 1.0),
 }
-"""Key -> variable of which it is the largest magnitude, and factor."""
 METHOD = (
     "Each curve is without end: all forces are in balance, creep forces included; the heaviest body is hauled at constant speed. "
     "ΣY and Y/Q are quasi-static: a run over irregularities exceeds them."
 )
-MOVED = {
+MOVED = {  # key -> variable of whose largest magnitude it is the change by a number that is 1 % larger
     "derailment_quotient_change": "derailment_quotient",
     "guiding_force_sum_change_n": "guiding_force_sum",
     "wear_number_change_n": "wear_number",
 }
-"""Key -> variable of whose largest magnitude it is the change by a number that is 1 % larger."""
 LIMITED = {"derailment_quotient": "Y/Q", "guiding_force_sum_n": "ΣY"}  # key of what has a limit -> how texts call it
 
 

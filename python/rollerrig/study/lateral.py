@@ -60,7 +60,7 @@ def nearly_the_same(case: Case, count: int) -> list[Case]:
     return [displaced(1.0 + NEARLY * k) for k in range(count)]
 
 
-LABELS = {
+LABELS = {  # key of a run -> its label; displaced: by the case's disturbance
     "rig": "rig as it is, displaced",
     "rig_centred": "rig as it is, centred",
     "rig_rigid": "rigid rollers, displaced",
@@ -74,7 +74,6 @@ LABELS = {
     "track_stiff_unbraked": "track, displaced, k_A = k_S = 1, unbraked",
     "track_polach_stiff_unbraked": "track, displaced, k_A = k_S = 1, unbraked, Polach's creep law",
 }
-"""Key of a run -> its label; displaced: by the case's disturbance."""
 
 GUIDED = ("track", "track_paper")  # runs whose lateral creep is compared with the closed form
 

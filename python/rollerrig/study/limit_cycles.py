@@ -96,7 +96,7 @@ def _branch(
     return trace(settle, sweep, tuple(float(v) / 3.6 for v in speeds_kmh), tolerance=tolerance), missing
 
 
-POINT = {
+POINT = {  # number of a point -> attribute of CyclePoint, and factor
     "speed_kmh": ("speed", 3.6),
     "amplitude_mm": ("amplitude", 1e3),
     "peak_mm": ("peak", 1e3),
@@ -105,7 +105,6 @@ POINT = {
     "growth_rate_at_end_per_s": ("rate", 1.0),
     "duration_s": ("duration", 1.0),
 }
-"""Number of a point -> attribute of CyclePoint, and factor."""
 
 
 def cycle_numbers(found: Diagram, settings: LimitCycleSettings) -> dict[str, Any]:

@@ -123,13 +123,12 @@ def safety_sections(assessment: Assessment, rows: Sequence[Row], along: xr.DataA
     return found
 
 
-FORCES = {
+FORCES = {  # section -> caption of its figure
     "Wheel forces": "Wheel loads Q, and guiding forces Y on the rails or rollers.",
     "Y/Q": "Guiding force over wheel load, with its limits.",
     "Sum of guiding forces": "Lateral force of each wheelset on the track.",
     "Wear number": "Work of the creep forces per metre of distance, all patches of a wheel.",
 }
-"""Section -> caption of its figure."""
 
 VIBRATING = 0.1  # share of the static wheel load: the report speaks of a larger r.m.s. of what the filter takes away
 
@@ -181,12 +180,11 @@ def _outer(row: Row) -> float:
     return max((v for v in values if math.isfinite(v)), default=-math.inf)
 
 
-_LIMITED = {
+_LIMITED = {  # quantities with a limit
     "derailment_quotient": "Y/Q",
     "guiding_force_sum": "ΣY",
     "guiding_force_sum_rms": "the instability criterion (r.m.s. of ΣY over 100 m)",
 }
-"""Quantities with a limit."""
 
 
 def rest_numbers(rest: LateralRest) -> dict[str, Any]:
@@ -251,16 +249,15 @@ MORE = tuple(q.name for q in QUANTITIES.below("wheels.*") if q.name not in FIRST
 CONTACT = QUANTITIES.below("contact")
 
 
-SOLVER = {
+SOLVER = {  # counts of the integrator as the report names them, where the key says too little
     "derivative_calls": "evaluations of the right-hand side",
     "jacobian_calls": "evaluations of the Jacobian",
     "smallest_step": "smallest step [s]",
     "largest_step": "largest step [s]",
 }
-"""Counts of the integrator as the report names them, where the key says too little."""
 
 
-DRAWINGS = {
+DRAWINGS = {  # section of the report -> its figure over time, and caption
     "Motion": (
         motion_over_time,
         "Lateral displacement and yaw of the vehicle's bodies, and the running speed where it changes.",
@@ -268,7 +265,6 @@ DRAWINGS = {
     "Sliding": (sliding_over_time, "Longitudinal creep force and sliding, wheel less roller; contact on the wheel S."),
     "Energy": (energy_over_time, "Work put in = change of stored energy + heat + residual."),
 }
-"""Section of the report -> its figure over time, and caption."""
 
 
 @dataclass(frozen=True)

@@ -37,16 +37,15 @@ SENSITIVITY = "sensitivity of the linear critical speed"
 SUSPENSION_WORDS = ("car body", "bogie", "bogies", "front bogie", "rear bogie")
 """How the names of those modes begin whose shapes are drawn together."""
 
-MODE_COLUMNS = {
+MODE_COLUMNS = {  # column of modes.csv -> variable
     "speed_kmh": "speed",
     "mode": "mode",
     "growth_rate_per_s": "growth_rate",
     "frequency_hz": "frequency",
     "damping": "damping",
 }
-"""Column of modes.csv -> variable."""
 
-SHAPE_COLUMNS = {
+SHAPE_COLUMNS = {  # column of shapes.csv -> variable
     **{name: MODE_COLUMNS[name] for name in ("speed_kmh", "mode")},
     "body": "body",
     "direction": "direction",
@@ -54,7 +53,6 @@ SHAPE_COLUMNS = {
     "phase_deg": "shape_phase",
     "energy_share": "energy_share",
 }
-"""Column of shapes.csv -> variable."""
 
 
 def line_sentences(case: Case) -> list[str]:
@@ -116,14 +114,13 @@ def _shape_table(mode: xr.Dataset) -> Table:
     return Table(["body", *mode["direction"].to_numpy().tolist()], rows, caption)
 
 
-BRANCH_COLUMNS = {
+BRANCH_COLUMNS = {  # column of branch.csv -> variable, and factor
     "amplitude_mm": ("amplitude", 1e3),
     "speed_kmh": ("speed", 1.0),
     "frequency_hz": ("frequency", 1.0),
     "multiplier": ("multiplier", 1.0),
     "speed_slope_kmh_per_mm": ("speed_slope", 1.0),
 }
-"""Column of branch.csv -> variable, and factor."""
 
 
 def branch_numbers(branch: xr.Dataset) -> dict[str, Any]:

@@ -31,18 +31,16 @@ MATERIALS = ("steel", "paper")  # names in the catalogue; `paper` has the G = 10
 NAMES = {"steel": "steel", "paper": "the paper's material"}  # material -> what it is called in sentences
 
 OWN, EXACT = "own contact", "exact contact"
-CONTACTS: dict[str, dict[str, object]] = {
+CONTACTS: dict[str, dict[str, object]] = {  # contact -> changes of a case
     OWN: {"contact.normal": {"kind": "hertz"}, "contact.creep": {"kind": "kalker_saturated"}},
     EXACT: {"contact.normal": {"kind": "strips"}, "contact.creep": {"kind": "table"}},
 }
-"""Contact -> changes of a case."""
 
-VARIANTS = {
+VARIANTS = {  # what is linearised: label -> case, cut
     "bogie on the rig": ("bogie_rollers_constant", "leading_bogie"),
     "bogie on track": ("bogie_track", "leading_bogie"),
     "vehicle on track": ("bogie_track", "vehicle"),
 }
-"""What is linearised: label -> case, cut."""
 
 RIG, VEHICLE = "bogie on the rig", "vehicle on track"  # the variants that figure 7b compares
 TABLE_PARTS = ("leading_bogie", "vehicle")  # parts in the table of critical speeds over the rollers' radius
@@ -281,13 +279,12 @@ def around_onset(runs: list[HuntingRun], onset: float, count: int = 6) -> list[H
     return [runs[i] for i in sorted({*range(0, len(runs), step), *near, *(max(i - 1, 0) for i in near)})]
 
 
-ENDS = (
+ENDS = (  # key, variable and factor of what is reported of figure 8 at its end
     ("sliding_mmps", "sliding", 1e3),
     ("longitudinal_creep_force_n", "longitudinal_creep_force", 1.0),
     ("longitudinal_force_n", "longitudinal_force", 1.0),
     ("vertical_force_n", "vertical_force", 1.0),
 )
-"""Key, variable and factor of what is reported of figure 8 at its end."""
 
 
 def numbers_of(results: Results) -> dict[str, Any]:
@@ -343,7 +340,7 @@ def _traction_numbers(study: xr.Dataset | None) -> dict[str, Any] | None:
     return {"speed_kmh": 3.6 * float(end["speed"]), **own}
 
 
-RUN_COLUMNS = {
+RUN_COLUMNS = {  # column of the runs' files -> variable
     "speed_kmh": "speed",
     "amplitude_m": "amplitude",
     "frequency_hz": "oscillation_frequency",
@@ -351,7 +348,6 @@ RUN_COLUMNS = {
     "rate_at_end_per_s": "rate_at_end",
     "persists": "persists",
 }
-"""Column of the runs' files -> variable."""
 
 
 def frequency_rows(results: Results) -> list[list[object]]:
