@@ -110,8 +110,13 @@ def amplitude_over_speed(
 
 
 LOOKS: dict[str, dict[str, Any]] = {
-    "up": {"color": COLOURS[0], "marker": "^", "linestyle": "-"},
-    "down": {"color": COLOURS[1], "marker": "v", "linestyle": "--"},
+    "up": {"color": COLOURS[0], "marker": "^", "linestyle": "-", "zorder": 3},
+    "down": {"color": COLOURS[1], "marker": "v", "linestyle": "--", "zorder": 4, "markerfacecolor": "white"},
+}
+CYCLES = {  # label of a panel -> variable of `limit_cycle_table`, and factor
+    "lateral amplitude of wheelsets [mm]": ("cycle_amplitude", 1e3),
+    "frequency [Hz]": ("cycle_frequency", 1.0),
+    "largest |Y| [kN]": ("cycle_guiding_force", 1e-3),
 }
 
 
@@ -123,18 +128,25 @@ def limit_cycle_diagram(cycles: xr.Dataset, modes: xr.Dataset | None = None) -> 
         cycles: Dataset of `limit_cycle_table`.
         modes: Dataset of `stability`: its linear critical speed, and the frequency of hunting for comparison.
     """
-    labels = ("lateral amplitude of wheelsets [mm]", "frequency [Hz]", "largest |Y| [kN]")
-    with panels(labels, "speed [km/h]", 7.0, legend=False, height_ratios=(2.2, 1, 1)) as (figure, axes):
+    with panels(list(CYCLES), "speed [km/h]", 7.0, legend=False, height_ratios=(2.2, 1, 1)) as (figure, axes):
         amplitude, frequency, force = axes
         for sweep, drawn in LOOKS.items():
-            _sweep(axes, cycles.isel(cycle_point=cycles["cycle_sweep"].to_numpy() == sweep), sweep, drawn)
-        if modes is not None and bool(modes["hunting_frequency"].notnull().any()):
-            linear = {"color": GREY, "linewidth": 1.0, "label": "linear hunting mode"}
-            frequency.plot(modes["speed"], modes["hunting_frequency"], **linear)  # type: ignore[arg-type]
-            frequency.legend(loc="best")
+            one = cycles.isel(cycle_point=cycles["cycle_sweep"].to_numpy() == sweep)
+            for panel, (name, factor) in zip(axes, CYCLES.values(), strict=True):
+                panel.plot(one["cycle_speed"], factor * one[name], markersize=5, label=f"{sweep}ward sweep", **drawn)
+        early = cycles.isel(cycle_point=cycles["cycle_status"].to_numpy() != "ok")
+        for speed, status in zip(early["cycle_speed"].to_numpy(), early["cycle_status"].to_numpy(), strict=True):
+            place: dict[str, Any] = {"xycoords": ("data", "axes fraction"), "rotation": 90, "fontsize": 7.5}
+            amplitude.annotate(str(status).replace("_", " "), (speed, 0.5), **place)
         critical = {"critical speed by continuation": float(cycles.attrs["critical_speed_by_continuation_kmh"])}
         if modes is not None:
             critical["linear critical speed"] = float(modes.attrs["linear_critical_speed_kmh"])
+            if bool(modes["hunting_frequency"].notnull().any()):
+                label = "linear hunting mode"
+                drawn_line = frequency.plot(
+                    modes["speed"], modes["hunting_frequency"], color=GREY, linewidth=1.0, label=label
+                )
+                frequency.legend(handles=drawn_line, loc="best")
         for name, value in critical.items():
             if math.isfinite(value):
                 critical_line(amplitude, value, f"{name} {value:.1f} km/h")
@@ -220,21 +232,6 @@ def tornado_diagram(sensitivity: xr.Dataset, output: str = "") -> Figure:
 def _number_words(key: str) -> str:
     """A dotted key in a figure: 'primary, x, stiffness'."""
     return key.removeprefix("vehicle.element.").replace("_*", "").replace(".", ", ").replace("_", " ")
-
-
-def _sweep(axes: Sequence[Axes], one: xr.Dataset, sweep: str, drawn: dict[str, Any]) -> None:
-    """Amplitude, frequency and force on one sweep through the speeds."""
-    amplitude, frequency, force = axes
-    down = sweep == "down"
-    style = {**drawn, "markersize": 5, "markerfacecolor": "white" if down else drawn["color"]}
-    speed, size = one["cycle_speed"].to_numpy(), 1e3 * one["cycle_amplitude"].to_numpy()
-    amplitude.plot(speed, size, label=f"{sweep}ward sweep", zorder=4 if down else 3, **style)
-    frequency.plot(speed, one["cycle_frequency"].to_numpy(), **style)
-    force.plot(speed, 1e-3 * one["cycle_guiding_force"].to_numpy(), **style)
-    for v, status in zip(speed, one["cycle_status"].to_numpy(), strict=True):
-        if status != "ok":
-            place: dict[str, Any] = {"xycoords": ("data", "axes fraction"), "rotation": 90, "fontsize": 7.5}
-            amplitude.annotate(str(status).replace("_", " "), (v, 0.5), **place)
 
 
 def _beside_theory(

@@ -6,7 +6,6 @@ Wheels, rollers and rails have their own profiles and radii. A body whose shape 
 box of its mass and moments of inertia. Symbols of springs and dampers lie along the directions in which they act.
 """
 
-from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -96,7 +95,7 @@ def _extent(scene: Scene) -> tuple[tuple[float, float], tuple[float, float], tup
     below = -min(2.05 * support.roller_radius, 2.2) if isinstance(support, Rig) else -0.35
     x = x - scene.origin
     reach = min(support.roller_radius, 1.2) if isinstance(support, Rig) else 0.0
-    axles = [body.position[0] - scene.origin for body in wheelsets(scene.case)]
+    axles = scene.axles
     low, high = min(float(x.min()), min(axles) - reach) - 0.3, max(float(x.max()), max(axles) + reach) + 0.3
     return (low, high), (-across - 0.2, across + 0.2), (below, float(z.max()) + 0.35)
 
@@ -149,9 +148,9 @@ def _ground(axes: Axes, scene: Scene, view: str) -> None:
         if not isinstance(support, Rig):
             low, high = axes.get_xlim()
             axes.add_patch(Rectangle((low, -0.16), high - low, 0.16, **steel))
-        for body in wheelsets(scene.case) if isinstance(support, Rig) else ():
-            axes.add_patch(Circle((body.position[0] - scene.origin, -radius), radius, **steel))
-            axes.plot(body.position[0] - scene.origin, -radius, "+", color=INK, markersize=6)
+        for x in scene.axles if isinstance(support, Rig) else ():
+            axes.add_patch(Circle((x, -radius), radius, **steel))
+            axes.plot(x, -radius, "+", color=INK, markersize=6)
         return
     for sign, head in zip((1.0, -1.0), heads(support).values(), strict=True):
         rail = profile_from_spec(head.arguments(), "rail")
@@ -165,19 +164,9 @@ def _ground(axes: Axes, scene: Scene, view: str) -> None:
             if isinstance(support, Rig) and sign > 0:
                 axes.plot([-y[0], y[0]], [-radius, -radius], color=INK, linewidth=2.0, zorder=1.4)
         else:
-            for low, high in _along(scene, axes):
+            rollers = [(x - radius, x + radius) for x in scene.axles] if isinstance(support, Rig) else []
+            for low, high in rollers or [axes.get_xlim()]:
                 axes.add_patch(Rectangle((low, min(y[0], y[-1])), high - low, abs(y[-1] - y[0]), **steel))
-
-
-def _along(scene: Scene, axes: Axes) -> Iterator[tuple[float, float]]:
-    """Range over which the rollers or rails reach, seen from above [m]."""
-    support = scene.case.support.data
-    if not isinstance(support, Rig):
-        yield axes.get_xlim()
-        return
-    for body in wheelsets(scene.case):
-        x = body.position[0] - scene.origin
-        yield x - support.roller_radius, x + support.roller_radius
 
 
 def _wheelset(axes: Axes, scene: Scene, body: Body, view: str) -> None:

@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from rollerrig.cases import ACTUATORS, wheelsets
+from rollerrig.cases import ACTUATORS
 from rollerrig.config import Element, Rig
 from rollerrig.plot.style import colour
 from rollerrig.plot.vehicle_scene import INK, STEEL, Scene, bodies, box
@@ -117,7 +117,7 @@ def named_bodies(scene: Scene, axes: Axes) -> list[Callout]:
         else:
             place = (x + 0.2 * width, min(high - 0.05, z + 0.4 * tall))
         found.append(Callout(", ".join(words), (float(place[0]), float(place[1]))))
-    foremost = max(body.position[0] for body in wheelsets(case)) - scene.origin
+    foremost = max(scene.axles)
     if isinstance(support, Rig):
         drive = "rig control" if case.rig_control else case.motion.drive.replace("_", " ")
         along = 0.8 * support.roller_radius

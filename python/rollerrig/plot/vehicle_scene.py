@@ -47,6 +47,11 @@ class Scene:
         return found + ["torque"] * any(torque.wheelset == wheelset.name for torque in self.case.axle_torque)
 
     @property
+    def axles(self) -> list[float]:
+        """Places of the wheelsets along x [m]."""
+        return [body.position[0] - self.origin for body in wheelsets(self.case)]
+
+    @property
     def size(self) -> float:
         """Length of a symbol [m]."""
         return 0.7 * self.case.vehicle.data.wheel.radius
