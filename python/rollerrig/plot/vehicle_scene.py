@@ -13,6 +13,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.patches import FancyArrowPatch
 
+from rollerrig.cases import wheelsets
 from rollerrig.common.arrays import Array
 from rollerrig.config import Body, Case, Element
 
