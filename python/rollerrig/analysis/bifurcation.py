@@ -267,8 +267,8 @@ def _extreme(left: Cycle, right: Cycle) -> float:
 
 def _folds(cycles: Sequence[Cycle]) -> list[int]:
     """Places of those of all cycles at which the speed is an extreme."""
-    speeds = [one.speed for one in cycles]
-    return [i for i in range(1, len(cycles) - 1) if (speeds[i] - speeds[i - 1]) * (speeds[i + 1] - speeds[i]) < 0.0]
+    rises = np.diff([one.speed for one in cycles])
+    return [int(i) + 1 for i in np.flatnonzero(rises[:-1] * rises[1:] < 0.0)]
 
 
 def _nonlinear_critical_speed(cycles: Sequence[Cycle], onset: float) -> float:

@@ -64,9 +64,8 @@ def settling_run(
     Raises:
         StartError: no state was found from which the run can start.
     """
-    hunting = HuntingSettings(
-        offset, settings.longest, settings.output_step, settings.relative_tolerance, settings.absolute_tolerance
-    )
+    tolerances = settings.relative_tolerance, settings.absolute_tolerance
+    hunting = HuntingSettings(offset, settings.longest, settings.output_step, *tolerances)
     model = assemble(hunting_case(case, speed, hunting))
     simulation = _core.Simulation(model.core)
     start = starting_state(model) if state is None else at_other_speed(simulation, model, state, speed)

@@ -163,13 +163,11 @@ class LinearSystem:
         def cells(names: Sequence[str]) -> NDArray[np.object_]:
             return np.array(names, dtype=object).reshape(1, -1)
 
-        names = ("State", self.states), ("Input", self.inputs), ("Output", self.outputs)
-        units = ("Input", self.input_units), ("Output", self.output_units)
         content: dict[str, Any] = dict(zip("ABCD", (self.a, self.b, self.c, self.d), strict=True))
         content |= {"Ts": self.step, "speed": self.speed, "name": self.name}
-        content |= {f"{kind}Name": cells(words) for kind, words in names}
-        content |= {f"{kind}Unit": cells(words) for kind, words in units}
-        return mat_bytes(content)
+        names = {"StateName": self.states, "InputName": self.inputs, "OutputName": self.outputs}
+        names |= {"InputUnit": self.input_units, "OutputUnit": self.output_units}
+        return mat_bytes(content | {kind: cells(words) for kind, words in names.items()})
 
 
 def margins_of(frequencies: Array, loop: Complex) -> Margins:

@@ -231,9 +231,8 @@ def _hidden(modes: ModesOverSpeed, mode: int, k: int) -> list[Crossing]:
     def rate(speed: float) -> float:
         return _followed_value(modes, mode, k if speed >= speeds[k] else k - 1, speed).real
 
-    top = minimize_scalar(
-        lambda v: -rate(v), bounds=(speeds[k - 1], speeds[k + 1]), method="bounded", options={"xatol": 1e-2}
-    )
+    ends = (speeds[k - 1], speeds[k + 1])
+    top = minimize_scalar(lambda v: -rate(v), bounds=ends, method="bounded", options={"xatol": 1e-2})
     if not -top.fun > 0.0:
         return []
     at = float(top.x)

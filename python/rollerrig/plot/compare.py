@@ -105,9 +105,8 @@ def effect_bars(off: Mapping[str, float], alone: Mapping[str, float], loss: floa
         (alone, -0.19, COLOURS[1], "///", "on alone: loss from the track"),
     ):
         bars = [*(values[effect] for effect in off), loss - sum(values.values()), loss]
-        drawn = axes.barh(
-            places + shift, bars, 0.36, color=ink, alpha=0.85, label=label, hatch=hatch, edgecolor="white"
-        )
+        look_of: dict[str, Any] = {"color": ink, "alpha": 0.85, "hatch": hatch, "edgecolor": "white", "label": label}
+        drawn = axes.barh(places + shift, bars, 0.36, **look_of)
         axes.bar_label(drawn, fmt="{:+.1f}", padding=3, fontsize=7.5)
     axes.axvline(0.0, color=GREY, linewidth=1.0)
     axes.set_yticks(places, rows)

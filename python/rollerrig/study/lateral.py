@@ -124,10 +124,13 @@ LEFT = 0.2  # hunting of which less than this part is left has died [-]
 
 @dataclass(frozen=True)
 class Found:
-    """Runs by key of LABELS, and the numbers of the nearly same runs by key of REPEATED."""
+    """What was run and read off."""
 
-    runs: dict[str, xr.Dataset]
-    repeated: dict[str, list[dict[str, Any]]]
+    runs: dict[str, xr.Dataset]  # by key of LABELS
+    repeated: dict[str, list[dict[str, Any]]]  # numbers of the nearly same runs, by key of REPEATED
+    guidance: dict[
+        str, lateral_guidance.Guidance
+    ]  # by key of GUIDED, of runs whose wheels slid while they moved sideways
 
 
 @dataclass(frozen=True)
@@ -194,7 +197,9 @@ class LateralStudy(Study[Found]):
         if LABELS["rig"] not in done:
             return None
         again = {key: started(done, LABELS[key], [None])[1:] for key in REPEATED}
-        return Found({key: done[label] for key, label in LABELS.items() if label in done}, again)
+        runs = {key: done[label] for key, label in LABELS.items() if label in done}
+        left = {key: one for key in GUIDED if key in runs and (one := self.guidance_of(runs[key]))}
+        return Found(runs, again, left)
 
     def statuses(self, results: Found) -> Sequence[str]:
         return [run.attrs["status"] for run in results.runs.values()]
@@ -202,7 +207,6 @@ class LateralStudy(Study[Found]):
     def numbers(self, results: Found) -> dict[str, Any]:
         begin = _slide(results.runs)
         names = [q.name for q in self.quantities.below("guidance.*")]
-        left = {key: self.guidance_of(results.runs[key]) for key in GUIDED if key in results.runs}
         runs = {key: run_numbers(run, begin) for key, run in results.runs.items()}
         return {
             "case": self.case.name,
@@ -211,8 +215,7 @@ class LateralStudy(Study[Found]):
             "ensemble": {k: means([runs[k], *others], CHAOTIC) for k, others in results.repeated.items() if others},
             "guidance": {
                 key: dict(zip(names, (one.slope, one.correlation, one.rolling, one.sliding), strict=True))
-                for key, one in left.items()
-                if one is not None
+                for key, one in results.guidance.items()
             },
         }
 
@@ -260,14 +263,13 @@ class LateralStudy(Study[Found]):
             "Friction opposes sliding: F_y = −F v_y/v_s, viscous and weak, of a wheel that slides along the track far faster "
             "than across it; docs/theory/rig_control.md, (Q6)."
         )
-        found = {key: self.guidance_of(results.runs[key]) for key in numbers["guidance"]}
-        if not found:
+        if not results.guidance:
             return [Text(text), Text("No wheel slid while it moved sideways.")]
-        entries = {LABELS[key]: numbers["guidance"][key] for key in found}
+        entries = {LABELS[key]: one for key, one in numbers["guidance"].items()}
         pictures = [
             Picture(f"guidance_{key}", figures.viscous(one.expected, one.force, one.slope),
                     f"{LABELS[key]}: axles whose wheels slide faster than 1 m/s, each sample.")
-            for key, one in found.items() if one is not None
+            for key, one in results.guidance.items()
         ]  # fmt: skip
         return [Text(text), self.quantities.table(entries, "guidance.*", head="run"), *pictures]
 
