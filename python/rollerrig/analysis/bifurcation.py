@@ -21,7 +21,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -40,21 +40,13 @@ from rollerrig.simulation.run import Progress, integrator_settings
 FIRST_AMPLITUDE, LARGEST_AMPLITUDE = 1e-4, 6e-3
 """Amplitudes between which the branch is followed unless another end is asked for [m]."""
 
-LONGEST_STEP, SHORTEST_STEP = 5e-4, 1e-5
-"""Steps from one amplitude to the next [m]."""
-
-STEP, TOLERANCE = 1e-3, 1e-6
-"""Longest step of a run at full scale [s], and its relative tolerance."""
-
-CLOSED = 3e-5
-"""Part of its amplitude by which a limit cycle may miss itself after a period [-]."""
-
-FOLD_WIDTH = 0.002
-"""To which the speed of a fold is found [m/s]."""
+LONGEST_STEP, SHORTEST_STEP = 5e-4, 1e-5  # steps from one amplitude to the next [m]
+STEP, TOLERANCE = 1e-3, 1e-6  # longest step of a run at full scale [s], and its relative tolerance
+CLOSED = 3e-5  # part of its amplitude by which a limit cycle may miss itself after a period [-]
+FOLD_WIDTH = 0.002  # to which the speed of a fold is found [m/s]
 
 _MOST_ITERATIONS, _FEW_ITERATIONS = 8, 4
-_RATE = 100.0
-"""Turns an error of a velocity into that of a displacement [1/s]."""
+_RATE = 100.0  # turns an error of a velocity into that of a displacement [1/s]
 
 _LATERAL, _PITCH, _OK = 1, 4, _core.status_codes["ok"]
 
@@ -200,9 +192,8 @@ class _Shooting:
     def _period(self, state: Array, period: float, speed: float) -> _Period | None:
         """A run of one period; None where it ends early."""
         width = 1e-5 * speed
-        run, above, below = (
-            self._start(state + change * self._rolls, period, speed + change) for change in (0.0, width, -width)
-        )
+        changes = (0.0, width, -width)
+        run, above, below = (self._start(state + one * self._rolls, period, speed + one) for one in changes)
         directions = np.eye(len(self._rest))[:, self._kept]
         tangents = _core.TangentRun(run, [(above, below, width, True)], np.ascontiguousarray(directions), [], [])
         if tangents.advance(period) != _OK:
@@ -238,10 +229,8 @@ def _follow(
         if found is None:
             step *= 0.5
             if step < SHORTEST_STEP:
-                return (
-                    cycles,
-                    f"at {1e3 * last.amplitude:.2f} mm: none is found beyond it, the contacts are too rough there",
-                )
+                why = "none is found beyond it, the contacts are too rough there"
+                return cycles, f"at {1e3 * last.amplitude:.2f} mm: {why}"
             continue
         if not limits[0] <= found.speed <= limits[1]:
             return cycles, f"at {1e3 * last.amplitude:.2f} mm, where it leaves the speeds asked for"
@@ -278,8 +267,8 @@ def _extreme(left: Cycle, right: Cycle) -> float:
 
 def _folds(cycles: Sequence[Cycle]) -> list[int]:
     """Places of those of all cycles at which the speed is an extreme."""
-    speeds = [one.speed for one in cycles]
-    return [i for i in range(1, len(cycles) - 1) if (speeds[i] - speeds[i - 1]) * (speeds[i + 1] - speeds[i]) < 0.0]
+    rises = np.diff([one.speed for one in cycles])
+    return [int(i) + 1 for i in np.flatnonzero(rises[:-1] * rises[1:] < 0.0)]
 
 
 def _nonlinear_critical_speed(cycles: Sequence[Cycle], onset: float) -> float:
@@ -290,33 +279,29 @@ def _nonlinear_critical_speed(cycles: Sequence[Cycle], onset: float) -> float:
     return min([one.speed for one in cycles if one.stable] + folds + begins, default=math.nan)
 
 
-def _dataset(case: Case, cycles: Sequence[Cycle], onset: float, ended: str) -> xr.Dataset:
-    def over(name: str, values: Sequence[float], unit: str, meaning: str) -> dict[str, object]:
-        return {name: variable("cycle", np.array(values), unit, meaning)}
+COLUMNS: dict[str, tuple[Callable[[Cycle], float], str, str]] = {  # variable -> its value for a cycle, unit and meaning
+    "amplitude": (lambda one: one.amplitude, "m", "lateral amplitude of the leading wheelset"),
+    "speed": (lambda one: 3.6 * one.speed, "km/h", "running speed"),
+    "frequency": (lambda one: 1.0 / one.period, "Hz", "frequency of the limit cycle"),
+    "multiplier": (lambda one: abs(one.multipliers[0]), "1", "largest magnitude of a Floquet multiplier"),
+    "stable": (lambda one: one.stable, "1", "whether every small deviation decays"),
+    "speed_slope": (lambda one: 3.6e-3 * one.slope, "km/h per mm", "speed over amplitude along the branch"),
+    "missed": (lambda one: one.missed, "m", "by how much it misses itself after a period"),
+}
 
-    leading = [float(abs(one.multipliers[0])) for one in cycles]
+
+def _dataset(case: Case, cycles: Sequence[Cycle], onset: float, ended: str) -> xr.Dataset:
     variables = {
-        **over("amplitude", [one.amplitude for one in cycles], "m", "lateral amplitude of the leading wheelset"),
-        **over("speed", [3.6 * one.speed for one in cycles], "km/h", "running speed"),
-        **over("frequency", [1.0 / one.period for one in cycles], "Hz", "frequency of the limit cycle"),
-        **over("multiplier", leading, "1", "largest magnitude of a Floquet multiplier"),
-        **over("stable", [one.stable for one in cycles], "1", "whether every small deviation decays"),
-        **over(
-            "speed_slope",
-            [3.6e-3 * one.slope for one in cycles],
-            "km/h per mm",
-            "speed over amplitude along the branch",
-        ),
-        **over("missed", [one.missed for one in cycles], "m", "by how much it misses itself after a period"),
+        name: variable("cycle", np.array([value(one) for one in cycles]), unit, meaning)
+        for name, (value, unit, meaning) in COLUMNS.items()
     }
+    folds = [{"speed_kmh": 3.6 * cycles[i].speed, "amplitude_mm": 1e3 * cycles[i].amplitude} for i in _folds(cycles)]
     attributes = {
         "title": f"Limit cycles of {case.name} over their amplitude",
         "case": case.name,
         "linear_critical_speed_kmh": 3.6 * onset,
         "nonlinear_critical_speed_kmh": 3.6 * _nonlinear_critical_speed(cycles, onset),
-        "folds": json.dumps(
-            [{"speed_kmh": 3.6 * cycles[i].speed, "amplitude_mm": 1e3 * cycles[i].amplitude} for i in _folds(cycles)]
-        ),
+        "folds": json.dumps(folds),
         "ended": ended,
     }
     return xr.Dataset(variables, attrs=attributes)

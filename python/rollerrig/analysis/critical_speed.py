@@ -21,10 +21,12 @@ Source: O. Polach, On non-linear methods of bogie stability assessment, Proc. IM
 import math
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
+import xarray as xr
 
-from rollerrig.analysis.hunting import HuntingRun
+from rollerrig.analysis.hunting import HuntingRun, hunting_table
 from rollerrig.analysis.mode_table import Crossing, first_onset, growing_at_start, modes_over_speed, zero_crossings
 from rollerrig.analysis.modes import Lineariser
 from rollerrig.cases import on_rig, on_track, part_of
@@ -36,47 +38,13 @@ HIGHEST_KMH = 600.0
 """Where a linear critical speed is looked for at most, unless higher speeds are asked for [km/h]: no train runs faster."""
 
 
-def onset_from(
-    case: Case, speeds_kmh: Sequence[float], progress: Progress | None = None
-) -> tuple[Crossing | None, float]:
-    """Lowest onset of growth at the speeds asked for or above them, up to HIGHEST_KMH.
-
-    Args:
-        case: the case.
-        speeds_kmh: range of speeds [km/h], rising.
-        progress: called with the fraction done and a short text.
-
-    Returns:
-        The onset, None if there is none, and the highest speed looked at [km/h].
-
-    Raises:
-        KeyboardInterrupt: Ctrl-C came before the end.
-        ValueError: speeds not positive and rising.
-        StartError: no rolling equilibrium at one of the speeds asked for.
-    """
-    here = _critical(case, [v / 3.6 for v in speeds_kmh], progress)
-    if here.onset is not None or here.grows_at_start or speeds_kmh[-1] >= HIGHEST_KMH:
-        return here.onset, speeds_kmh[-1]
-    above = scan_above(case, speeds_kmh[-1], progress)
-    return above.onset, speeds_kmh[-1] if above.problem else HIGHEST_KMH
-
-
-# ---------------------------------------------------------------------------------------------------------- linear
-
-
 @dataclass(frozen=True)
 class LinearCriticalSpeed:
-    """Linear critical speed of one case in a range.
+    """Linear critical speed of one case in a range."""
 
-    Attributes:
-        onset: the lowest speed above which an oscillation grows; None if there is none in the range.
-        grows_at_start: names of the modes that grow already at the lowest speed.
-        problem: why nothing could be computed; '' if it could.
-    """
-
-    onset: Crossing | None = None
-    grows_at_start: tuple[str, ...] = ()
-    problem: str = ""
+    onset: Crossing | None = None  # the lowest speed above which an oscillation grows; None: there is none
+    grows_at_start: tuple[str, ...] = ()  # names of the modes that grow already at the lowest speed
+    problem: str = ""  # why nothing could be computed; '' if it could
 
     @property
     def speed_kmh(self) -> float:
@@ -101,52 +69,49 @@ def linear_critical_speed(case: Case | Lineariser, speeds: Sequence[float]) -> C
     return first_onset(zero_crossings(modes_over_speed(case, speeds)))
 
 
-def scan_linear(job: tuple[Case, Sequence[float]], progress: Progress | None = None) -> LinearCriticalSpeed:
-    """Linear critical speed of one case between speeds [m/s]; a missing equilibrium is returned as `problem`, not raised.
+def scan_linear(case: Case, speeds_kmh: Sequence[float], progress: Progress | None = None) -> LinearCriticalSpeed:
+    """Linear critical speed of one case between speeds [km/h]; a missing equilibrium is returned as `problem`, not raised.
 
     Raises:
         KeyboardInterrupt: Ctrl-C came before the end.
+        ValueError: speeds not positive and rising.
     """
     try:
-        return _critical(*job, progress)
+        modes = modes_over_speed(case, [v / 3.6 for v in speeds_kmh], progress)
     except StartError as problem:
         return LinearCriticalSpeed(problem=str(problem))
-
-
-def _critical(case: Case, speeds: Sequence[float], progress: Progress | None) -> LinearCriticalSpeed:
-    modes = modes_over_speed(case, speeds, progress)
     if modes.followed.interrupted:
         raise KeyboardInterrupt
     return LinearCriticalSpeed(first_onset(zero_crossings(modes)), growing_at_start(modes))
 
 
-def scan_above(case: Case, above_kmh: float, progress: Progress | None = None) -> LinearCriticalSpeed:
-    """Linear critical speed of a case between a speed and HIGHEST_KMH [km/h]; a missing equilibrium is its `problem`.
+def onset_from(
+    case: Case, speeds_kmh: Sequence[float], progress: Progress | None = None
+) -> tuple[Crossing | None, float]:
+    """Lowest onset of growth at the speeds asked for [km/h] or above them, up to HIGHEST_KMH; and the highest looked at [km/h].
 
     Raises:
         KeyboardInterrupt: Ctrl-C came before the end.
+        ValueError: speeds not positive and rising.
+        StartError: no rolling equilibrium at one of the speeds asked for.
     """
-    return scan_linear((case, [above_kmh / 3.6, HIGHEST_KMH / 3.6]), progress)
-
-
-# -------------------------------------------------------------------------------------------------- by disturbance
+    here, highest = scan_linear(case, speeds_kmh, progress), speeds_kmh[-1]
+    if here.problem:
+        raise StartError(here.problem)
+    if here.onset is not None or here.grows_at_start or highest >= HIGHEST_KMH:
+        return here.onset, highest
+    above = scan_linear(case, [highest, HIGHEST_KMH], progress)
+    return above.onset, highest if above.problem else HIGHEST_KMH
 
 
 @dataclass(frozen=True)
 class CriticalSpeedByDisturbance:
-    """Between which speeds a perturbation of one size begins to persist.
+    """Between which speeds a perturbation of one size begins to persist."""
 
-    Attributes:
-        decays: highest speed, below the onset, at which it decayed [m/s]; NaN if it never did.
-        persists: lowest speed at which it persisted [m/s]; NaN if it never did.
-        disturbance: its size, lateral offset of the leading wheelset [m].
-        runs: all runs made for it, by speed; those that did not come to their end count neither way.
-    """
-
-    decays: float
-    persists: float
-    disturbance: float
-    runs: list[HuntingRun]
+    decays: float  # highest speed, below the onset, at which it decayed [m/s]; NaN if it never did
+    persists: float  # lowest speed at which it persisted [m/s]; NaN if it never did
+    disturbance: float  # its size, lateral offset of the leading wheelset [m]
+    runs: list[HuntingRun]  # all runs made for it, by speed; those that did not come to their end count neither way
 
     def further_speeds(self, width: float) -> list[float]:
         """Speeds of the next round of runs, the bracket in thirds [m/s]; none if it is narrower than a width [m/s].
@@ -157,6 +122,11 @@ class CriticalSpeedByDisturbance:
             return []
         tried = {run.speed for run in self.runs}
         return [float(v) for v in np.linspace(self.decays, self.persists, 4)[1:-1] if float(v) not in tried]
+
+    @property
+    def table(self) -> xr.Dataset:
+        """The runs as a Dataset of `hunting_table`."""
+        return hunting_table(self.runs, self.disturbance)
 
     @property
     def ended_early(self) -> list[HuntingRun]:
@@ -194,102 +164,48 @@ def rounds_by_disturbance(
         yield wanted
 
 
-RADII = (0.46, 0.725, 1.0, 2.0, 5.0, 10.0)
-"""Radii of the rollers in the table [m]."""
-
-TRACK = math.inf
-"""The radius of a track [m]."""
-
-EFFECTS = ("curvature", "conicity", "spin", "yaw")
-"""Switches of `contact.roller_effects`."""
+RADII = (0.46, 0.725, 1.0, 2.0, 5.0, 10.0)  # radii of the rollers in the table [m]
+TRACK = math.inf  # the radius of a track [m]
+EFFECTS = ("curvature", "conicity", "spin", "yaw")  # switches of `contact.roller_effects`
 
 RANGE_KMH = tuple(float(v) for v in range(30, 601, 30))
 """Where critical speeds are looked for; the search refines it [km/h]."""
 
-Place = tuple[str, float]
-"""Part of the vehicle, radius of the rollers [m]."""
-On = frozenset[str]
-"""Effects that are on."""
-
-
-@dataclass(frozen=True)
-class CriticalSpeedOverRadius:
-    """Linear critical speeds of parts of a vehicle on track and on rollers."""
-
-    parts: tuple[str, ...]  # cuts of the vehicle
-    radii: tuple[float, ...]  # of the rollers [m], rising; last TRACK
-    found: Mapping[Place, LinearCriticalSpeed]  # (part, radius) -> what was found; absent where Ctrl-C came first
-
-    def kmh(self, part: str, radius: float) -> float:
-        """Critical speed [km/h]; NaN if there is none or it was not computed."""
-        return self.found.get((part, radius), LinearCriticalSpeed()).speed_kmh
-
-
-@dataclass(frozen=True)
-class EffectSplit:
-    """Linear critical speeds on a rig with some of the roller's effects switched off, by those that are on."""
-
-    found: Mapping[On, LinearCriticalSpeed]
-
-    def kmh(self, on: On) -> float:
-        """Critical speed with these effects [km/h]; NaN if there is none or it was not computed."""
-        return self.found.get(on, LinearCriticalSpeed()).speed_kmh
-
-    @property
-    def rig(self) -> float:
-        """All effects on [km/h]."""
-        return self.kmh(frozenset(EFFECTS))
-
-    @property
-    def track(self) -> float:
-        """All effects off: the track of the same head [km/h]."""
-        return self.kmh(frozenset())
-
-    @property
-    def loss(self) -> float:
-        """Loss from track to rig [km/h]."""
-        return self.track - self.rig
-
-    @property
-    def switched_off(self) -> dict[str, float]:
-        """Effect -> what the rig gains without it [km/h]."""
-        return {effect: self.kmh(frozenset(EFFECTS) - {effect}) - self.rig for effect in EFFECTS}
-
-    @property
-    def alone(self) -> dict[str, float]:
-        """Effect -> what it alone takes from the track [km/h]."""
-        return {effect: self.track - self.kmh(frozenset({effect})) for effect in EFFECTS}
-
-    def interaction(self, parts: Mapping[str, float]) -> float:
-        """What the sum of single effects leaves of the loss [km/h]."""
-        return self.loss - sum(parts.values())
+Place = tuple[str, float]  # part of the vehicle, radius of the rollers [m]
+On = frozenset[str]  # effects that are on
 
 
 def radius_cases(rig: Case, parts: Sequence[str], radii: Sequence[float] = RADII) -> dict[Place, Case]:
-    """Cases of the table: each part on rollers of each radius and on the track of the same head."""
+    """Each part of the vehicle on rollers of each radius, rising, and on the track of the same head."""
     track = on_track(rig)
-    cases: dict[Place, Case] = {}
-    for part in parts:
-        own = part_of(rig, part)
-        for radius in sorted(radii):
-            cases[part, radius] = on_rig(own, radius)
-        cases[part, TRACK] = part_of(track, part)
-    return cases
+    return {
+        (part, radius): part_of(track, part) if radius == TRACK else on_rig(part_of(rig, part), radius)
+        for part in parts
+        for radius in (*sorted(radii), TRACK)
+    }
+
+
+ALL_ON, ALL_OFF = frozenset(EFFECTS), frozenset[str]()
 
 
 def effect_cases(rig: Case) -> dict[On, Case]:
     """The rig with all effects, without each one, with each one alone, and with none."""
-    every = frozenset(EFFECTS)
-    wanted = [every, *(every - {e} for e in EFFECTS), *(frozenset({e}) for e in EFFECTS), frozenset[str]()]
+    wanted = (ALL_ON, *(ALL_ON - {e} for e in EFFECTS), *(frozenset({e}) for e in EFFECTS), ALL_OFF)
     return {
         on: rig.with_changes({f"contact.roller_effects.{effect}": effect in on for effect in EFFECTS}) for on in wanted
     }
 
 
-def critical_speed_over_radius(
-    places: Sequence[Place], found: Mapping[Place, LinearCriticalSpeed]
-) -> CriticalSpeedOverRadius:
-    """The table of all places of `radius_cases`, from what was computed for them."""
-    parts = tuple(dict.fromkeys(part for part, _ in places))
-    radii = tuple(sorted({radius for _, radius in places}))
-    return CriticalSpeedOverRadius(parts, radii, dict(found))
+def effect_split(found: Mapping[On, LinearCriticalSpeed]) -> dict[str, Any]:
+    """What each effect of a roller costs, of the critical speeds of `effect_cases` [km/h]; NaN where one is missing.
+
+    Returns:
+        As in summary.json: all effects off, the track of the same head, and on, the rig; what the rig gains without one effect;
+        what one alone takes from the track; what the sums of either leave of the loss from track to rig.
+    """
+    kmh = {on: scan.speed_kmh for on, scan in found.items()}
+    rig, track = (kmh.get(on, math.nan) for on in (ALL_ON, ALL_OFF))
+    off = {effect: kmh.get(ALL_ON - {effect}, math.nan) - rig for effect in EFFECTS}
+    alone = {effect: track - kmh.get(frozenset({effect}), math.nan) for effect in EFFECTS}
+    left = {f"interaction_{n}_kmh": track - rig - sum(v.values()) for n, v in (("switched_off", off), ("alone", alone))}
+    return {"track_kmh": track, "rig_kmh": rig, "gain_switched_off_kmh": off, "loss_alone_kmh": alone, **left}

@@ -28,8 +28,7 @@ from rollerrig.simulation.starting_state import StartError
 GRID = ("radius", "cant_deficiency")
 RADII = (1000.0, 500.0, 300.0, 250.0, 150.0)
 DEFICIENCIES = (-0.06, 0.0, 0.06, 0.1, 0.15)
-USUAL_CANT = 0.1
-"""Cant of a case without a curve of its own [m]."""
+USUAL_CANT = 0.1  # cant of a case without a curve of its own [m]
 
 SMALLEST_STEP = 1.0 / 64.0
 """Part of the way between two points: where Newton's method fails over this, there is no steady state next to the last one."""
@@ -66,12 +65,8 @@ def curving_speed(case: Case, radius: float, cant: float, deficiency: float) -> 
 
 def own_rails(case: Case) -> dict[str, Any]:
     """Gauge, inclination and heads that the first curve has in place of those of the track, as keys of a segment."""
-    curve = next(iter(curves_of(case)), None)
-    return (
-        curve.model_dump(include={"gauge", "inclination", "profile", "right_profile"}, exclude_none=True)
-        if curve
-        else {}
-    )
+    keys = {"gauge", "inclination", "profile", "right_profile"}
+    return next((curve.model_dump(include=keys, exclude_none=True) for curve in curves_of(case)), {})
 
 
 def curves_of(case: Case) -> list[Curve]:
@@ -81,19 +76,16 @@ def curves_of(case: Case) -> list[Curve]:
 
 def recorded(states: Sequence[SteadyState]) -> xr.Dataset:
     """What a run records, of states in place of times."""
-    rows = []
-    for one in states:
-        simulation = _core.Simulation(one.model.core)
-        rows.append(simulation.record(0.0, one.state, np.zeros(simulation.quadrature_count)))
+    simulations = [_core.Simulation(one.model.core) for one in states]
+    rows = [s.record(0.0, one.state, np.zeros(s.quadrature_count)) for s, one in zip(simulations, states, strict=True)]
     outcome = Outcome("ok", _core.status_sentence(0), 0.0, "", {}, {})
     return run_dataset(states[0].model, np.arange(float(len(states))), np.array(rows), outcome)
 
 
 def solve(case: Case, at: Array, direction: str, near: SteadyState | None = None) -> SteadyState | float:
     """The steady state near another one, or as the core finds it; what remains unbalanced where there is none [N, N m]."""
-    radius = 1.0 / max(at[0], STRAIGHT)
-    curve = {"kind": "curve", "length": 1.0, "radius": float(radius), "cant": float(at[1]), "direction": direction}
-    curve |= own_rails(case)
+    place = {"radius": float(1.0 / max(at[0], STRAIGHT)), "cant": float(at[1]), "direction": direction}
+    curve = {"kind": "curve", "length": 1.0, **place, **own_rails(case)}
     model = assemble(case.with_changes({"support.segment": [curve], "motion.speed_mps": float(at[2])}))
     simulation = _core.Simulation(model.core)
     start = None
@@ -249,7 +241,7 @@ def _table(found: Mapping[tuple[float, float], SteadyState], direction: str) -> 
     masses = xr.DataArray([model.masses[name] for name in model.bodies], dims="body")
     accelerations = run[[f"{way}_acceleration" for way in ("longitudinal", "lateral", "vertical")]].to_dataarray("way")
     unbalanced = abs(masses * accelerations).max(("way", "body")).to_numpy()
-    linear = [_core.Simulation(one.model.core).jacobian(0.0, one.state)[0] for one in found.values()]
+    linear = (_core.Simulation(one.model.core).jacobian(0.0, one.state)[0] for one in found.values())
     growth = [eigenvalues(matrix).real.max() for matrix in linear]
     flat = read_off(run, model.wheelsets, direction).assign(
         unbalanced_force=variable("time", unbalanced, "N", "largest unbalanced force of a body"),

@@ -30,18 +30,11 @@ from rollerrig.results import variable
 from rollerrig.simulation.sensitivity import changed_cases
 from rollerrig.simulation.starting_state import StartError
 
-RELATIVE_WIDTH = 1e-4
-"""Half width of the differences by a number, over its size [1]."""
+RELATIVE_WIDTH = 1e-4  # half width of the differences by a number, over its size [1]
 
 OUTPUTS = (
-    "guiding_force",
-    "wheel_load",
-    "derailment_quotient",
-    "guiding_force_sum",
-    "wear_number",
-    "angle_of_attack",
-    "lateral",
-)
+    "guiding_force", "wheel_load", "derailment_quotient", "guiding_force_sum", "wear_number", "angle_of_attack", "lateral",
+)  # fmt: skip
 """Variables of `curving` that are differentiated."""
 
 
@@ -105,6 +98,12 @@ def curving_parameters(case: Case) -> Iterator[str]:
     yield "contact.friction.mu_0"
     if case.contact.gauge_face_friction is not None:
         yield "contact.gauge_face_friction"
+
+
+def largest_change(found: xr.Dataset, output: str) -> xr.DataArray:
+    """What 1 % more of each number of a Dataset of `curving_sensitivity` does to an output where its magnitude is largest."""
+    one = found[output]
+    return 0.01 * found["value"] * found[f"{output}_derivative"].sel({one.dims[0]: abs(one).idxmax()})
 
 
 def _state(

@@ -21,66 +21,46 @@ from rollerrig import _core
 from rollerrig.analysis.limit_cycle import LEAST_AMPLITUDE, Decision, decide_motion
 from rollerrig.analysis.signals import FinalMotion, final_motion, half_waves
 from rollerrig.analysis.wheel_rail_forces import curved, irregular
-from rollerrig.assembly.model import assemble
+from rollerrig.assembly.model import AssembledModel, assemble
 from rollerrig.cases import at_speed, displaced, leading_wheelset
+from rollerrig.common.arrays import Array
 from rollerrig.config import Case
 from rollerrig.results import RunInfo, variable
 from rollerrig.results.dataset import add_energy_audit, run_draft
 from rollerrig.simulation.run import Progress, begin, march, outcome
 from rollerrig.simulation.starting_state import starting_state
 
-NOT_DECIDED = "not_decided"
-"""Status of a run that came to its end, but to no decision."""
-
-PIECE = 2.0
-"""Length by which a run is prolonged until it is decided [s]."""
+NOT_DECIDED = "not_decided"  # status of a run that came to its end, but to no decision
+PIECE = 2.0  # length by which a run is prolonged until it is decided [s]
 
 STEP = 2e-3
 """Longest step of `exponential_adams`, at full scale [s]. A step evaluates the contacts twice, one of `rodas4` some thirty times,
 most of them for its Jacobian, and through the flange root that is hardly longer: `benchmarks/hunting.py`."""
 
-SIGNALS = ("lateral", "yaw")
 LATERAL = [name for name, _, _ in _core.body_fields].index("lateral")
 
 
 @dataclass(frozen=True)
 class HuntingSettings:
-    """How the runs of a hunting study are done.
+    """How the runs of a hunting study are done."""
 
-    Attributes:
-        disturbance: lateral offset of the leading wheelset at the start [m].
-        duration: length of each run [s]; it is prolonged until it is decided whether its motion persists.
-        output_step: interval of the samples [s].
-        relative_tolerance: of the integrator.
-        absolute_tolerance: of the integrator, for displacements [m].
-        longest: to which a run is prolonged while it is open whether its motion persists [s].
-    """
-
-    disturbance: float = 3e-3
-    duration: float = 3.0
-    output_step: float = 5e-3
-    relative_tolerance: float = 1e-4
-    absolute_tolerance: float = 1e-7
-    longest: float = 30.0
+    disturbance: float = 3e-3  # lateral offset of the leading wheelset at the start [m]
+    duration: float = 3.0  # least length of each run [s]
+    output_step: float = 5e-3  # interval of the samples [s]
+    relative_tolerance: float = 1e-4  # of the integrator
+    absolute_tolerance: float = 1e-7  # of the integrator, for displacements [m]
+    longest: float = 30.0  # to which a run is prolonged while it is open whether its motion persists [s]
 
 
 @dataclass(frozen=True)
 class HuntingRun:
-    """One run.
+    """One run."""
 
-    Attributes:
-        speed: running speed [m/s].
-        body: whose lateral motion decides.
-        motion: Dataset over time and body, with the run's attributes.
-        final: the motion at the end of the run.
-        decision: whether it persists or decays.
-    """
-
-    speed: float
-    body: str
-    motion: xr.Dataset
-    final: FinalMotion
-    decision: Decision
+    speed: float  # running speed [m/s]
+    body: str  # whose lateral motion decides
+    motion: xr.Dataset  # Dataset over time and body, with the run's attributes
+    final: FinalMotion  # the motion at the end of the run
+    decision: Decision  # whether it persists or decays
 
     @property
     def valid(self) -> bool:
@@ -101,16 +81,11 @@ class HuntingRun:
 def hunting_case(case: Case, speed: float, settings: HuntingSettings) -> Case:
     """The case at one speed [m/s], disturbed and integrated as the settings say."""
     jumps = case.contact.normal.kind == "hertz"  # from one ellipse to another: no method of several steps passes that
-    return displaced(at_speed(case, speed), settings.disturbance).with_changes(
-        {
-            "time.duration": settings.duration,
-            "time.output_step": settings.output_step,
-            "time.method": "rodas4" if jumps else "exponential_adams",
-            "time.step": None if jumps else longest_step(case),
-            "time.relative_tolerance": settings.relative_tolerance,
-            "time.absolute_tolerance": settings.absolute_tolerance,
-        }
-    )
+    names = ("duration", "output_step", "relative_tolerance", "absolute_tolerance")
+    changes: dict[str, object] = {f"time.{name}": getattr(settings, name) for name in names}
+    changes["time.method"] = "rodas4" if jumps else "exponential_adams"
+    changes["time.step"] = None if jumps else longest_step(case)
+    return displaced(at_speed(case, speed), settings.disturbance).with_changes(changes)
 
 
 def longest_step(case: Case) -> str:
@@ -132,7 +107,6 @@ def hunting_run(job: tuple[Case, float, HuntingSettings], progress: Progress | N
         progress: called with the fraction done and a short text.
 
     Raises:
-        KeyboardInterrupt: Ctrl-C came before the end.
         StartError: no state was found from which the run can start.
     """
     case, speed, settings = job
@@ -152,28 +126,27 @@ def hunting_run(job: tuple[Case, float, HuntingSettings], progress: Progress | N
 
     while code == _core.status_codes["ok"] and decision == "open" and at < longest:
         until = min(max(at + PIECE, settings.duration), longest)
-        code, more = march(
-            simulation,
-            until,
-            times[filled:],
-            rows[filled:],
-            slice_length=settings.output_step,
-            begin_at=at,
-            report=report,
-        )
+        room_left = times[filled:], rows[filled:]
+        code, more = march(simulation, until, *room_left, slice_length=settings.output_step, begin_at=at, report=report)
         at, filled = until, filled + more
         lateral = rows[:filled, body * len(_core.body_fields) + LATERAL]
         decision = decide_motion(times[:filled], lateral, ended=at >= longest)
-    ended = outcome(simulation, model, code)
-    draft = run_draft(model, times[:filled], rows[:filled], ended)
-    add_energy_audit(draft)
-    run = draft.dataset()
-    motion = run[list(SIGNALS)].sel(body=RunInfo.of(run).moving).copy(deep=True)
+    _, motion = audited(simulation, model, times[:filled], rows[:filled], code, ("lateral", "yaw"))
     time, lateral = motion["time"].to_numpy(), motion["lateral"].sel(body=observed).to_numpy()
     final = final_motion(time, lateral, PIECE / at if at > settings.duration else 1 / 3)
-    if ended.status == "ok" and decision == "open":
+    if motion.attrs["status"] == "ok" and decision == "open":
         motion.attrs |= {"status": NOT_DECIDED, "status_message": not_decided(at, final.amplitude, final.rate)}
     return HuntingRun(speed, observed, motion, final, decision)
+
+
+def audited(
+    simulation: _core.Simulation, model: AssembledModel, times: Array, rows: Array, code: int, signals: Sequence[str]
+) -> tuple[xr.Dataset, xr.Dataset]:
+    """A run with its energy audit, and the signals of its moving bodies alone."""
+    draft = run_draft(model, times, rows, outcome(simulation, model, code))
+    add_energy_audit(draft)
+    run = draft.dataset()
+    return run, run[list(signals)].sel(body=RunInfo.of(run).moving).copy(deep=True)
 
 
 def not_decided(time: float, amplitude: float, rate: float) -> str:
@@ -207,30 +180,25 @@ def hunting_table(runs: Sequence[HuntingRun], disturbance: float) -> xr.Dataset:
     A run that did not come to its end or to a decision does neither; amplitude, frequency and growth rate are NaN.
     """
     ordered = sorted(runs, key=lambda run: run.speed)
-    ended = [run.final if run.valid else FinalMotion(math.nan, math.nan, math.nan) for run in ordered]
-    amplitude = np.array([final.amplitude for final in ended])
-    frequency = np.array([final.frequency for final in ended])
-    rate = np.array([final.rate for final in ended])
-    persists = np.array([run.persists for run in ordered], dtype=np.int8)
-    decays = np.array([run.decays for run in ordered], dtype=np.int8)
-    decaying = np.array([decay_frequency(run) for run in ordered])
-    body = ordered[0].body if ordered else ""
-    return xr.Dataset(
-        {
-            "amplitude": variable("speed", amplitude, "m", f"lateral amplitude of {body} at the end"),
-            "oscillation_frequency": variable("speed", frequency, "Hz", "frequency at the end"),
-            "decay_frequency": variable("speed", decaying, "Hz", "frequency while it decays"),
-            "rate_at_end": variable("speed", rate, "1/s", "growth rate at the end"),
-            "persists": variable("speed", persists, "1", "1: the run ends in an oscillation that persists"),
-            "decays": variable("speed", decays, "1", "1: the oscillation decays; neither: the run was not decided"),
-        },
-        {"speed": variable("speed", np.array([3.6 * r.speed for r in ordered]), "km/h", "running speed")},
-        {"disturbance_mm": 1e3 * disturbance, "body": body},
-    )
+    unknown, body = FinalMotion(math.nan, math.nan, math.nan), ordered[0].body if ordered else ""
+    ended = [run.final if run.valid else unknown for run in ordered]
+    columns: dict[str, tuple[list[float], str, str]] = {
+        "amplitude": ([one.amplitude for one in ended], "m", f"lateral amplitude of {body} at the end"),
+        "oscillation_frequency": ([one.frequency for one in ended], "Hz", "frequency at the end"),
+        "decay_frequency": ([decay_frequency(run) for run in ordered], "Hz", "frequency while it decays"),
+        "rate_at_end": ([one.rate for one in ended], "1/s", "growth rate at the end"),
+        "persists": ([run.persists for run in ordered], "1", "1: the run ends in an oscillation that persists"),
+        "decays": ([run.decays for run in ordered], "1", "1: the oscillation decays; neither: the run was not decided"),
+    }
+    variables = {
+        name: variable("speed", np.array(values, dtype=np.int8 if name in ("persists", "decays") else float), *said)
+        for name, (values, *said) in columns.items()
+    }
+    speeds = variable("speed", np.array([3.6 * run.speed for run in ordered]), "km/h", "running speed")
+    return xr.Dataset(variables, {"speed": speeds}, {"disturbance_mm": 1e3 * disturbance, "body": body})
 
 
-CONSTANT = 0.01
-"""Share of the speed: a run whose speed varies by less is one at constant speed [1]."""
+CONSTANT = 0.01  # share of the speed: a run whose speed varies by less is one at constant speed [1]
 
 
 @dataclass(frozen=True)

@@ -18,14 +18,9 @@ from rollerrig.assembly.laws import linear_coefficients
 from rollerrig.common.arrays import Array
 from rollerrig.config import Case
 
-SLIDES = 0.02
-"""Slip from which on an axle counts as sliding: friction is used up long before, at some 0.5 %."""
-
-FULL_SLIDING = 1.0
-"""Sliding of a wheel [m/s] above which creep is far into saturation, so that its closed form applies."""
-
-LEAST_WAVE = 1e-2
-"""Smaller half-waves are rounding [mm]."""
+SLIDES = 0.02  # slip from which on an axle counts as sliding: friction is used up long before, at some 0.5 %
+FULL_SLIDING = 1.0  # sliding of a wheel [m/s] above which creep is far into saturation, so that its closed form applies
+LEAST_WAVE = 1e-2  # smaller half-waves are rounding [mm]
 
 
 def on_rig(run: xr.Dataset) -> bool:
@@ -75,11 +70,9 @@ def creep_force(run: xr.Dataset, direction: str) -> Array:
 
 def lateral_creep_coefficient(case: Case, run: xr.Dataset) -> float:
     """f22 of linear theory, the mean over the wheels in steady running [N]: from the patches at the start of a run."""
-    first, total = run.isel(time=0), 0.0
-    for a, b in zip(first["patch_a"].to_numpy().ravel(), first["patch_b"].to_numpy().ravel(), strict=True):
-        if a > 0.0 and b > 0.0:
-            total += linear_coefficients(case.contact, a, b)[1]
-    return float(total / first.sizes["wheel"])
+    first = run.isel(time=0)
+    axes = zip(*(first[name].to_numpy().ravel() for name in ("patch_a", "patch_b")), strict=True)
+    return sum(linear_coefficients(case.contact, a, b)[1] for a, b in axes if min(a, b) > 0.0) / first.sizes["wheel"]
 
 
 @dataclass(frozen=True)

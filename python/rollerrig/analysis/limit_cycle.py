@@ -23,42 +23,26 @@ from rollerrig.common.arrays import Array
 
 State = TypeVar("State")
 
-LEAST_AMPLITUDE = 2e-5
-"""An oscillation below 0.02 mm is rest [m]."""
-
-WAVES, POINTS = 3, 96
-"""Waves in a window of a signal, and points at which its spline is read there."""
-
-ALIKE = 0.1
-"""Two amplitudes that differ by less than this part of the larger one are of one branch [1]."""
+LEAST_AMPLITUDE = 2e-5  # an oscillation below 0.02 mm is rest [m]
+WAVES, POINTS = 3, 96  # waves in a window of a signal, and points at which its spline is read there
+ALIKE = 0.1  # two amplitudes that differ by less than this part of the larger one are of one branch [1]
 
 
 @dataclass(frozen=True)
 class CyclePoint:
-    """What a run at one speed ends in.
+    """What a run at one speed ends in."""
 
-    Attributes:
-        speed: running speed [m/s].
-        amplitude: half the range of the lateral displacement of that wheelset which moves most [m]; 0 at rest.
-        peak: largest lateral displacement of any wheelset [m]; 0 at rest.
-        frequency: of the oscillation [Hz]; NaN at rest.
-        guiding_force: largest |Y| of any wheel, unfiltered [N].
-        rate: growth rate of the amplitude at the end [1/s].
-        duration: simulated time [s].
-        status: 'ok'; 'not_decided', where the amplitude had neither come to stay nor decayed before the longest time was over;
-            or why the run ended early: such a run is neither a limit cycle nor rest.
-        message: the same as a sentence, with time, wheel and remedy; '' if it came to its end.
-    """
-
-    speed: float
-    amplitude: float
-    peak: float = 0.0
-    frequency: float = math.nan
-    guiding_force: float = math.nan
-    rate: float = math.nan
-    duration: float = 0.0
+    speed: float  # running speed [m/s]
+    amplitude: float  # half the range of the lateral displacement of that wheelset which moves most [m]; 0 at rest
+    peak: float = 0.0  # largest lateral displacement of any wheelset [m]; 0 at rest
+    frequency: float = math.nan  # of the oscillation [Hz]; NaN at rest
+    guiding_force: float = math.nan  # largest |Y| of any wheel, unfiltered [N]
+    rate: float = math.nan  # growth rate of the amplitude at the end [1/s]
+    duration: float = 0.0  # simulated time [s]
+    # 'ok'; 'not_decided', where the amplitude had neither come to stay nor decayed before the longest time was over; or why the
+    # run ended early: such a run is neither a limit cycle nor rest
     status: str = "ok"
-    message: str = ""
+    message: str = ""  # the same as a sentence, with time, wheel and remedy; '' if it came to its end
 
     @property
     def valid(self) -> bool:
@@ -87,34 +71,24 @@ class NotMadeError(Exception):
 
 @dataclass
 class Branch:
-    """Points of a sweep in the order in which they were computed: at the speeds asked for, and of the halving (`refined`).
+    """Points of a sweep in the order in which they were computed, those of the halving last."""
 
-    It is interrupted where a run that belongs to it was not made.
-    """
-
-    sweep: Literal["up", "down"]
     points: list[CyclePoint] = field(default_factory=list)
-    refined: list[CyclePoint] = field(default_factory=list)
-    interrupted: bool = False
+    interrupted: bool = False  # whether a run that belongs to it was not made
 
 
 def trace(
-    settle: Settle[State],
-    sweep: Literal["up", "down"],
-    speeds: Sequence[float],
-    *,
-    tolerance: float | None = None,
+    settle: Settle[State], sweep: Literal["up", "down"], speeds: Sequence[float], *, tolerance: float | None = None
 ) -> Branch:
     """Step through speeds [m/s], given in any order, and carry the state over.
 
     With a tolerance [m/s], the speed at which the limit cycle ends is found to it.
     """
-    branch = Branch(sweep)
-    ordered = sorted(speeds, reverse=sweep == "down")
+    branch = Branch()
     state: State | None = None
     lowest: tuple[float, State] | None = None  # the limit cycle at the lowest speed so far
     try:
-        for speed in ordered:
+        for speed in sorted(speeds, reverse=sweep == "down"):
             point, state = settle(speed, state)
             branch.points.append(point)
             if state is not None and (lowest is None or speed < lowest[0]):
@@ -131,7 +105,7 @@ def _halve(settle: Settle[State], branch: Branch, low: float, high: float, state
     while high - low > tolerance:  # not where low is NaN: there is a limit cycle at the lowest speed
         middle = 0.5 * (low + high)
         point, found = settle(middle, state)
-        branch.refined.append(point)
+        branch.points.append(point)
         if point.decays:
             low = middle
             continue
@@ -154,21 +128,13 @@ KIND_SENTENCES: dict[Kind, str] = {
 
 @dataclass(frozen=True)
 class Diagram:
-    """The limit-cycle diagram.
+    """The limit-cycle diagram."""
 
-    Attributes:
-        up: points of the upward sweep, by speed.
-        down: points of the downward sweep and of the halving, by speed.
-        linear: linear critical speed [m/s]; NaN if there is none in the range.
-        tolerance: of the critical speed by continuation [m/s].
-        interrupted: whether Ctrl-C came before the end.
-    """
-
-    up: list[CyclePoint]
-    down: list[CyclePoint]
-    linear: float
-    tolerance: float
-    interrupted: bool = False
+    up: list[CyclePoint]  # points of the upward sweep, by speed
+    down: list[CyclePoint]  # points of the downward sweep and of the halving, by speed
+    linear: float  # linear critical speed [m/s]; NaN if there is none in the range
+    tolerance: float  # of the critical speed by continuation [m/s]
+    interrupted: bool = False  # whether Ctrl-C came before the end
 
     @property
     def lowest_cycle(self) -> float:
@@ -203,9 +169,7 @@ class Diagram:
         """What the amplitudes say about the bifurcation at the linear critical speed."""
         low, high = self.decays, self.lowest_cycle
         # NaN compares as false: no such limit. At the onset itself nothing ever settles: a run there leaves nothing open.
-        if any(
-            not p.speed < low and not p.speed > high and not high - p.speed <= self.tolerance for p in self.ended_early
-        ):
+        if any(not (v < low or v > high or high - v <= self.tolerance) for v in (p.speed for p in self.ended_early)):
             return "open"
         if not math.isfinite(high):
             return "none"
@@ -217,30 +181,22 @@ class Diagram:
 
 
 def _alike(one: CyclePoint, other: CyclePoint) -> bool:
-    if one.persists != other.persists:
-        return False
-    return abs(one.amplitude - other.amplitude) <= ALIKE * max(one.amplitude, other.amplitude) + LEAST_AMPLITUDE
+    apart = abs(one.amplitude - other.amplitude) - LEAST_AMPLITUDE
+    return one.persists == other.persists and apart <= ALIKE * max(one.amplitude, other.amplitude)
 
 
 def diagram(up: Branch | None, down: Branch | None, linear: float, tolerance: float) -> Diagram:
     """Put the two sweeps together, with the linear critical speed (NaN: none) and the tolerance of the halving [m/s]."""
-
-    def ordered(branch: Branch | None) -> list[CyclePoint]:
-        return [] if branch is None else sorted([*branch.points, *branch.refined], key=lambda p: p.speed)
-
+    rising, falling = (sorted(branch.points, key=lambda p: p.speed) if branch else [] for branch in (up, down))
     stopped = any(branch is None or branch.interrupted for branch in (up, down))
-    return Diagram(ordered(up), ordered(down), linear, tolerance, stopped)
-
-
-# ---------------------------------------------------------------------------------------------------- settling
+    return Diagram(rising, falling, linear, tolerance, stopped)
 
 
 Decision = Literal["persists", "decays", "open"]
 
 SETTLED, WINDOWS = 0.01, 3
 """Amplitudes that differ by less than this part of the largest have come to stay, in so many windows in a row."""
-IRREGULAR, TREND = 8, 0.02
-"""Windows in which amplitudes that scatter may have no trend above this growth rate [1/s]."""
+IRREGULAR, TREND = 8, 0.02  # windows in which amplitudes that scatter may have no trend above this growth rate [1/s]
 FALLEN, NOT_SLOWING = 0.1, 0.9
 """Part by which amplitudes of four windows must fall to decay (of three, where there are no more), and least part of the first
 fall that the last one must have."""

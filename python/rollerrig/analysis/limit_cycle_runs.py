@@ -16,41 +16,28 @@ from rollerrig.analysis.signals import half_waves
 from rollerrig.assembly.model import AssembledModel, assemble
 from rollerrig.common.arrays import Array
 from rollerrig.config import Case
-from rollerrig.results import Outcome, run_dataset, variable
+from rollerrig.results import run_dataset, variable
 from rollerrig.simulation.run import Progress, begin, march, outcome
 from rollerrig.simulation.starting_state import starting_state
 
-LastState = tuple[float, Array]
-"""Speed [m/s] and state in which a run ended."""
+LastState = tuple[float, Array]  # speed [m/s] and state in which a run ended
 
 PITCH = 4
-SAMPLES_BY = 8
-"""Rows of results beyond those a window needs."""
+SAMPLES_BY = 8  # rows of results beyond those a window needs
 
 
 @dataclass(frozen=True)
 class LimitCycleSettings:
-    """How the runs are done.
+    """How the runs are done."""
 
-    Attributes:
-        disturbance: lateral offset of the leading wheelset at the start of the downward sweep [m].
-        perturbation: the same on the upward sweep [m].
-        window: amplitudes are compared between pieces of a run of this length [s], or of four waves if that is longer.
-        longest: time after which a run ends, decided or not [s].
-        output_step: interval of the samples [s].
-        relative_tolerance: of the integrator.
-        absolute_tolerance: of the integrator, for displacements [m].
-        tolerance_kmh: to which the critical speed by continuation is found [km/h].
-    """
-
-    disturbance: float = 3e-3
-    perturbation: float = 1e-4
-    window: float = 0.8
-    longest: float = 16.0
-    output_step: float = 5e-3
-    relative_tolerance: float = 1e-4
-    absolute_tolerance: float = 1e-7
-    tolerance_kmh: float = 1.0
+    disturbance: float = 3e-3  # lateral offset of the leading wheelset at the start of the downward sweep [m]
+    perturbation: float = 1e-4  # the same on the upward sweep [m]
+    window: float = 0.8  # pieces of a run between which amplitudes are compared [s]; four waves if that is longer
+    longest: float = 16.0  # time after which a run ends, decided or not [s]
+    output_step: float = 5e-3  # interval of the samples [s]
+    relative_tolerance: float = 1e-4  # of the integrator
+    absolute_tolerance: float = 1e-7  # of the integrator, for displacements [m]
+    tolerance_kmh: float = 1.0  # to which the critical speed by continuation is found [km/h]
 
 
 def settling_run(
@@ -75,12 +62,10 @@ def settling_run(
         What it ends in, and the state there; None at rest or where the run did not come to its end.
 
     Raises:
-        KeyboardInterrupt: Ctrl-C came before the end.
         StartError: no state was found from which the run can start.
     """
-    hunting = HuntingSettings(
-        offset, settings.longest, settings.output_step, settings.relative_tolerance, settings.absolute_tolerance
-    )
+    tolerances = settings.relative_tolerance, settings.absolute_tolerance
+    hunting = HuntingSettings(offset, settings.longest, settings.output_step, *tolerances)
     model = assemble(hunting_case(case, speed, hunting))
     simulation = _core.Simulation(model.core)
     start = starting_state(model) if state is None else at_other_speed(simulation, model, state, speed)
@@ -98,10 +83,8 @@ def at_other_speed(simulation: _core.Simulation, model: AssembledModel, state: L
     """A state at another speed [m/s]: wheelsets and rollers turn in proportion, all else stays as it is."""
     before, values = state
     changed = np.array(values)
-    for body in (*model.wheelsets, *model.rollers):
-        index = simulation.rate_index[model.body_index(body)][PITCH]
-        if index >= 0:
-            changed[index] *= speed / before
+    spins = [simulation.rate_index[model.body_index(body)][PITCH] for body in (*model.wheelsets, *model.rollers)]
+    changed[[spin for spin in spins if spin >= 0]] *= speed / before
     return changed
 
 
@@ -128,10 +111,6 @@ class _Windows:
     def _decision(self) -> Decision:
         return decide(self._amplitudes, self._window, ended=self._is_over)
 
-    @property
-    def _outcome(self) -> Outcome:
-        return outcome(self._simulation, self._model, self._code)
-
     def advance(self) -> None:
         """One window more."""
         step = self._settings.output_step
@@ -139,7 +118,9 @@ class _Windows:
         room = math.ceil((until - self.time) / step) + SAMPLES_BY
         times, rows = np.empty(room), np.empty((room, self._simulation.width))
         self._code, filled = march(self._simulation, until, times, rows, slice_length=self._window, begin_at=self.time)
-        data = run_dataset(self._model, times[:filled], rows[:filled], self._outcome)
+        data = run_dataset(
+            self._model, times[:filled], rows[:filled], outcome(self._simulation, self._model, self._code)
+        )
         part = data[["lateral", "lateral_force"]].sel(body=list(self._model.wheelsets)).load()
         self._parts = [*self._parts[-2:], part]
         self.time = until
@@ -155,9 +136,7 @@ class _Windows:
         most = int(np.argmax(np.ptp(lateral.to_numpy(), axis=0)))
         signal = lateral.to_numpy()[:, most]
         waves = half_waves(lateral["time"].to_numpy(), signal, 0.25 * 0.5 * float(np.ptp(signal)) + 1e-9)
-        if len(waves.duration) < 2:
-            return 0.0
-        return 0.5 * len(waves.duration) / float(waves.duration.sum())
+        return 0.5 / float(waves.duration.mean()) if len(waves.duration) > 1 else 0.0
 
     def _rate(self) -> float:
         last = self._amplitudes[-4:]
@@ -167,19 +146,21 @@ class _Windows:
 
     def point(self, speed: float) -> CyclePoint:
         """What the run ended in."""
-        status, message = self._outcome.status, self._outcome.message
+        ended = outcome(self._simulation, self._model, self._code)
+        status, message = ended.status, ended.message
         rate, amplitude = self._rate(), self._amplitudes[-1] if self._amplitudes else 0.0
         if status == "ok" and self._decision == "decays":
             return CyclePoint(speed, 0.0, rate=rate, duration=self.time)
         if status == "ok" and self._decision == "open":
             status, message = NOT_DECIDED, not_decided(self.time, amplitude, rate)
         last = self._parts[-1]
+        largest = {name: float(abs(one).max()) if one.size else math.nan for name, one in last.items()}
         return CyclePoint(
             speed=speed,
             amplitude=amplitude if status == "ok" else math.nan,
-            peak=float(np.abs(last["lateral"]).max()) if last.sizes["time"] else math.nan,
+            peak=largest["lateral"],
             frequency=self._frequency() or math.nan,
-            guiding_force=float(np.abs(last["lateral_force"]).max()) if last.sizes["time"] else math.nan,
+            guiding_force=largest["lateral_force"],
             rate=rate,
             duration=self.time,
             status=status,
@@ -187,7 +168,7 @@ class _Windows:
         )
 
 
-CYCLE_COLUMNS = {
+CYCLE_COLUMNS = {  # attribute of a CyclePoint -> unit and meaning in the table
     "speed": ("km/h", "running speed"),
     "amplitude": ("m", "half the range of the lateral displacement of the wheelset that moves most; 0: rest"),
     "peak": ("m", "largest lateral displacement of a wheelset"),
@@ -196,7 +177,6 @@ CYCLE_COLUMNS = {
     "rate": ("1/s", "growth rate of the amplitude at the end"),
     "duration": ("s", "simulated time"),
 }
-"""Attribute of a CyclePoint -> unit and meaning in the table."""
 
 
 def limit_cycle_table(found: Diagram) -> xr.Dataset:
@@ -207,11 +187,8 @@ def limit_cycle_table(found: Diagram) -> xr.Dataset:
         values = 3.6 * values if unit == "km/h" else values
         variables[f"cycle_{name}"] = variable("cycle_point", values, unit, meaning)
     sweeps, statuses = ["up"] * len(found.up) + ["down"] * len(found.down), [point.status for point in points]
-    for name, texts, meaning in (
-        ("sweep", sweeps, "sweep through the speeds"),
-        ("status", statuses, "how the run ended"),
-    ):
-        variables[f"cycle_{name}"] = ("cycle_point", np.array(texts, dtype=str), {"long_name": meaning})
+    for name, texts in (("sweep", sweeps), ("status", statuses)):
+        variables[f"cycle_{name}"] = ("cycle_point", np.array(texts, dtype=str), {"long_name": f"{name} of the run"})
     attributes = {
         "critical_speed_by_continuation_kmh": 3.6 * found.lowest_cycle,
         "decays_kmh": 3.6 * found.decays,

@@ -104,28 +104,25 @@ class LinearSystem:
 
     def delayed(self, steps: Sequence[int]) -> LinearSystem:
         """A sampled system whose inputs come some steps late, each by its own number; what waits is among the states."""
-        n, system = len(self.a), self
         assert self.step
+        waiting, ends = sum(steps), np.cumsum(steps)
+        first, last = np.zeros((waiting, len(steps))), np.zeros((len(steps), waiting))
         for k, count in enumerate(steps):
-            if count == 0:
-                continue
-            chain = np.eye(count, k=-1)  # newest first
-            first, last = np.zeros((count, system.b.shape[1])), np.zeros((1, count))
-            first[0, k], last[0, -1] = 1.0, 1.0
-            b, d = system.b.copy(), system.d.copy()
-            b[:, k], d[:, k] = 0.0, 0.0
-            system = replace(
-                system,
-                a=np.block([[system.a, system.b[:, [k]] @ last], [np.zeros((count, n)), chain]]),
-                b=np.vstack([b, first]),
-                c=np.hstack([system.c, system.d[:, [k]] @ last]),
-                d=d,
-                states=(*system.states, *(f"{self.inputs[k]}.waiting_{i + 1}" for i in range(count))),
-            )
-            n = len(system.a)
-        return system
-
-    # ------------------------------------------------------------------------------------------- for other tools
+            if count:
+                first[ends[k] - count, k] = last[k, ends[k] - 1] = 1.0
+        at_once = np.diag([float(count == 0) for count in steps])
+        chains = block_diag(*(np.eye(count, k=-1) for count in steps))  # newest first
+        names = (
+            f"{name}.waiting_{i + 1}" for name, count in zip(self.inputs, steps, strict=True) for i in range(count)
+        )
+        return replace(
+            self,
+            a=np.block([[self.a, self.b @ last], [np.zeros((waiting, len(self.a))), chains]]),
+            b=np.vstack([self.b @ at_once, first]),
+            c=np.hstack([self.c, self.d @ last]),
+            d=self.d @ at_once,
+            states=(*self.states, *names),
+        )
 
     def to_dataset(self) -> xr.Dataset:
         """A, B, C, D over `state`, `state_` (columns of A), `input`, `output`, with names and units."""
@@ -166,13 +163,11 @@ class LinearSystem:
         def cells(names: Sequence[str]) -> NDArray[np.object_]:
             return np.array(names, dtype=object).reshape(1, -1)
 
-        names = ("State", self.states), ("Input", self.inputs), ("Output", self.outputs)
-        units = ("Input", self.input_units), ("Output", self.output_units)
         content: dict[str, Any] = dict(zip("ABCD", (self.a, self.b, self.c, self.d), strict=True))
         content |= {"Ts": self.step, "speed": self.speed, "name": self.name}
-        content |= {f"{kind}Name": cells(words) for kind, words in names}
-        content |= {f"{kind}Unit": cells(words) for kind, words in units}
-        return mat_bytes(content)
+        names = {"StateName": self.states, "InputName": self.inputs, "OutputName": self.outputs}
+        names |= {"InputUnit": self.input_units, "OutputUnit": self.output_units}
+        return mat_bytes(content | {kind: cells(words) for kind, words in names.items()})
 
 
 def margins_of(frequencies: Array, loop: Complex) -> Margins:

@@ -16,17 +16,11 @@ from rollerrig.common.linear_algebra import one_blas_thread
 from rollerrig.interfaces.plant import assembled_model
 from rollerrig.simulation.controllers import BRAKE_UNIT, roles_of
 
-POINTS = 32
-"""Points of the held sine in a period, where the plant has no samples of its own."""
-
-READINGS = 4
-"""Readings of the outputs between two of them: the steps of the held sine are then not taken for the sine."""
-
-SETTLING = 3.0
-"""Time from the first period to those that are evaluated [s]; and so many periods of each:"""
-LEAST_SETTLED, PERIODS = 4, 4
-LEAST_EVALUATED = 1.0
-"""So long the evaluated periods last at least [s]."""
+POINTS = 32  # points of the held sine in a period, where the plant has no samples of its own
+READINGS = 4  # readings of the outputs between two of them: the steps of the held sine are then not taken for the sine
+SETTLING = 3.0  # time from the first period to those that are evaluated [s]
+LEAST_SETTLED, PERIODS = 4, 4  # least periods of each
+LEAST_EVALUATED = 1.0  # so long the evaluated periods last at least [s]
 
 FILLED, MOST_FILLING = 0.9999, 30_000
 """Part of the pressure from which the cylinders count as filled, and the most sampling steps that takes."""
@@ -93,13 +87,7 @@ def measured_response(
 
 @one_blas_thread()
 def _one_sine(
-    plant: _core.Plant,
-    index: int,
-    indices: list[int],
-    count: int,
-    step: float,
-    amplitude: float,
-    bench: LinearBench,
+    plant: _core.Plant, index: int, indices: list[int], count: int, step: float, amplitude: float, bench: LinearBench
 ) -> tuple[Complex, str]:
     """Response at one frequency, `count` samples in a period; and how the run ended where it did so early."""
     period, readings = count * step, 1 if plant.sampling_step else READINGS

@@ -7,7 +7,7 @@ of mass, the **upper sway** about one above it; **hunting** is a wave-like motio
 and of wheelsets, that part names a mode which has the most of its kinetic energy.
 """
 
-from collections import Counter, defaultdict
+from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -19,14 +19,9 @@ from rollerrig.config import Case
 HUNTING_SHARE = 0.2
 """Least share of the kinetic energy that a hunting mode has in the lateral motion of wheelsets, on average over speed."""
 
-HUNTING_SPEEDS = 0.9
-"""A mode that hunts at this part of the speeds is called so, whoever has the kinetic energy."""
-
-ONE_BOGIE_SHARE = 0.8
-"""A bogie with more than this part of all bogies' energy names the mode alone: 'front bogie'."""
-
-WORDS = {"vertical": "bounce", "longitudinal": "longitudinal"}
-"""Direction -> word, where the two differ."""
+HUNTING_SPEEDS = 0.9  # a mode that hunts at this part of the speeds is called so, whoever has the kinetic energy
+ONE_BOGIE_SHARE = 0.8  # a bogie with more than this part of all bogies' energy names the mode alone: 'front bogie'
+WORDS = {"vertical": "bounce", "longitudinal": "longitudinal"}  # direction -> word, where the two differ
 
 
 @dataclass(frozen=True)
@@ -54,8 +49,7 @@ def roles(case: Case) -> Roles:
     vehicle = case.vehicle.data
     kinds = {body.name: body.kind for body in vehicle.body}
     neighbours: dict[str, set[str]] = {name: set() for name in kinds}
-    for element in vehicle.element:
-        a, b = element.between
+    for a, b in (element.between for element in vehicle.element):
         neighbours[a].add(b)
         neighbours[b].add(a)
     moving = sorted(case.vehicle.bodies, key=lambda body: -body.position[0])
@@ -116,11 +110,8 @@ def wheelset_lateral_share(keys: Sequence[tuple[str, str]], shares: Array) -> Ar
 
 def unique_names(names: list[str]) -> list[str]:
     """Names made different: 'frame yaw', 'frame yaw 2'."""
-    seen, result = Counter[str](), []
-    for name in names:
-        seen[name] += 1
-        result.append(name if seen[name] == 1 else f"{name} {seen[name]}")
-    return result
+    counts = [names[: k + 1].count(name) for k, name in enumerate(names)]
+    return [name if count == 1 else f"{name} {count}" for name, count in zip(names, counts, strict=True)]
 
 
 def _name(shapes: Shapes, mean: Array, who: Roles, mode: int) -> str:
@@ -150,15 +141,11 @@ def _as_one(shapes: Shapes, mean: Array, who: Roles, mode: int) -> bool:
     frames = [i for i in rows if shapes.keys[i][0] in who.frames]
     if mean[rows, mode].sum() < 0.5 or not frames:
         return False
-    pairs = [
-        (_row(shapes, frame, "longitudinal"), _row(shapes, wheelset, "longitudinal"))
-        for frame in who.frames
-        for wheelset in who.wheelsets_of[frame]
-    ]
-    return all(
-        f is not None and w is not None and _phase(shapes.parts[:, f, mode], shapes.parts[:, w, mode]) == "in phase"
-        for f, w in pairs
-    )
+    for pair in ((frame, wheelset) for frame in who.frames for wheelset in who.wheelsets_of[frame]):
+        f, w = (_row(shapes, body, "longitudinal") for body in pair)
+        if f is None or w is None or _phase(shapes.parts[:, f, mode], shapes.parts[:, w, mode]) != "in phase":
+            return False
+    return True
 
 
 def _sway(shapes: Shapes, body: str, mode: int) -> str:
@@ -179,9 +166,7 @@ def _of_bogies(shapes: Shapes, mean: Array, who: Roles, mode: int, way: str, wor
     if len(who.frames) < 2:
         return f"bogie {word}"
     rows = [_row(shapes, frame, way) for frame in who.frames]
-    shares = [0.0 if row is None else float(mean[row, mode]) for row in rows]
-    alone = _alone(shares)
-    if alone:
+    if alone := _alone([0.0 if row is None else float(mean[row, mode]) for row in rows]):
         return f"{alone} bogie {word}"
     if len(rows) > 2 or rows[0] is None or rows[1] is None:
         return f"bogies {word}"
@@ -190,11 +175,8 @@ def _of_bogies(shapes: Shapes, mean: Array, who: Roles, mode: int, way: str, wor
 
 def _alone(shares: Sequence[float]) -> str:
     """'front' or 'rear' where one of several bogies has nearly all the energy, else ''."""
-    first, last = shares[0], shares[-1]
-    total = sum(shares)
-    if total > 0 and first > ONE_BOGIE_SHARE * total:
-        return "front"
-    return "rear" if total > 0 and last > ONE_BOGIE_SHARE * total else ""
+    ends = {"front": shares[0], "rear": shares[-1]}
+    return next((name for name, share in ends.items() if share > ONE_BOGIE_SHARE * sum(shares)), "")
 
 
 def _phase(front: Complex, rear: Complex) -> str:
@@ -213,16 +195,9 @@ def _hunting(shapes: Shapes, mean: Array, who: Roles) -> dict[int, str]:
 
 
 def _which_bogie(shapes: Shapes, mean: Array, who: Roles, mode: int) -> str:
-    rows = [
-        [
-            i
-            for i, (body, way) in enumerate(shapes.keys)
-            if body in (frame, *who.wheelsets_of[frame]) and way == "lateral"
-        ]
-        for frame in who.frames
-    ]
-    alone = _alone([float(mean[r, mode].sum()) for r in rows])
-    if alone:
+    lateral = {i: body for i, (body, way) in enumerate(shapes.keys) if way == "lateral"}
+    rows = [[i for i, b in lateral.items() if b in (frame, *who.wheelsets_of[frame])] for frame in who.frames]
+    if alone := _alone([float(mean[r, mode].sum()) for r in rows]):
         return f"{alone} bogie"
     front, rear = (shapes.parts[:, r, mode].sum(axis=1) for r in rows)
     return f"bogies {_phase(front, rear)}"

@@ -116,13 +116,9 @@ def _named(
 
 def refined(speeds: Array) -> tuple[Array, list[int]]:
     """Speeds with further ones between them, no step longer than FINEST_STEP, and where the asked ones stand."""
-    fine: list[float] = [float(speeds[0])]
-    asked = [0]
-    for low, high in zip(speeds[:-1], speeds[1:], strict=True):
-        parts = max(1, int(np.ceil((high - low) / FINEST_STEP * (1 - 1e-9))))
-        fine += [float(low + (high - low) * k / parts) for k in range(1, parts)] + [float(high)]
-        asked.append(len(fine) - 1)
-    return np.array(fine), asked
+    parts = np.maximum(1, np.ceil(np.diff(speeds) / FINEST_STEP * (1 - 1e-9)).astype(int))
+    steps = [low + (high - low) * np.arange(n) / n for low, high, n in zip(speeds, speeds[1:], parts, strict=False)]
+    return np.concatenate([*steps, speeds[-1:]]), [0, *np.cumsum(parts).tolist()]
 
 
 SPEED_TOLERANCE = 1e-4 / 3.6
@@ -183,17 +179,12 @@ def diverging(modes: ModesOverSpeed) -> list[dict[str, object]]:
     return found
 
 
-# ---------------------------------------------------------------------------------------------------- one mode
-
-
 def _of_mode(modes: ModesOverSpeed, mode: int) -> list[Crossing]:
     speeds, values = modes.speeds, modes.values[:, mode]
     rate = np.where(values.imag > LEAST_FREQUENCY, values.real, -np.inf)
     found: list[Crossing] = []
-    for k in range(len(speeds) - 1):
-        if not np.all(np.isfinite(rate[k : k + 2])):
-            continue  # no oscillation on one side: nothing that crosses
-        if (rate[k] < 0) != (rate[k + 1] < 0):
+    for k in range(len(speeds) - 1):  # where there is an oscillation on both sides
+        if np.all(np.isfinite(rate[k : k + 2])) and (rate[k] < 0) != (rate[k + 1] < 0):
             found.append(_root(modes, mode, k, float(speeds[k]), float(speeds[k + 1]), bool(rate[k] < 0)))
     for k in range(1, len(speeds) - 1):
         if np.all(np.isfinite(rate[k - 1 : k + 2])) and _may_hide(speeds[k - 1 : k + 2], rate[k - 1 : k + 2]):
@@ -240,9 +231,8 @@ def _hidden(modes: ModesOverSpeed, mode: int, k: int) -> list[Crossing]:
     def rate(speed: float) -> float:
         return _followed_value(modes, mode, k if speed >= speeds[k] else k - 1, speed).real
 
-    top = minimize_scalar(
-        lambda v: -rate(v), bounds=(speeds[k - 1], speeds[k + 1]), method="bounded", options={"xatol": 1e-2}
-    )
+    ends = (speeds[k - 1], speeds[k + 1])
+    top = minimize_scalar(lambda v: -rate(v), bounds=ends, method="bounded", options={"xatol": 1e-2})
     if not -top.fun > 0.0:
         return []
     at = float(top.x)
@@ -284,14 +274,10 @@ def stability(
     modes = modes_over_speed(case, [v / 3.6 for v in speeds_kmh], progress)
     crossings = zero_crossings(modes)
     critical = first_onset(crossings)
+    sides = ("below", "above")
     table = [
-        {
-            "speed_kmh": 3.6 * one.speed,
-            "frequency_hz": one.frequency,
-            "mode": one.name,
-            "grows": "above" if one.grows_above else "below",
-        }
-        for one in crossings
+        {"speed_kmh": 3.6 * c.speed, "frequency_hz": c.frequency, "mode": c.name, "grows": sides[c.grows_above]}
+        for c in crossings
     ]
     return _dataset(modes).assign_attrs(
         title=f"Modes of {case.name} over speed",
@@ -312,10 +298,8 @@ def stability(
 
 def _hunting(modes: ModesOverSpeed) -> str:
     """The hunting mode that comes nearest to growing; '' if wheelsets weave in none."""
-    rates = {
-        name: float(modes.values[:, m].real.max()) for m, name in enumerate(modes.names) if name.startswith("hunting")
-    }
-    return max(rates, key=lambda name: rates[name], default="")
+    rates = dict(zip(modes.names, modes.values.real.max(axis=0), strict=True))
+    return max((name for name in rates if name.startswith("hunting")), key=lambda name: rates[name], default="")
 
 
 def _dataset(modes: ModesOverSpeed) -> xr.Dataset:

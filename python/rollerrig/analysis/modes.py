@@ -38,21 +38,13 @@ DIRECTIONS = ("longitudinal", "lateral", "vertical", "roll", "pitch", "yaw")
 
 @dataclass(frozen=True)
 class Linearisation:
-    """x' = A x for small motions around steady rolling.
+    """x' = A x for small motions around steady rolling."""
 
-    Attributes:
-        speed: running speed [m/s].
-        matrix: A, shape (states, states).
-        equilibrium: all states of the core at the equilibrium, driven rates included.
-        rate_rows: per moving body coordinate (body, direction), the row of its rate in A.
-        inertia: mass [kg] or moment of inertia [kg m^2] that belongs to each of them.
-    """
-
-    speed: float
-    matrix: Array
-    equilibrium: Array
-    rate_rows: dict[tuple[str, str], int]
-    inertia: dict[tuple[str, str], float]
+    speed: float  # running speed [m/s]
+    matrix: Array  # A, shape (states, states)
+    equilibrium: Array  # all states of the core at the equilibrium, driven rates included
+    rate_rows: dict[tuple[str, str], int]  # per moving body coordinate (body, direction), the row of its rate in A
+    inertia: dict[tuple[str, str], float]  # mass [kg] or moment of inertia [kg m^2] that belongs to each of them
 
 
 class Lineariser:
@@ -107,8 +99,7 @@ class Lineariser:
         return Linearisation(speed, np.array(full[np.ix_(self.kept, self.kept)]), state, self._rows, self._inertia)
 
 
-LEAST_FREQUENCY = 2 * np.pi * 0.05
-"""Below this, an eigenvalue does not count as an oscillation [rad/s]."""
+LEAST_FREQUENCY = 2 * np.pi * 0.05  # below this, an eigenvalue does not count as an oscillation [rad/s]
 
 FOLLOWED_FREQUENCY = 2 * np.pi * 40.0
 """Up to here it is worth a further step to know which mode is which [rad/s]; above are wheels on their Hertz springs."""
@@ -116,8 +107,7 @@ FOLLOWED_FREQUENCY = 2 * np.pi * 40.0
 CLEAR_MARGIN = 0.5
 """A pairing is clear if any other one costs at least this much more, of at most 2 for modes that have nothing in common."""
 
-MOST_HALVINGS = 7
-"""A step is halved at most this often where modes are hard to tell apart."""
+MOST_HALVINGS = 7  # a step is halved at most this often where modes are hard to tell apart
 
 
 @dataclass(frozen=True)
@@ -144,9 +134,6 @@ def eigensystem(matrix: Array) -> Eigensystem:
 def oscillates(values: Complex) -> Mask:
     """Which eigenvalues are oscillations, one of each conjugate pair."""
     return np.asarray(values.imag > LEAST_FREQUENCY)
-
-
-# ---------------------------------------------------------------------------------------------------- following
 
 
 @one_blas_thread()
@@ -281,9 +268,6 @@ def _signs_kept(system: Eigensystem, previous: Eigensystem, sign: Array) -> Eige
     return system.reordered(columns)
 
 
-# ---------------------------------------------------------------------------------------------------- shapes
-
-
 def body_shapes(linearisation: Linearisation, system: Eigensystem, columns: Sequence[int]) -> Complex:
     """Displacement of each body coordinate in some modes, the largest one 1 (rotations: per radian on 1 m).
 
@@ -317,16 +301,11 @@ LEAST_PART = 0.7
 LEAST_DISPLACEMENT = 0.3
 """Least such displacement where the largest displacement of the mode is 1 m or rad: else it is no lateral motion."""
 
-MOST_SLIDING = 0.5
-"""|dy/dt - V psi| of a hunting wheelset is at most this part of |dy/dt| + |V psi| [1]."""
+MOST_SLIDING = 0.5  # |dy/dt - V psi| of a hunting wheelset is at most this part of |dy/dt| + |V psi| [1]
 
 
 def hunts(
-    keys: Sequence[tuple[str, str]],
-    speeds: Array,
-    values: Complex,
-    parts: Complex,
-    wheelsets: Collection[str],
+    keys: Sequence[tuple[str, str]], speeds: Array, values: Complex, parts: Complex, wheelsets: Collection[str]
 ) -> Mask:
     """At which speeds a mode hunts.
 
@@ -347,17 +326,11 @@ def hunts(
     lateral = parts[:, [rows[name, "lateral"] for name in free]]
     swept = values[:, None, :] * lateral
     carried = speeds[:, None, None] * parts[:, [rows[name, "yaw"] for name in free]]
-    sliding = np.abs(swept - carried).sum(axis=1)
-    whole = (np.abs(swept) + np.abs(carried)).sum(axis=1)
+    rolls = np.abs(swept - carried).sum(axis=1) <= MOST_SLIDING * (np.abs(swept) + np.abs(carried)).sum(axis=1)
     largest = np.abs(parts[:, [row for (_, way), row in rows.items() if way == "lateral"]]).max(axis=1)
     most = np.abs(lateral).max(axis=1)
-    return np.asarray(
-        (values.imag > LEAST_FREQUENCY)
-        & (most >= LEAST_DISPLACEMENT * np.abs(parts).max(axis=1))
-        & (most > 0.0)
-        & (most >= LEAST_PART * largest)
-        & (sliding <= MOST_SLIDING * whole)
-    )
+    sideways = (most > 0.0) & (most >= LEAST_PART * largest) & (most >= LEAST_DISPLACEMENT * np.abs(parts).max(axis=1))
+    return np.asarray((values.imag > LEAST_FREQUENCY) & sideways & rolls)
 
 
 def frequency_of_hunting(names: Sequence[str], values: Complex, hunting: Mask) -> tuple[Array, Array]:
@@ -374,8 +347,6 @@ def frequency_of_hunting(names: Sequence[str], values: Complex, hunting: Mask) -
     named = np.array([name.startswith("hunting") for name in names], dtype=np.bool_)
     damping = np.where(hunting & named, -values.real / np.maximum(np.abs(values), 1e-30), np.inf)
     found = np.full(len(values), complex(np.nan, np.nan))
-    if values.shape[1]:
-        best = damping.argmin(axis=1)
-        some = np.isfinite(damping.min(axis=1))
-        found[some] = values[some, best[some]]
+    for k in np.flatnonzero(np.isfinite(damping).any(axis=1)):
+        found[k] = values[k, damping[k].argmin()]
     return np.abs(found.imag) / (2 * np.pi), -found.real / np.abs(found)

@@ -7,21 +7,23 @@ there far above the critical speed. So the bogie gets a sideways perturbation at
 velocity of all its moving bodies. What is left of it before the next one shows whether disturbances grow or decay.
 """
 
+import itertools
 import json
 import math
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from rollerrig import _core
-from rollerrig.analysis.hunting import HuntingSettings, hunting_case, longest_step
+from rollerrig.analysis.hunting import HuntingSettings, audited, hunting_case, longest_step
 from rollerrig.assembly.model import AssembledModel, assemble
 from rollerrig.common.arrays import Array
 from rollerrig.config import Case
-from rollerrig.results import RunInfo, add_energy_audit, run_draft
-from rollerrig.simulation.run import begin, march, outcome
+from rollerrig.simulation.run import Progress, begin, march
 from rollerrig.simulation.starting_state import starting_state
 
 LATERAL = 1
@@ -29,28 +31,18 @@ LATERAL = 1
 
 @dataclass(frozen=True)
 class RampSettings:
-    """How fast the rollers are sped up and how the bogie is perturbed.
+    """How fast the rollers are sped up and how the bogie is perturbed."""
 
-    Attributes:
-        low: speed at the start [m/s].
-        high: highest speed [m/s].
-        acceleration: of the rollers' surface [m/s^2].
-        down: whether the rollers are slowed down to `low` again afterwards.
-        perturbation: jump of lateral velocity [m/s]; 0 for none.
-        perturbation_every: change of speed between perturbations [m/s].
-        disturbance: lateral offset of the leading wheelset at the start [m].
-    """
-
-    low: float = 60 / 3.6
-    high: float = 300 / 3.6
-    acceleration: float = 2 / 3.6
-    down: bool = True
-    perturbation: float = 0.05
-    perturbation_every: float = 10 / 3.6
-    disturbance: float = 3e-3
+    low: float = 60 / 3.6  # speed at the start [m/s]
+    high: float = 300 / 3.6  # highest speed [m/s]
+    acceleration: float = 2 / 3.6  # of the rollers' surface [m/s^2]
+    down: bool = True  # whether the rollers are slowed down to `low` again afterwards
+    perturbation: float = 0.05  # jump of lateral velocity [m/s]; 0 for none
+    perturbation_every: float = 10 / 3.6  # change of speed between perturbations [m/s]
+    disturbance: float = 3e-3  # lateral offset of the leading wheelset at the start [m]
 
 
-def ramp_run(job: tuple[Case, RampSettings, HuntingSettings], progress: Callable[[float, str], None]) -> xr.Dataset:
+def ramp_run(job: tuple[Case, RampSettings, HuntingSettings], progress: Progress) -> xr.Dataset:
     """One ramp, up and down.
 
     Args:
@@ -60,9 +52,6 @@ def ramp_run(job: tuple[Case, RampSettings, HuntingSettings], progress: Callable
     Returns:
         `lateral` [m] over time and body, `speed` [m/s] over time, and the times of the perturbations in the attributes. A run
         that left the model's validity ends there; its attribute `status` says why.
-
-    Raises:
-        KeyboardInterrupt: Ctrl-C came before the end.
     """
     case, ramp, settings = job
     one_way = (ramp.high - ramp.low) / ramp.acceleration
@@ -80,9 +69,9 @@ def ramp_run(job: tuple[Case, RampSettings, HuntingSettings], progress: Callable
             if way == 0 and start > 0 and ramp.perturbation:
                 state = _perturbed(state, simulation, model, ramp.perturbation)
                 perturbations.append(start)
-            done, whole = way * one_way, len(ways) * one_way
-            part = _segment(simulation, model, state, start, stop, _share(progress, done / whole, 1 / whole))
-            parts.append(part.assign_coords(time=part["time"] + done))
+            report = partial(_report, progress, way, len(ways), one_way)
+            part = _segment(simulation, model, state, (start, stop), report)
+            parts.append(part.assign_coords(time=part["time"] + way * one_way))
             if part.attrs["status"] != "ok":
                 return _joined(parts, perturbations)
             state = simulation.state
@@ -93,10 +82,9 @@ def _one_way_case(
     case: Case, ramp: RampSettings, settings: HuntingSettings, first: float, last: float, duration: float
 ) -> Case:
     own = replace(settings, disturbance=ramp.disturbance, duration=duration)
-    chosen = hunting_case(case, first, own)
     beyond = 1.001  # the table reaches a little beyond the end, so that no stage of the last step meets its corner
     table = [[0.0, f"{first} m/s"], [beyond * duration, f"{first + beyond * (last - first)} m/s"]]
-    return chosen.with_changes({"motion.speed_table": table, **_method(case)})
+    return hunting_case(case, first, own).with_changes({"motion.speed_table": table, **_method(case)})
 
 
 def _method(case: Case) -> dict[str, object]:
@@ -107,41 +95,31 @@ def _method(case: Case) -> dict[str, object]:
     return {"time.method": "exponential_adams", "time.step": longest_step(case)}
 
 
-def _share(progress: Callable[[float, str], None], done: float, per_second: float) -> Callable[[float], None]:
-    return lambda time: progress(done + per_second * time, "ramp")
-
-
 def _perturbed(state: Array, simulation: _core.Simulation, model: AssembledModel, velocity: float) -> Array:
+    rates = [simulation.rate_index[model.body_index(body)][LATERAL] for body in model.lateral_bodies]
     pushed = np.array(state)
-    for body in model.lateral_bodies:
-        index = simulation.rate_index[model.body_index(body)][LATERAL]
-        if index >= 0:
-            pushed[index] += velocity
+    pushed[[rate for rate in rates if rate >= 0]] += velocity
     return pushed
+
+
+def _report(progress: Progress, way: int, ways: int, length: float, at: float, _filled: int) -> None:
+    progress((way + at / length) / ways, "ramp")
 
 
 def _segment(
     simulation: _core.Simulation,
     model: AssembledModel,
     state: Array,
-    start: float,
-    stop: float,
-    progress: Callable[[float], None],
+    span: tuple[float, float],
+    report: Callable[[float, int], None],
 ) -> xr.Dataset:
-    step = model.case.time.output_step
+    (start, stop), step = span, model.case.time.output_step
     begin(simulation, model, state, start_time=start, end_time=stop)  # the next segment starts from the state there
     room = math.ceil((stop - start) / step) + 3
     times, rows = np.empty(room), np.empty((room, simulation.width))
-    code, filled = march(
-        simulation, stop, times, rows, slice_length=step, begin_at=start, report=lambda time, _filled: progress(time)
-    )
-    ended = outcome(simulation, model, code)
-    draft = run_draft(model, times[:filled], rows[:filled], ended)
-    add_energy_audit(draft)
-    audited = draft.dataset()
-    moving = RunInfo.of(audited).moving
-    kept: xr.Dataset = audited[["lateral", "yaw", "speed"]].sel(body=moving).copy(deep=True)
-    return kept.assign_attrs(largest_residual_j=float(np.abs(audited["energy_residual"]).max()))
+    code, filled = march(simulation, stop, times, rows, slice_length=step, begin_at=start, report=report)
+    run, motion = audited(simulation, model, times[:filled], rows[:filled], code, ("lateral", "yaw", "speed"))
+    return motion.assign_attrs(largest_residual_j=float(np.abs(run["energy_residual"]).max()))
 
 
 def _joined(parts: Sequence[xr.Dataset], perturbations: Sequence[float]) -> xr.Dataset:
@@ -165,15 +143,11 @@ def _joined(parts: Sequence[xr.Dataset], perturbations: Sequence[float]) -> xr.D
 
 def _summed(texts: Iterable[str]) -> dict[str, float]:
     """Counts of all segments together; of the steps' lengths the smallest and largest, of their errors the largest."""
-    total: dict[str, float] = {}
-    for text in texts:
-        for key, value in json.loads(text).items():
-            if value is None:
-                continue
-            pick = {"smallest_step": min, "largest_step": max, "largest_error": max}.get(key)
-            old = total.get(key)
-            total[key] = value if old is None else pick(old, value) if pick else old + value
-    return total
+    picks: dict[str, Any] = {"smallest_step": min, "largest_step": max, "largest_error": max}
+    every: dict[str, list[float]] = {}
+    for key, value in itertools.chain(*(json.loads(text).items() for text in texts)):
+        every.setdefault(key, []).extend([] if value is None else [value])
+    return {key: picks.get(key, sum)(values) for key, values in every.items() if values}
 
 
 def end_of_hunting(ramp: xr.Dataset, body: str, least_amplitude: float = 1e-4) -> float:

@@ -9,29 +9,24 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from rollerrig.analysis.critical_speed import linear_critical_speed
+from rollerrig.analysis.critical_speed import scan_linear
 from rollerrig.analysis.slide_statistics import largest, rms, slip, stopped, tracking, wheel_radius
 from rollerrig.cases import at_speed
 from rollerrig.config import Case
 from rollerrig.results import RunInfo
 from rollerrig.similitude import factors_of
-from rollerrig.simulation.starting_state import StartError
 
 SPEEDS = tuple(v / 3.6 for v in range(40, 521, 40))
 """Full-scale speeds among which the linear critical speed is looked for [m/s]."""
 
-COMPARED = ("lateral", "axle_speed", "train_speed", "train_distance")
-"""Variables that are compared at the same time."""
+COMPARED = ("lateral", "axle_speed", "train_speed", "train_distance")  # variables that are compared at the same time
 
 
 def linear_critical_speed_at_full_scale(case: Case) -> float:
     """Critical speed with speed-controlled rollers [m/s]; NaN if there is none within SPEEDS."""
     factor = factors_of(case).factor("m/s") if case.similitude is not None else 1.0
-    try:
-        found = linear_critical_speed(at_speed(case).with_changes({"axle_torque": []}), [v / factor for v in SPEEDS])
-    except StartError:
-        return float("nan")
-    return found.speed * factor if found else float("nan")
+    steady = at_speed(case).with_changes({"axle_torque": []})
+    return scan_linear(steady, [3.6 * v / factor for v in SPEEDS]).speed_kmh / 3.6 * factor
 
 
 def run_numbers(run: xr.Dataset) -> dict[str, Any]:

@@ -12,8 +12,10 @@ Source: L. C. Rogers, Derivatives of eigenvalues and eigenvectors, AIAA J. 8 (19
 
 from __future__ import annotations
 
+import itertools
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -27,8 +29,7 @@ from rollerrig.config.write.explain import unit_of
 from rollerrig.results import variable
 from rollerrig.simulation.sensitivity import changed_cases
 
-RELATIVE_WIDTH = 1e-4
-"""Half width of the differences by a number, and by speed, over their size [1]."""
+RELATIVE_WIDTH = 1e-4  # half width of the differences by a number, and by speed, over their size [1]
 
 _NUMBERS = ("stiffness", "damping", "damper.damping", "damper.series_stiffness")
 """Numbers of a linear force element in one direction."""
@@ -100,15 +101,28 @@ def suspension_parameters(case: Case) -> Iterator[str]:
     groups: dict[tuple[str, str], dict[str, float]] = {}
     for element in case.vehicle.data.elements_in(case.vehicle.part):
         stem = re.sub(r"(_(\d+|left|right|front|rear))+$", "_*", element.name)
-        for direction, law in element.laws.items():
-            for number in _NUMBERS:
-                table, _, name = number.rpartition(".")
-                value = getattr(getattr(law, table, None) if table else law, name, None)
-                if isinstance(value, float) and value != 0.0:
-                    groups.setdefault((stem, f"{direction}.{number}"), {})[element.name] = value
+        for (direction, law), number in itertools.product(element.laws.items(), _NUMBERS):
+            table, _, name = number.rpartition(".")
+            value = getattr(getattr(law, table, None) if table else law, name, None)
+            if isinstance(value, float) and value != 0.0:
+                groups.setdefault((stem, f"{direction}.{number}"), {})[element.name] = value
     for (stem, rest), found in groups.items():
         names = [stem] if len(set(found.values())) == 1 else list(found)
         yield from (f"vehicle.element.{name}.{rest}" for name in names)
+
+
+def parameter_rows(found: xr.Dataset, changes: Mapping[str, xr.DataArray]) -> list[dict[str, Any]]:
+    """A row per number of the case, of a sensitivity's Dataset: key, value, unit, changes; the largest first one on top."""
+    rows = [
+        {
+            "parameter": str(found["parameter"][k].item()),
+            "value": float(found["value"][k]),
+            "unit": str(found["parameter_unit"][k].item()),
+            **{key: float(change[k]) for key, change in changes.items()},
+        }
+        for k in range(found.sizes["parameter"])
+    ]
+    return sorted(rows, key=lambda row: -abs(row[next(iter(changes))]))
 
 
 def _dataset(keys: list[str], values: Array, slope: Array, roots: Complex, derivatives: Complex) -> xr.Dataset:

@@ -1,7 +1,7 @@
 """Figures of several supports side by side: one colour or style per support, both always in the same axes."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -25,25 +25,17 @@ from rollerrig.plot.style import (
     panels,
 )
 
-MOST_MODES = 7
-"""Modes in one figure; the others are in the table."""
-
-HIGHEST_FREQUENCY = 20.0
-"""Modes above are left out: supports hardly change them, and they squeeze the rest [Hz]."""
-
-LEAST_DIFFERENCE = 0.2
-"""Modes whose eigenvalues differ by less between the supports are left out [1/s]."""
+MOST_MODES = 7  # modes in one figure; the others are in the table
+HIGHEST_FREQUENCY = 20.0  # modes above are left out: supports hardly change them, and they squeeze the rest [Hz]
+LEAST_DIFFERENCE = 0.2  # modes whose eigenvalues differ by less between the supports are left out [1/s]
 
 
 def telling_modes(modes: Mapping[str, xr.Dataset]) -> list[str]:
     """Names of the modes that differ most between the supports, hunting modes first; those that all supports have."""
     first = next(iter(modes.values()))
-    names = [
-        name
-        for name in shown_modes(first)
-        if all(name in shown_modes(m) for m in modes.values())
-        and float(first["frequency"].sel(mode=name).max()) < HIGHEST_FREQUENCY
-    ]
+    common = set.intersection(*(set(shown_modes(one)) for one in modes.values()))
+    low = first["frequency"].max("speed") < HIGHEST_FREQUENCY
+    names = [name for name in shown_modes(first) if name in common and bool(low.sel(mode=name))]
 
     def apart(name: str) -> float:
         own, of = first.sel(mode=name), [m.sel(mode=name) for m in modes.values()]
@@ -80,14 +72,15 @@ def modes_side_by_side(modes: Mapping[str, xr.Dataset]) -> Figure:
         return figure
 
 
-def critical_over_radius(speeds: Mapping[str, tuple[Sequence[float], Sequence[float], float]], marked: float) -> Figure:
-    """Critical speeds [km/h] over the rollers' radius [m] by label; the track is the line that the curves approach."""
+def critical_over_radius(speeds: Mapping[str, Mapping[float, float]], marked: float) -> Figure:
+    """Critical speeds [km/h] over the rollers' radius [m] by label; at infinity the track, the line that the curves approach."""
     with panels(["linear critical speed [km/h]"], "radius of the rollers [m]", 3.6, legend=False) as (figure, (axes,)):
-        ticks = sorted({radius for radii, _, _ in speeds.values() for radius in radii})
-        for number, (label, (radii, values, track)) in enumerate(speeds.items()):
+        ticks = sorted({radius for curve in speeds.values() for radius in curve if math.isfinite(radius)})
+        for number, (label, curve) in enumerate(speeds.items()):
             one, marker = colour(number), MARKERS[number % len(MARKERS)]
-            axes.plot(radii, values, marker=marker, color=one, markersize=5, label=f"{label}, on rollers")
-            if math.isfinite(track):
+            values = [curve.get(radius, math.nan) for radius in ticks]
+            axes.plot(ticks, values, marker=marker, color=one, markersize=5, label=f"{label}, on rollers")
+            if math.isfinite(track := curve.get(math.inf, math.nan)):
                 style = STYLES[1 + number % 3]
                 axes.axhline(track, color=one, linestyle=style, linewidth=1.1, label=f"{label}, on track")
         axes.set_xscale("log")
@@ -112,9 +105,8 @@ def effect_bars(off: Mapping[str, float], alone: Mapping[str, float], loss: floa
         (alone, -0.19, COLOURS[1], "///", "on alone: loss from the track"),
     ):
         bars = [*(values[effect] for effect in off), loss - sum(values.values()), loss]
-        drawn = axes.barh(
-            places + shift, bars, 0.36, color=ink, alpha=0.85, label=label, hatch=hatch, edgecolor="white"
-        )
+        look_of: dict[str, Any] = {"color": ink, "alpha": 0.85, "hatch": hatch, "edgecolor": "white", "label": label}
+        drawn = axes.barh(places + shift, bars, 0.36, **look_of)
         axes.bar_label(drawn, fmt="{:+.1f}", padding=3, fontsize=7.5)
     axes.axvline(0.0, color=GREY, linewidth=1.0)
     axes.set_yticks(places, rows)
@@ -126,18 +118,17 @@ def effect_bars(off: Mapping[str, float], alone: Mapping[str, float], loss: floa
 
 def disturbed_over_time(runs: Mapping[str, xr.Dataset]) -> Figure:
     """The leading wheelset after a disturbance: motion, guiding force, sum of guiding forces, longitudinal creep force."""
-    labels = ("lateral [mm]", "Y, left wheel [kN]", "ΣY, 2 m mean [kN]", "longitudinal creep force,\nleft wheel [kN]")
-    with panels(labels, "time [s]", 8.0, legend=False) as (figure, axes):
+    signals = {
+        "lateral [mm]": ("lateral", 1e3),
+        "Y, left wheel [kN]": ("guiding_force", 1e-3),
+        "ΣY, 2 m mean [kN]": ("guiding_force_sum", 1e-3),
+        "longitudinal creep force,\nleft wheel [kN]": ("longitudinal_creep_force", 1e-3),
+    }
+    with panels(list(signals), "time [s]", 8.0, legend=False) as (figure, axes):
         for number, (label, run) in enumerate(runs.items()):
-            leading = str(run.attrs["leading"])
-            signals = (
-                1e3 * run["lateral"],
-                1e-3 * run["guiding_force"].sel(wheel=f"{leading}_left"),
-                1e-3 * run["guiding_force_sum"].sel(wheelset=leading),
-                1e-3 * run["longitudinal_creep_force"].sel(wheel=f"{leading}_left"),
-            )
-            for panel, values in zip(axes, signals, strict=True):
-                panel.plot(run["time"], values, label=label, **look(number))
+            left = run.isel(wheel=0)
+            for panel, (name, factor) in zip(axes, signals.values(), strict=True):
+                panel.plot(run["time"], factor * left[name], label=label, **look(number))
         axes[0].set_xlim(0.0, float(next(iter(runs.values()))["time"][-1]))
         axes[0].legend(loc="upper right", ncols=len(runs))
         return figure

@@ -11,7 +11,8 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rollerrig.common.arrays import Mask
+from rollerrig.analysis.curving_sensitivity import largest_change
+from rollerrig.analysis.slide_statistics import spells
 from rollerrig.plot.style import (
     COLOURS,
     GREY,
@@ -109,8 +110,13 @@ def amplitude_over_speed(
 
 
 LOOKS: dict[str, dict[str, Any]] = {
-    "up": {"color": COLOURS[0], "marker": "^", "linestyle": "-"},
-    "down": {"color": COLOURS[1], "marker": "v", "linestyle": "--"},
+    "up": {"color": COLOURS[0], "marker": "^", "linestyle": "-", "zorder": 3},
+    "down": {"color": COLOURS[1], "marker": "v", "linestyle": "--", "zorder": 4, "markerfacecolor": "white"},
+}
+CYCLES = {  # label of a panel -> variable of `limit_cycle_table`, and factor
+    "lateral amplitude of wheelsets [mm]": ("cycle_amplitude", 1e3),
+    "frequency [Hz]": ("cycle_frequency", 1.0),
+    "largest |Y| [kN]": ("cycle_guiding_force", 1e-3),
 }
 
 
@@ -122,18 +128,25 @@ def limit_cycle_diagram(cycles: xr.Dataset, modes: xr.Dataset | None = None) -> 
         cycles: Dataset of `limit_cycle_table`.
         modes: Dataset of `stability`: its linear critical speed, and the frequency of hunting for comparison.
     """
-    labels = ("lateral amplitude of wheelsets [mm]", "frequency [Hz]", "largest |Y| [kN]")
-    with panels(labels, "speed [km/h]", 7.0, legend=False, height_ratios=(2.2, 1, 1)) as (figure, axes):
+    with panels(list(CYCLES), "speed [km/h]", 7.0, legend=False, height_ratios=(2.2, 1, 1)) as (figure, axes):
         amplitude, frequency, force = axes
         for sweep, drawn in LOOKS.items():
-            _sweep(axes, cycles.isel(cycle_point=cycles["cycle_sweep"].to_numpy() == sweep), sweep, drawn)
-        if modes is not None and bool(modes["hunting_frequency"].notnull().any()):
-            linear = {"color": GREY, "linewidth": 1.0, "label": "linear hunting mode"}
-            frequency.plot(modes["speed"], modes["hunting_frequency"], **linear)  # type: ignore[arg-type]
-            frequency.legend(loc="best")
+            one = cycles.isel(cycle_point=cycles["cycle_sweep"].to_numpy() == sweep)
+            for panel, (name, factor) in zip(axes, CYCLES.values(), strict=True):
+                panel.plot(one["cycle_speed"], factor * one[name], markersize=5, label=f"{sweep}ward sweep", **drawn)
+        early = cycles.isel(cycle_point=cycles["cycle_status"].to_numpy() != "ok")
+        for speed, status in zip(early["cycle_speed"].to_numpy(), early["cycle_status"].to_numpy(), strict=True):
+            place: dict[str, Any] = {"xycoords": ("data", "axes fraction"), "rotation": 90, "fontsize": 7.5}
+            amplitude.annotate(str(status).replace("_", " "), (speed, 0.5), **place)
         critical = {"critical speed by continuation": float(cycles.attrs["critical_speed_by_continuation_kmh"])}
         if modes is not None:
             critical["linear critical speed"] = float(modes.attrs["linear_critical_speed_kmh"])
+            if bool(modes["hunting_frequency"].notnull().any()):
+                label = "linear hunting mode"
+                drawn_line = frequency.plot(
+                    modes["speed"], modes["hunting_frequency"], color=GREY, linewidth=1.0, label=label
+                )
+                frequency.legend(handles=drawn_line, loc="best")
         for name, value in critical.items():
             if math.isfinite(value):
                 critical_line(amplitude, value, f"{name} {value:.1f} km/h")
@@ -152,11 +165,7 @@ def limit_cycle_diagram(cycles: xr.Dataset, modes: xr.Dataset | None = None) -> 
 
 @into_axes
 def bifurcation_diagram(branch: xr.Dataset) -> Figure:
-    """Amplitude of limit cycles over speed along their branch, stable parts solid, unstable ones dashed, with its folds.
-
-    Args:
-        branch: Dataset of `bifurcation`.
-    """
+    """Amplitude over speed along a branch of `bifurcation`, stable parts solid, unstable ones dashed, with its folds."""
     label = "lateral amplitude of the leading wheelset [mm]"
     with panels([label], "speed [km/h]", 4.8, legend=False) as (figure, (axes,)):
         linear = float(branch.attrs["linear_critical_speed_kmh"])
@@ -164,8 +173,8 @@ def bifurcation_diagram(branch: xr.Dataset) -> Figure:
         amplitude = np.concatenate([[0.0], 1e3 * branch["amplitude"].to_numpy()])
         stable = branch["stable"].to_numpy() == 1
         for ink, holds, name, style in ((0, True, "stable", "-"), (1, False, "unstable", "--")):
-            for number, part in enumerate(_stretches(stable == holds)):
-                one = slice(part.start, part.stop + 1)  # from the point before it
+            for number, (begin, end) in enumerate(zip(*spells(stable == holds), strict=True)):
+                one = slice(begin, end + 1)  # from the point before it
                 line(axes, speed[one], amplitude[one], ink, style, name if number == 0 else "", linewidth=1.6)
         for fold in json.loads(branch.attrs["folds"]):
             at = fold["speed_kmh"], fold["amplitude_mm"]
@@ -178,8 +187,7 @@ def bifurcation_diagram(branch: xr.Dataset) -> Figure:
         return figure
 
 
-MOST_BARS, LEAST_BAR = 15, 0.005
-"""Bars in one figure, and the shortest that can be seen, over the longest."""
+MOST_BARS, LEAST_BAR = 15, 0.005  # bars in one figure, and the shortest that can be seen, over the longest
 
 
 @into_axes
@@ -196,8 +204,7 @@ def tornado_diagram(sensitivity: xr.Dataset, output: str = "") -> Figure:
         one = sensitivity[output]
         largest = abs(one).idxmax()
         whole, unit = float(abs(one).max()), one.attrs["units"].replace("1", "-")
-        slope = sensitivity[f"{output}_derivative"].sel({one.dims[0]: largest})
-        change = (0.01 * sensitivity["value"] * slope).to_numpy()
+        change = largest_change(sensitivity, output).to_numpy()
         of = f"{output.replace('_', ' ')}, {str(largest.item()).replace('_', ' ')}"
     else:
         whole, unit, of = float(sensitivity.attrs["linear_critical_speed_kmh"]), "km/h", "linear critical speed"
@@ -227,25 +234,15 @@ def _number_words(key: str) -> str:
     return key.removeprefix("vehicle.element.").replace("_*", "").replace(".", ", ").replace("_", " ")
 
 
-def _stretches(holds: Mask) -> list[slice]:
-    """Ranges of places at which something holds."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[0], holds.astype(int), [0]])))
-    return [slice(int(a), int(b)) for a, b in zip(edges[::2], edges[1::2], strict=True)]
-
-
-def _sweep(axes: Sequence[Axes], one: xr.Dataset, sweep: str, drawn: dict[str, Any]) -> None:
-    """Amplitude, frequency and force on one sweep through the speeds."""
-    amplitude, frequency, force = axes
-    down = sweep == "down"
-    style = {**drawn, "markersize": 5, "markerfacecolor": "white" if down else drawn["color"]}
-    speed, size = one["cycle_speed"].to_numpy(), 1e3 * one["cycle_amplitude"].to_numpy()
-    amplitude.plot(speed, size, label=f"{sweep}ward sweep", zorder=4 if down else 3, **style)
-    frequency.plot(speed, one["cycle_frequency"].to_numpy(), **style)
-    force.plot(speed, 1e-3 * one["cycle_guiding_force"].to_numpy(), **style)
-    for v, status in zip(speed, one["cycle_status"].to_numpy(), strict=True):
-        if status != "ok":
-            place: dict[str, Any] = {"xycoords": ("data", "axes fraction"), "rotation": 90, "fontsize": 7.5}
-            amplitude.annotate(str(status).replace("_", " "), (v, 0.5), **place)
+def _beside_theory(
+    axes: Axes, study: xr.Dataset, wheels: Mapping[str, str], signal: str, factor: float, said: Sequence[str]
+) -> None:
+    """A signal of wheels over time; dotted the closed form of the first ones, with what each is called."""
+    for number, (wheel, label) in enumerate(wheels.items()):
+        axes.plot(study["time"], factor * study[signal].sel(wheel=wheel), label=label, **look(number))
+    for wheel, text in zip(wheels, said, strict=False):
+        theory = factor * study[f"{signal}_theory"].sel(wheel=wheel)
+        axes.plot(study["time"], theory, color="black", linestyle=":", linewidth=1.4, label=text)
 
 
 @into_axes
@@ -256,20 +253,15 @@ def traction_sliding(study: xr.Dataset, wheels: Mapping[str, str]) -> Figure:
         study: `sliding` and `sliding_theory` [m/s] over time and wheel, `torque` [N m] and `speed` [m/s] over time.
         wheels: wheel -> label.
     """
-    labels = ("absolute sliding [mm/s]", "torque [kN m]")
+    labels = ("absolute sliding [mm/s]", "torque per wheelset [kN m]")
     with panels(labels, "time [s]", 4.6, legend=False, height_ratios=[2.2, 1]) as (figure, (top, bottom)):
-        time = study["time"].to_numpy()
-        for number, (wheel, label) in enumerate(wheels.items()):
-            top.plot(time, 1e3 * study["sliding"].sel(wheel=wheel), label=label, **look(number))
-        theory = 1e3 * study["sliding_theory"].sel(wheel=next(iter(wheels)))
-        name = "slope of the creep law at the start × force × speed"
-        top.plot(time, theory, color="black", linestyle=":", linewidth=1.6, label=name)
+        _beside_theory(top, study, wheels, "sliding", 1e3, ["slope of the creep law at the start × force × speed"])
         top.set_ylim(bottom=0.0)
         top.legend(loc="upper left")
-        bottom.plot(time, 1e-3 * study["torque"], color=COLOURS[2], label="torque per wheelset [kN m]")
+        bottom.plot(study["time"], 1e-3 * study["torque"], color=COLOURS[2])
         bottom.yaxis.label.set_color(COLOURS[2])
         other = bottom.twinx()
-        other.plot(time, 3.6 * study["speed"], color=COLOURS[4], linestyle="--")
+        other.plot(study["time"], 3.6 * study["speed"], color=COLOURS[4], linestyle="--")
         other.set_ylabel("speed [km/h]", color=COLOURS[4])
         other.grid(visible=False)
         return figure
@@ -285,17 +277,9 @@ def traction_forces(study: xr.Dataset, wheels: Mapping[str, str]) -> Figure:
         wheels: wheel -> label.
     """
     labels = ("longitudinal creep force\non the wheel [kN]", "vertical force\non the wheel [kN]")
-    theory: dict[str, Any] = {"color": "black", "linestyle": ":", "linewidth": 1.2}
     with panels(labels, "time [s]", 4.8, legend=False) as (figure, (top, bottom)):
-        time = study["time"].to_numpy()
-        for number, (wheel, label) in enumerate(wheels.items()):
-            own = study.sel(wheel=wheel)
-            top.plot(time, 1e-3 * own["longitudinal_creep_force"], label=label, **look(number))
-            bottom.plot(time, 1e-3 * own["vertical_force"], label=label, **look(number))
-            named = "closed form" if number == 0 else None
-            bottom.plot(time, 1e-3 * own["vertical_force_theory"], label=named, **theory)
-            if number == 0:
-                top.plot(time, 1e-3 * own["longitudinal_creep_force_theory"], label=named, **theory)
+        _beside_theory(top, study, wheels, "longitudinal_creep_force", 1e-3, ["closed form"])
+        _beside_theory(bottom, study, wheels, "vertical_force", 1e-3, ["closed form", *("",) * (len(wheels) - 1)])
         top.legend(loc="lower right")
         bottom.legend(loc="center right")
         return figure

@@ -27,12 +27,10 @@ from rollerrig.plot.style import (
     panels,
 )
 
-VIEWS = {"plan": (0, 1), "side": (0, 2), "end": (1, 2)}
-"""View -> the axes it shows."""
+VIEWS = {"plan": (0, 1), "side": (0, 2), "end": (1, 2)}  # view -> the axes it shows
 
 AXES = ("x", "y", "z")
-REACH = {"plan": 0.5, "side": 0.5, "end": 0.35}
-"""Largest displacement drawn in each view [m]."""
+REACH = {"plan": 0.5, "side": 0.5, "end": 0.35}  # largest displacement drawn in each view [m]
 
 HALF_GAUGE, WHEEL_RADIUS = 0.75, 0.46
 
@@ -165,23 +163,19 @@ def _wheelset(view: str) -> Array:
 
 
 def _box(view: str, half_length: float, half_width: float, bottom: float, top: float) -> Array:
-    corners = {
-        "plan": [(1, 1, 0), (1, -1, 0), (-1, -1, 0), (-1, 1, 0), (1, 1, 0)],
-        "side": [(1, 0, 0), (1, 0, 1), (-1, 0, 1), (-1, 0, 0), (1, 0, 0)],
-        "end": [(0, 1, 0), (0, 1, 1), (0, -1, 1), (0, -1, 0), (0, 1, 0)],
-    }[view]
-    return np.array([(half_length * x, half_width * y, bottom + (top - bottom) * z) for x, y, z in corners])
+    ends = np.array([(-half_length, half_length), (-half_width, half_width), (bottom, top)])
+    line, (first, second) = np.zeros((5, 3)), VIEWS[view]
+    line[:, first], line[:, second] = ends[first][[1, 1, 0, 0, 1]], ends[second][[0, 1, 1, 0, 0]]
+    return line
 
 
 HIGHEST_FREQUENCY = 30.0
 """Modes above are those of wheels on their Hertz springs; they say nothing about stability and squeeze the rest [Hz]."""
 
-SHOWN_DAMPING = 0.6
-"""Modes that are always damped more than this are left out of the figures [1]."""
+SHOWN_DAMPING = 0.6  # modes that are always damped more than this are left out of the figures [1]
 
 
-DAMPING_STEPS = (-100, -10, -5, 0, 5, 10, 20, 30, 50, 100)
-"""Limits of the shades of the damping map [%]."""
+DAMPING_STEPS = (-100, -10, -5, 0, 5, 10, 20, 30, 50, 100)  # limits of the shades of the damping map [%]
 
 DAMPING_COLOURS = ("#7f1d1d", "#c0392b", "#e8a09a", "#fff3b0", "#d9e8b4", "#a8d0b0", "#6fb0b4", "#3d83ad", "#1f4e86")
 """One per shade: red grows, yellow is hardly damped, blue is well damped; they also differ in grey."""
@@ -222,11 +216,7 @@ def _lines(axes: Axes, modes: xr.Dataset, variable: str, factor: float = 1.0) ->
 
 @into_axes
 def root_locus(modes: xr.Dataset) -> Figure:
-    """Eigenvalues in the complex plane, one line per mode, from the lowest speed (open) to the highest (filled).
-
-    Args:
-        modes: Dataset of `stability`.
-    """
+    """Eigenvalues of `stability` in the complex plane, a line per mode, from the lowest speed (open) to the highest (filled)."""
     labels, height = ["frequency Im λ / 2π [Hz]"], _height(modes, 4.4)
     with panels(labels, "growth rate Re λ [1/s]", height, legend=False) as (figure, (axes,)):
         for number, name in enumerate(shown_modes(modes)):
@@ -248,11 +238,7 @@ def root_locus(modes: xr.Dataset) -> Figure:
 
 @into_axes
 def damping_over_speed(modes: xr.Dataset) -> Figure:
-    """Damping ratio of each mode over speed.
-
-    Args:
-        modes: Dataset of `stability`.
-    """
+    """Damping ratio of each mode of `stability` over speed."""
     with panels(["damping ratio [%]"], "speed [km/h]", _height(modes, 3.4), legend=False) as (figure, (axes,)):
         _lines(axes, modes, "damping", 100.0)
         axes.axhline(0.0, color=GREY, linewidth=1.0)
@@ -263,18 +249,13 @@ def damping_over_speed(modes: xr.Dataset) -> Figure:
 
 @into_axes
 def damping_map(modes: xr.Dataset) -> Figure:
-    """Damping of all oscillatory modes over speed as colours, one row per mode, by frequency.
-
-    Args:
-        modes: Dataset of `stability`.
-    """
+    """Damping of all oscillatory modes of `stability` over speed as colours, one row per mode, by frequency."""
     names = [str(name) for name in modes["mode"].to_numpy()]
     figure, (axes,) = new_figure(height=max(2.7, 1.3 + 0.185 * len(names)))
     speed = modes["speed"].to_numpy()
     values = 100 * modes["damping"].where(modes["frequency"] > 0.0).transpose("mode", "speed").to_numpy()
-    edges = np.concatenate([[speed[0]], 0.5 * (speed[1:] + speed[:-1]), [speed[-1]]])
-    if len(speed) == 1:
-        edges = np.array([speed[0] - 1.0, speed[0] + 1.0])
+    ends = speed[[0, -1]] if len(speed) > 1 else speed[0] + np.array([-1.0, 1.0])
+    edges = np.concatenate([ends[:1], 0.5 * (speed[1:] + speed[:-1]), ends[1:]])
     shades = ListedColormap(DAMPING_COLOURS)
     steps = BoundaryNorm(DAMPING_STEPS, shades.N, extend="neither")
     shown = np.clip(values, DAMPING_STEPS[0], DAMPING_STEPS[-1] - 1e-9)
@@ -300,12 +281,7 @@ def damping_map(modes: xr.Dataset) -> Figure:
 
 @into_axes
 def frequency_over_speed(modes: xr.Dataset, cycles: xr.Dataset | None = None) -> Figure:
-    """Frequency of each mode over speed, and of limit cycles where they are given.
-
-    Args:
-        modes: Dataset of `stability`.
-        cycles: Dataset of `limit_cycle_table`.
-    """
+    """Frequency of each mode of `stability` over speed, and of limit cycles where those of `limit_cycle_table` are given."""
     with panels(["frequency [Hz]"], "speed [km/h]", _height(modes, 4.0), legend=False) as (figure, (axes,)):
         _lines(axes, modes, "frequency")
         if cycles is not None and bool((cycles["cycle_amplitude"] > 0).any()):

@@ -24,8 +24,7 @@ from rollerrig.plot.style import (
 from rollerrig.results import COMPLETED, RunInfo
 from rollerrig.results.summary import contact_losses
 
-STEADY = 1e-3
-"""A speed that changes by no more than this part is not worth a panel."""
+STEADY = 1e-3  # a speed that changes by no more than this part is not worth a panel
 
 
 @into_axes
@@ -35,14 +34,13 @@ def motion_over_time(run: xr.Dataset) -> Figure:
     changes = float(np.ptp(speed)) > STEADY * float(np.abs(speed).max())
     labels = ["lateral [mm]", "yaw [mrad]", *(["speed [km/h]"] if changes else [])]
     with panels(labels, "time [s]", 5.6 if changes else 4.4) as (figure, axes):
-        for number, body in enumerate(RunInfo.of(run).moving):
-            style = STYLES[number // 2 % len(STYLES)]
-            for panel, name in zip(axes, ("lateral", "yaw"), strict=False):
+        for panel, name in zip(axes, ("lateral", "yaw"), strict=False):
+            for number, body in enumerate(RunInfo.of(run).moving):
+                style = STYLES[number // 2 % len(STYLES)]
                 line(panel, run["time"], 1e3 * run[name].sel(body=body), number, style, body)
+            calm(panel, 1e-2)
         if changes:
             line(axes[2], run["time"], 3.6 * run["speed"], label="running speed")
-        for panel in axes[:2]:
-            calm(panel, 1e-2)
         _mark_end(axes, run)
         return figure
 
@@ -102,11 +100,7 @@ _SHOWN = {"m": ("mm", 1e3), "rad": ("mrad", 1e3), "N": ("kN", 1e-3), "m/s": ("km
 
 @into_axes
 def runs_together(comparison: xr.Dataset) -> Figure:
-    """Each signal of several runs in one panel, a line per run.
-
-    Args:
-        comparison: Dataset of `compare_runs`.
-    """
+    """Each signal of `compare_runs` in one panel, a line per run."""
     signals = [str(name) for name, values in comparison.data_vars.items() if "time" in values.dims]
     shown = {name: shown_unit(comparison[name]) for name in signals}
     labels = [f"{name.replace(':', chr(10)).replace('_', ' ')} [{shown[name][0]}]" for name in signals]
@@ -124,7 +118,7 @@ def shown_unit(values: xr.DataArray) -> tuple[str, float]:
     return _SHOWN.get(unit, (unit, 1.0))
 
 
-PANELS = {
+PANELS = {  # variable -> label and factor of its panel
     "guiding_force": ("guiding force Y [kN]", 1e-3),
     "wheel_load": ("wheel load Q [kN]", 1e-3),
     "derailment_quotient": ("Y/Q [-]", 1.0),
@@ -132,7 +126,6 @@ PANELS = {
     "wear_number": ("wear number Tγ [N]", 1.0),
     "angle_of_attack": ("angle of attack [mrad]", 1e3),
 }
-"""Variable -> label and factor of its panel."""
 
 
 @into_axes

@@ -9,8 +9,7 @@ from matplotlib.figure import Figure
 from rollerrig.plot.style import calm, line, panels
 
 STYLES = {"full scale": "--", "model": "-"}
-Runs = tuple[xr.Dataset, xr.Dataset]
-"""At full scale, and of the model mapped back."""
+Runs = tuple[xr.Dataset, xr.Dataset]  # at full scale, and of the model mapped back
 
 XLABEL = "time at full scale [s]"
 

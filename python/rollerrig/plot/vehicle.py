@@ -6,7 +6,6 @@ Wheels, rollers and rails have their own profiles and radii. A body whose shape 
 box of its mass and moments of inertia. Symbols of springs and dampers lie along the directions in which they act.
 """
 
-from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -78,33 +77,25 @@ def vehicle(case: Case | str) -> Figure:
         panels[view].set_title(_TITLES[view], loc="left", fontsize=8.5, pad=room(rows))
     for view, axes in panels.items():
         into = {"side": "y into the page", "plan": "z towards you", "end": "x into the page"}[view]
-        across, up = VIEWS[view]
-        triad(axes, (across, up), into, mirrored=view == "end")
+        triad(axes, VIEWS[view], into, mirrored=view == "end")
     return figure
-
-
-# ---------------------------------------------------------------------------------------------------------- the sheet
 
 
 def _extent(scene: Scene) -> tuple[tuple[float, float], tuple[float, float], tuple[float, float]]:
     """What is shown along x, y and z [m]; of a held body only what is near the others."""
     part, radius = scene.case.vehicle.part, scene.case.vehicle.data.wheel.radius
-    points: list[tuple[float, float, float]] = []
-    for body in bodies(scene):
-        if body.name in part.fixed:
-            continue
+    elements = [element for family in scene.families.values() for element in family]
+    points = [np.array(end) for element in elements for end in (element.end_a, element.end_b)]
+    for body in (body for body in bodies(scene) if body.name not in part.fixed):
         edges = (2 * radius, 0.0, 2 * radius) if body.kind == "wheelset" else box(body)
-        for sign in (-0.5, 0.5):
-            points.append(tuple(p + sign * e for p, e in zip(body.position, edges, strict=True)))  # type: ignore[arg-type]
-    for elements in scene.families.values():
-        points += [end for element in elements for end in (element.end_a, element.end_b)]
-    x, y, z = (np.array(values) for values in zip(*points, strict=True))
+        points += [np.array(body.position) + sign * np.array(edges) for sign in (-0.5, 0.5)]
+    x, y, z = np.transpose(points)
     across = max(float(np.abs(y).max()), scene.half_base + 0.25)
     support = scene.case.support.data
     below = -min(2.05 * support.roller_radius, 2.2) if isinstance(support, Rig) else -0.35
     x = x - scene.origin
     reach = min(support.roller_radius, 1.2) if isinstance(support, Rig) else 0.0
-    axles = [body.position[0] - scene.origin for body in wheelsets(scene.case)]
+    axles = scene.axles
     low, high = min(float(x.min()), min(axles) - reach) - 0.3, max(float(x.max()), max(axles) + reach) + 0.3
     return (low, high), (-across - 0.2, across + 0.2), (below, float(z.max()) + 0.35)
 
@@ -115,7 +106,7 @@ def _sheet(scene: Scene) -> tuple[Figure, dict[str, Axes], bool]:
     gap, width = 0.55, 11.0
     scale = (width - 3 * gap) / ((x1 - x0) + (y1 - y0))  # inches per metre
     upright, flat = scale * (z1 - z0), scale * (y1 - y0)
-    rows = len(bodies(scene)) + len(scene.families) + 4
+    rows = len(scene.families) + 4
     beside = scale * (x1 - x0) < 0.6 * width  # room for the names at the right of the plan
     strip = 0.0 if beside else 0.055 * rows + 0.25
     lower = max(flat, 0.17 * rows) if beside else strip + flat
@@ -147,9 +138,6 @@ def _frame(axes: Axes, view: str) -> None:
     axes.set_title(_TITLES[view], loc="left", fontsize=8.5)
 
 
-# ------------------------------------------------------------------------------------------------- wheels, rollers, rails
-
-
 def _ground(axes: Axes, scene: Scene, view: str) -> None:
     """Rollers under the wheelsets, or rails."""
     support = scene.case.support.data
@@ -160,9 +148,9 @@ def _ground(axes: Axes, scene: Scene, view: str) -> None:
         if not isinstance(support, Rig):
             low, high = axes.get_xlim()
             axes.add_patch(Rectangle((low, -0.16), high - low, 0.16, **steel))
-        for body in wheelsets(scene.case) if isinstance(support, Rig) else ():
-            axes.add_patch(Circle((body.position[0] - scene.origin, -radius), radius, **steel))
-            axes.plot(body.position[0] - scene.origin, -radius, "+", color=INK, markersize=6)
+        for x in scene.axles if isinstance(support, Rig) else ():
+            axes.add_patch(Circle((x, -radius), radius, **steel))
+            axes.plot(x, -radius, "+", color=INK, markersize=6)
         return
     for sign, head in zip((1.0, -1.0), heads(support).values(), strict=True):
         rail = profile_from_spec(head.arguments(), "rail")
@@ -176,19 +164,9 @@ def _ground(axes: Axes, scene: Scene, view: str) -> None:
             if isinstance(support, Rig) and sign > 0:
                 axes.plot([-y[0], y[0]], [-radius, -radius], color=INK, linewidth=2.0, zorder=1.4)
         else:
-            for low, high in _along(scene, axes):
+            rollers = [(x - radius, x + radius) for x in scene.axles] if isinstance(support, Rig) else []
+            for low, high in rollers or [axes.get_xlim()]:
                 axes.add_patch(Rectangle((low, min(y[0], y[-1])), high - low, abs(y[-1] - y[0]), **steel))
-
-
-def _along(scene: Scene, axes: Axes) -> Iterator[tuple[float, float]]:
-    """Range over which the rollers or rails reach, seen from above [m]."""
-    support = scene.case.support.data
-    if not isinstance(support, Rig):
-        yield axes.get_xlim()
-        return
-    for body in wheelsets(scene.case):
-        x = body.position[0] - scene.origin
-        yield x - support.roller_radius, x + support.roller_radius
 
 
 def _wheelset(axes: Axes, scene: Scene, body: Body, view: str) -> None:
@@ -213,9 +191,6 @@ def _wheelset(axes: Axes, scene: Scene, body: Body, view: str) -> None:
         axes.add_patch(Polygon(middle * ([1, 0] if view == "plan" else [0, 1]) + rim, closed=True, **steel))
 
 
-# ------------------------------------------------------------------------------------------------------ bodies, elements
-
-
 def _body(axes: Axes, scene: Scene, body: Body, view: str) -> None:
     if body.kind == "wheelset":
         _wheelset(axes, scene, body, view)
@@ -223,14 +198,12 @@ def _body(axes: Axes, scene: Scene, body: Body, view: str) -> None:
     held = body.name in scene.case.vehicle.part.fixed
     if held and view == "plan":  # it would cover all
         return
-    edges = box(body)
-    size = np.array([edges[INDEX[axis]] for axis in VIEWS[view]])
+    size = np.array([box(body)[INDEX[axis]] for axis in VIEWS[view]])
     middle = scene.place(body.position, view)
     look: dict[str, Any] = {"facecolor": BODY, "edgecolor": INK, "zorder": 2.5}
     if held:
         look = {"facecolor": "white", "edgecolor": "#c4c4c4", "zorder": 1.2, "hatch": "////"}
-    corner = (middle[0] - size[0] / 2, middle[1] - size[1] / 2)
-    axes.add_patch(Rectangle(corner, size[0], size[1], alpha=0.75, clip_on=True, linewidth=0.9, **look))
+    axes.add_patch(Rectangle(tuple(middle - size / 2), *size, alpha=0.75, clip_on=True, linewidth=0.9, **look))
 
 
 def _element(axes: Axes, scene: Scene, element: Element, view: str, ink: str) -> None:
@@ -255,27 +228,15 @@ def _element(axes: Axes, scene: Scene, element: Element, view: str, ink: str) ->
     axes.plot(*middle, "o", color=ink, markersize=2.5, zorder=7)
 
 
-# ------------------------------------------------------------------------------------------------- actuators and names
-
-
 def _turning(axes: Axes, scene: Scene) -> None:
     """Senses of turning in which forward running, driving torques and brakes are counted."""
     case, support = scene.case, scene.case.support.data
-    radius = case.vehicle.data.wheel.radius
     for body in wheelsets(case):
         middle = scene.place(body.position, "side")
-        turning(axes, middle, 0.55 * radius, INK)
-        acting = scene.acting_on(body)
-        if acting and radius > 0.1 * scene.span:
-            place = tuple(middle - [0.0, 0.42 * radius])
-            axes.annotate(", ".join(acting), place, ha="center", va="center", fontsize=6.5, zorder=9)
+        turning(axes, middle, 0.55 * case.vehicle.data.wheel.radius, INK)
         if isinstance(support, Rig):
             below = np.array([middle[0], -support.roller_radius])
             turning(axes, below, 0.4 * support.roller_radius, INK, clockwise=False)
-            controlled = "drive, rig control" if case.rig_control else f"drive: {case.motion.drive.replace('_', ' ')}"
-            if radius > 0.1 * scene.span:
-                place = tuple(below - [0.0, 0.28 * support.roller_radius])
-                axes.annotate(controlled, place, ha="center", va="center", fontsize=6.5)
     if isinstance(support, Rig) and support.restraint:
         low = axes.get_xlim()[0]
         start = np.array([low + 0.02, support.restraint.height])

@@ -1,12 +1,11 @@
 """Names in the drawing of a vehicle: in a row above each view, each with a line to what it names, and the legend.
 
 view, names with places -> [callouts] -> texts and lines
-Scene -> [named_bodies, named_elements] -> Callouts;  Scene -> [legend] -> rows at the lower right of the sheet
+Scene -> [named_bodies, named_elements] -> Callouts;  Scene -> [legend] -> laws, at the lower right of the sheet
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import combinations
 from typing import Any, cast
 
 import numpy as np
@@ -14,10 +13,10 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from rollerrig.cases import ACTUATORS, wheelsets
+from rollerrig.cases import ACTUATORS
 from rollerrig.config import Element, Rig
 from rollerrig.plot.style import colour
-from rollerrig.plot.vehicle_scene import BODY, HELD, INK, STEEL, WHEELSET, Scene, bodies, box
+from rollerrig.plot.vehicle_scene import INK, STEEL, Scene, bodies, box
 
 _LINE, _GAP, _ABOVE = 11.0, 5.0, 6.0
 """Height of a row, least room between two names, and between the view and the lowest row [points]."""
@@ -45,11 +44,12 @@ def callouts(axes: Axes, named: Sequence[Callout], *, wide: bool) -> int:
     low, high, top = box.x0 * points, right, box.y1 * points + _ABOVE
     widths = _widths(figure, named)
     anchors = [tuple(axes.transData.transform(one.place) * points) for one in named]
-    order = sorted(range(len(named)), key=lambda k: anchors[k])
+    order = in_order(anchors)
     rows = max(1, int(np.ceil((sum(widths) + _GAP * len(named)) / (high - low))))
     placed: dict[int, tuple[float, float]] = {}
     for row in range(rows):
-        placed |= _row(order[row::rows], anchors, widths, (low, high), top + row * _LINE)
+        places = _spread(order[row::rows], anchors, widths, (low, high))
+        placed |= {k: (x, top + row * _LINE) for k, x in places.items()}
     width, height = figure.get_figwidth() * 72.0, figure.get_figheight() * 72.0
     for k, (x, y) in placed.items():
         line = {"arrowstyle": "-", "color": named[k].colour, "linewidth": 0.6, "shrinkA": 0.0, "shrinkB": 0.0}
@@ -76,21 +76,9 @@ def _widths(figure: Figure, named: Sequence[Callout]) -> list[float]:
     return found
 
 
-def _row(
-    order: list[int], anchors: list[tuple[float, ...]], widths: list[float], limits: tuple[float, float], height: float
-) -> dict[int, tuple[float, float]]:
-    """Places of the names of one row: each as near above its anchor as the others let it, in the order of fewest crossings."""
-    best = _spread(order, anchors, widths, limits)
-    improved = True
-    while improved:
-        improved = False
-        for i, j in combinations(range(len(order)), 2):
-            other = list(order)
-            other[i], other[j] = other[j], other[i]
-            tried = _spread(other, anchors, widths, limits)
-            if _crossings(tried, anchors, height) < _crossings(best, anchors, height):
-                order[:], best, improved = other, tried, True
-    return {k: (x, height) for k, x in best.items()}
+def in_order(anchors: Sequence[tuple[float, ...]]) -> list[int]:
+    """Places of the names from left to right, so that few lines cross: of those above each other, the highest first."""
+    return sorted(range(len(anchors)), key=lambda k: (round(anchors[k][0]), -anchors[k][1]))
 
 
 def _spread(
@@ -108,19 +96,6 @@ def _spread(
         found[k] = min(found[k], edge - 0.5 * widths[k])
         edge = found[k] - 0.5 * widths[k] - _GAP
     return found
-
-
-def _crossings(places: dict[int, float], anchors: list[tuple[float, ...]], height: float) -> int:
-    """Pairs of lines that cross on their way to different places."""
-
-    def turn(a: tuple[float, ...], b: tuple[float, ...], c: tuple[float, ...]) -> float:
-        return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
-
-    count = 0
-    for i, j in combinations(places, 2):
-        a, b, c, d = (places[i], height), anchors[i], (places[j], height), anchors[j]
-        count += turn(a, b, c) * turn(a, b, d) < 0.0 and turn(c, d, a) * turn(c, d, b) < 0.0
-    return count
 
 
 def named_bodies(scene: Scene, axes: Axes) -> list[Callout]:
@@ -142,7 +117,7 @@ def named_bodies(scene: Scene, axes: Axes) -> list[Callout]:
         else:
             place = (x + 0.2 * width, min(high - 0.05, z + 0.4 * tall))
         found.append(Callout(", ".join(words), (float(place[0]), float(place[1]))))
-    foremost = max(body.position[0] for body in wheelsets(case)) - scene.origin
+    foremost = max(scene.axles)
     if isinstance(support, Rig):
         drive = "rig control" if case.rig_control else case.motion.drive.replace("_", " ")
         along = 0.8 * support.roller_radius
@@ -161,32 +136,26 @@ def named_elements(scene: Scene) -> list[Callout]:
 
 
 def legend(figure: Figure, scene: Scene, beside: bool) -> None:
-    """What everything is called, at the lower right of the sheet."""
-    case, part = scene.case, scene.case.vehicle.part
-    handles: list[Line2D] = []
-
-    def row(text: str, **look: Any) -> None:
-        handles.append(Line2D([], [], **{"linestyle": "none", **look}, label=text))
-
-    for body in bodies(scene):
-        face = WHEELSET if body.kind == "wheelset" else HELD if body.name in part.fixed else BODY
-        words = [body.name, *(["held"] if body.name in part.fixed else [])]
-        words += [f"locked: {', '.join(body.locked)}"] if body.locked else []
-        row(", ".join(words), marker="s", markersize=7, markerfacecolor=face, markeredgecolor=INK)
+    """The laws of the elements, the support and what acts, at the lower right of the sheet."""
+    case, support = scene.case, scene.case.support.data
+    rows: dict[str, dict[str, Any]] = {}
     for number, (name, elements) in enumerate(scene.families.items()):
-        row(f"{name}{f' ×{len(elements)}' if len(elements) > 1 else ''}: {_laws(elements[0])}", marker="o", markersize=4,
-            linestyle="-", color=colour(number), linewidth=1.5)  # fmt: skip
-    support = case.support.data
-    under = (
-        f"{support.name}, rollers of {1e3 * support.roller_radius:g} mm" if isinstance(support, Rig) else support.name
-    )
-    row(under, marker="s", markersize=7, markerfacecolor=STEEL, markeredgecolor=INK)
+        count = f" ×{len(elements)}" if len(elements) > 1 else ""
+        look = {"marker": "o", "markersize": 4, "linestyle": "-", "color": colour(number), "linewidth": 1.5}
+        rows[f"{name}{count}: {_laws(elements[0])}"] = look
+    rollers = f", rollers of {1e3 * support.roller_radius:g} mm" if isinstance(support, Rig) else ""
+    rows[f"{support.name}{rollers}"] = {
+        "marker": "s",
+        "markersize": 7,
+        "markerfacecolor": STEEL,
+        "markeredgecolor": INK,
+    }
     acting = [name.replace("_", " ") for name in ACTUATORS if getattr(case, name)]
-    acting += ["axle torque"] if case.axle_torque else []
-    if acting:
-        row(f"acting: {', '.join(acting)}", marker=".", markersize=0)
+    if acting := acting + ["axle torque"] * bool(case.axle_torque):
+        rows[f"acting: {', '.join(acting)}"] = {}
     arrows = "arrows: senses of forward running, + for torques on wheelsets"
-    row(arrows, marker=r"$\circlearrowright$", markersize=8, color=INK)
+    rows[arrows] = {"marker": r"$\circlearrowright$", "markersize": 8, "color": INK}
+    handles = [Line2D([], [], **{"linestyle": "none", **look}, label=text) for text, look in rows.items()]
     figure.legend(handles=handles, loc="lower right", bbox_to_anchor=(0.995, 0.01), fontsize=6.8, frameon=False,
                   title=f"{case.name}: {case.vehicle.data.name}, {case.vehicle.cut}", title_fontsize=8, alignment="left",
                   ncols=1 if beside else 3)  # fmt: skip

@@ -17,8 +17,7 @@ from rollerrig.cases import wheelsets
 from rollerrig.common.arrays import Array
 from rollerrig.config import Body, Case, Element
 
-STEEL, BODY, HELD = "#d7dde3", "#f3efe4", "#e4e4e4"
-WHEELSET = "#b9c4cf"
+STEEL, BODY, WHEELSET = "#d7dde3", "#f3efe4", "#b9c4cf"
 
 VIEWS = {"side": ("x", "z"), "plan": ("x", "y"), "end": ("y", "z")}
 """View -> its axes, to the right (from behind: to the left) and up."""
@@ -49,10 +48,9 @@ class Scene:
         return found + ["torque"] * any(torque.wheelset == wheelset.name for torque in self.case.axle_torque)
 
     @property
-    def span(self) -> float:
-        """Distance between the outer axles [m]."""
-        places = [body.position[0] for body in wheelsets(self.case)]
-        return max(places) - min(places)
+    def axles(self) -> list[float]:
+        """Places of the wheelsets along x [m]."""
+        return [body.position[0] - self.origin for body in wheelsets(self.case)]
 
     @property
     def size(self) -> float:

@@ -3,6 +3,7 @@
 wheel, rail -> [ConicityStudy] -> tables over lateral shift and amplitude, equivalent conicity
 """
 
+import itertools
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -20,11 +21,8 @@ from rollerrig.study.jobs import Done, Round, job
 from rollerrig.study.quantities import Numbers
 from rollerrig.study.report import Block, Picture, Section, Table, Text
 
-REFERENCE_AMPLITUDE = 3e-3
-"""At which conicities are quoted [m]."""
-
-JUMP = 1e-3
-"""A contact that moves further between two rows of the table jumps [m]."""
+REFERENCE_AMPLITUDE = 3e-3  # at which conicities are quoted [m]
+JUMP = 1e-3  # a contact that moves further between two rows of the table jumps [m]
 
 METHOD = (
     "integration of the kinematic motion y'' + Δr(y)/(e r0) = 0 over a wave; EN 15302:2021, clause 9 and annex E "
@@ -105,9 +103,8 @@ class ConicityStudy(Study[Characteristics]):
             return None
         ends = {label: float(table["lateral"][-1]) * (1 + 1e-12) for label, table in done.items()}
         known = {label: [a for a in self.amplitudes if a <= end] for label, end in ends.items()}
-        return Characteristics(
-            dict(done), {label: conicity_table(table, known[label]) for label, table in done.items()}
-        )
+        conicity = {label: conicity_table(table, known[label]) for label, table in done.items()}
+        return Characteristics(dict(done), conicity)
 
     def statuses(self, results: Characteristics) -> Sequence[str]:
         return ["ended early" if table.attrs["ended"] else "ok" for table in results.shifts.values()]
@@ -127,7 +124,13 @@ class ConicityStudy(Study[Characteristics]):
         }
 
     def summary(self, results: Characteristics, numbers: Numbers) -> list[str]:
-        return [line for label, values in numbers["supports"].items() for line in _findings(label, values)]
+        lines = []
+        for label, values in numbers["supports"].items():
+            said = self.quantities.said(values, list(AT_3_MM))
+            missing = "no equivalent conicity at 3 mm: nothing restores, or the table ends before"
+            lines.append(f"{label}: {said or missing}.")
+            lines += [f"{label}: {values['ended']}."] * bool(values["ended"])
+        return lines
 
     def files(self, results: Characteristics, numbers: Numbers) -> Mapping[str, Any]:
         return {"shift.csv": shift_rows(results.shifts), "conicity.csv": conicity_rows(results.conicity)}
@@ -153,15 +156,12 @@ class ConicityStudy(Study[Characteristics]):
 
 def support_numbers(table: xr.Dataset) -> dict[str, Any]:
     """What is reported of one support, without the ends of the keys' names."""
-    end = float(table["lateral"][-1])
+    end, y = float(table["lateral"][-1]), table["lateral"].to_numpy()
     at = conicity_table(table, [REFERENCE_AMPLITUDE] if end >= REFERENCE_AMPLITUDE else [])
-    names = {"conicity_3mm": "conicity", "conicity_of_wheels_3mm": "of_wheels", "conicity_of_rollers_3mm": "of_rollers"}
-    found = {key: at[name] for key, name in {**names, "wavelength_3mm_m": "wavelength"}.items()}
-    y = table["lateral"].to_numpy()
     moved = np.abs(np.diff(table["wheel_abscissa"].to_numpy(), axis=0)).max(axis=1)
     return {
         "roller_radius_mm": 1e3 * table.attrs["roller_radius_m"],
-        **{key: float(values[0]) if values.size else math.nan for key, values in found.items()},
+        **{key: float(at[name][0]) if at[name].size else math.nan for key, name in AT_3_MM.items()},
         "nonlinearity_per_mm": at.attrs["nonlinearity_per_mm"],
         "largest_shift_mm": round(1e3 * end, 9),
         "ended": table.attrs["ended"],
@@ -169,20 +169,12 @@ def support_numbers(table: xr.Dataset) -> dict[str, Any]:
     }
 
 
-def _findings(label: str, values: Numbers) -> Iterator[str]:
-    conicity, wave = values["conicity_3mm"], values["wavelength_3mm_m"]
-    if conicity is None:
-        text = "no equivalent conicity at 3 mm: no restoring rolling radius difference, or the table ends before"
-    elif wave is None:
-        text = "equivalent conicity 0 at 3 mm: the rolling radii do not differ"
-    else:
-        text = f"equivalent conicity {conicity:z.4f} at 3 mm, wavelength {wave:z.2f} m"
-        if values["roller_radius_mm"] is not None:
-            wheels, rollers = values["conicity_of_wheels_3mm"], values["conicity_of_rollers_3mm"]
-            text += f"; {wheels:z.4f} from the wheels' radii, {rollers:+z.4f} from the rollers'"
-    yield f"{label}: {text}."
-    if values["ended"]:
-        yield f"{label}: {values['ended']}."
+AT_3_MM = {  # key of what is quoted at REFERENCE_AMPLITUDE -> variable of `conicity_table`
+    "conicity_3mm": "conicity",
+    "conicity_of_wheels_3mm": "of_wheels",
+    "conicity_of_rollers_3mm": "of_rollers",
+    "wavelength_3mm_m": "wavelength",
+}
 
 
 def _amplitude_table(rows: Mapping[str, xr.DataArray], caption: str, head: str) -> Table:
@@ -195,28 +187,21 @@ def _amplitude_table(rows: Mapping[str, xr.DataArray], caption: str, head: str) 
 
 def shift_rows(shifts: Mapping[str, xr.Dataset]) -> list[list[object]]:
     """Table over lateral shift, header first."""
-    header = ["support", "lateral_mm", "roll_mrad", "rolling_radius_difference_mm", "effective_difference_mm"]
-    header += [f"{name}_{side}_{unit}" for side in ("left", "right") for name, (unit, _) in SIDE_COLUMNS.items()]
-    rows: list[list[object]] = [list(header)]
+    names = ("rolling_radius_difference", "effective_difference")
+    rows, columns = [], dict[str, xr.DataArray]()
     for label, table in shifts.items():
-        common = ("lateral", "roll", "rolling_radius_difference", "effective_difference")
-        columns = [1e3 * table[name] for name in common]
-        columns += [
-            table[name].sel(side=s) * factor for s in ("left", "right") for name, (_, factor) in SIDE_COLUMNS.items()
-        ]
-        rows += [[label, *values] for values in (np.stack(columns, axis=1) + 0.0).tolist()]
-    return rows
+        columns = {"lateral_mm": 1e3 * table["lateral"], "roll_mrad": 1e3 * table["roll"]}
+        columns |= {f"{name}_mm": 1e3 * table[name] for name in names}
+        for side, (name, (unit, factor)) in itertools.product(("left", "right"), SIDE_COLUMNS.items()):
+            columns[f"{name}_{side}_{unit}"] = factor * table[name].sel(side=side)
+        rows += [[label, *values] for values in (np.stack(list(columns.values()), axis=1) + 0.0).tolist()]
+    return [["support", *columns], *rows]
 
 
 def conicity_rows(conicity: Mapping[str, xr.Dataset]) -> list[list[object]]:
     """Table over amplitude, header first."""
-    columns = {
-        "amplitude_mm": "amplitude",
-        "equivalent_conicity": "conicity",
-        "conicity_of_wheels": "of_wheels",
-        "conicity_of_rollers": "of_rollers",
-        "wavelength_m": "wavelength",
-    }
+    names = {"equivalent_conicity": "conicity", "conicity_of_wheels": "of_wheels", "conicity_of_rollers": "of_rollers"}
+    columns = {"amplitude_mm": "amplitude", **names, "wavelength_m": "wavelength"}
     tables = {label: table.assign_coords(amplitude=1e3 * table["amplitude"]) for label, table in conicity.items()}
     rows = [[label, *row] for label, table in tables.items() for row in dataset_rows(table, columns, "amplitude")[1:]]
     return [["support", *columns], *rows]

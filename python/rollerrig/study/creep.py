@@ -49,19 +49,17 @@ class CreepStudy(Study[xr.Dataset]):
 
     def numbers(self, results: xr.Dataset) -> dict[str, Any]:
         laws: dict[str, Any] = {}
+        names = [quantity.name for quantity in self.quantities.below("laws.*.*")]
         for law, kind, *errors in error_table(results):
-            entry = laws.setdefault(law, {})
-            parts: dict[str, dict[str, float]] = {"force": {}, "moment": {}}
-            entry[kind.replace(" ", "_")] = parts
-            for quantity, value in zip(self.quantities.below("laws.*.*"), errors, strict=True):
-                parts[quantity.key.split(".")[3]][quantity.name] = round(value, 3)
+            rounded = [round(value, 3) for value in errors]
+            laws.setdefault(law, {})[kind.replace(" ", "_")] = dict(zip(names, rounded, strict=True))
         grid_error = round(100 * float(results["grid_error"].max()), 3)
         return {"a_over_b": self.a_over_b, "poisson_ratio": self.poisson_ratio, "laws": laws, "grid_error": grid_error}
 
     def summary(self, results: xr.Dataset, numbers: Numbers) -> list[str]:
         return [
-            f"{law}: force at most {entry['no_spin']['force']['worst']:.1f} % of μN off without spin, "
-            f"{entry['spin']['force']['worst']:.1f} % with spin."
+            f"{law}: force at most {entry['no_spin']['force_worst']:.1f} % of μN off without spin, "
+            f"{entry['spin']['force_worst']:.1f} % with spin."
             for law, entry in numbers["laws"].items()
         ]
 
@@ -82,13 +80,7 @@ class CreepStudy(Study[xr.Dataset]):
             f"coarser grid differ by at most {numbers['grid_error']:g} % of μN. Poisson's ratio {self.poisson_ratio:g}. Rolling "
             "forward, signs of the force on the wheel. Equations and sources: documentation, theory/creep_laws."
         )
-        entries = {
-            f"{law}, {kind.replace('_', ' ')}": {
-                q.key: entry[kind][q.key.split(".")[3]][q.name] for q in self.quantities.below("laws.*.*")
-            }
-            for law, entry in numbers["laws"].items()
-            for kind in ("no_spin", "spin")
-        }
+        entries = {f"{law}, {kind}": one for law, entry in numbers["laws"].items() for kind, one in entry.items()}
         note = "Against the exact theory. What a call costs on this machine is in timing.json."
         return [
             Section("Forces", [Picture("creep", creep_figure(results), caption)]),

@@ -3,9 +3,12 @@
 critical speeds -> [critical_speeds] -> jobs, numbers, CSV rows, tables, sentences, figures
 """
 
+import itertools
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
+
+from matplotlib.figure import Figure
 
 from rollerrig.analysis import critical_speed
 from rollerrig.analysis.critical_speed import (
@@ -13,15 +16,15 @@ from rollerrig.analysis.critical_speed import (
     RANGE_KMH,
     TRACK,
     CriticalSpeedByDisturbance,
-    CriticalSpeedOverRadius,
-    EffectSplit,
     LinearCriticalSpeed,
+    On,
+    Place,
 )
 from rollerrig.analysis.hunting import HuntingRun, HuntingSettings, hunting_run
 from rollerrig.config import Case
 from rollerrig.plot.compare import critical_over_radius, effect_bars
 from rollerrig.study.jobs import Done, Job, Round, job
-from rollerrig.study.report import Block, Picture, Table, Text
+from rollerrig.study.report import Table
 
 EFFECT_LABELS = {
     "curvature": "curvature along x: shorter patch",
@@ -103,38 +106,36 @@ def ended_early_sentence(found: CriticalSpeedByDisturbance) -> str:
     return ended_early(runs, len(found.runs))
 
 
+Scans = Mapping[Place, LinearCriticalSpeed]
+"""Linear critical speeds by part of the vehicle and radius of the rollers; absent where Ctrl-C came first."""
+Split = Mapping[str, Any]  # what the effects of a roller cost, of `critical_speed.effect_split`
+
+
 def roller_jobs(
     rig: Case, parts: Sequence[str], radii: Sequence[float], speeds_kmh: Sequence[float] = RANGE_KMH, label: str = ""
 ) -> dict[str, Job]:
     """Linear critical speeds in a range, over the rollers' radius and with effects switched off."""
-    speeds = [v / 3.6 for v in speeds_kmh]
     cases = {_place_name(label, *place): case for place, case in critical_speed.radius_cases(rig, parts, radii).items()}
     cases |= {_effects_name(label, on): case for on, case in critical_speed.effect_cases(rig).items()}
-    return {name: job(critical_speed.scan_linear, (case, speeds)) for name, case in cases.items()}
+    return {name: job(critical_speed.scan_linear, case, speeds_kmh) for name, case in cases.items()}
 
 
-def over_radius(
-    done: Done, parts: Sequence[str], radii: Sequence[float], label: str = ""
-) -> CriticalSpeedOverRadius | None:
-    """Table from the results of `roller_jobs`; None if there are none yet."""
-    places = [(part, radius) for part in parts for radius in (*sorted(radii), TRACK)]
-    found = {place: done[name] for place in places if (name := _place_name(label, *place)) in done}
-    return critical_speed.critical_speed_over_radius(places, found) if found else None
-
-
-def effect_split(done: Done, label: str = "") -> EffectSplit | None:
-    """Table from the results of `roller_jobs`; None if there are none yet."""
-    every = frozenset(EFFECTS)
-    sets = [every, frozenset[str](), *(every - {e} for e in EFFECTS), *(frozenset({e}) for e in EFFECTS)]
-    found = {on: done[name] for on in sets if (name := _effects_name(label, on)) in done}
-    return EffectSplit(found) if found else None
+def roller_results(
+    rig: Case, parts: Sequence[str], radii: Sequence[float], done: Done, label: str = ""
+) -> tuple[Scans, dict[On, LinearCriticalSpeed]]:
+    """What is done of `roller_jobs`: over the radius, and by the effects that are on."""
+    places = critical_speed.radius_cases(rig, parts, radii)
+    return (
+        {place: done[name] for place in places if (name := _place_name(label, *place)) in done},
+        {on: done[name] for on in critical_speed.effect_cases(rig) if (name := _effects_name(label, on)) in done},
+    )
 
 
 def _place_name(label: str, part: str, radius: float) -> str:
     return f"linear critical speed{label}, {words(part)} on {support_words(radius)}"
 
 
-def _effects_name(label: str, on: frozenset[str]) -> str:
+def _effects_name(label: str, on: On) -> str:
     return f"linear critical speed{label} with roller effects: {', '.join(e for e in EFFECTS if e in on) or 'none'}"
 
 
@@ -143,47 +144,23 @@ def support_words(radius: float) -> str:
     return "track" if radius == TRACK else f"rollers of {radius:g} m"
 
 
-def radius_numbers(table: CriticalSpeedOverRadius | None) -> dict[str, dict[str, float]]:
+def radius_numbers(found: Scans) -> dict[str, dict[str, float]]:
     """Part -> radius -> critical speed [km/h]."""
-    if table is None:
-        return {}
-    return {
-        part: {
-            "track" if radius == TRACK else f"{radius:g}": table.kmh(part, radius)
-            for radius in table.radii
-            if (part, radius) in table.found
-        }
-        for part in table.parts
-    }
+    numbers: dict[str, dict[str, float]] = {part: {} for part, _ in found}
+    for (part, radius), scan in found.items():
+        numbers[part]["track" if radius == TRACK else f"{radius:g}"] = scan.speed_kmh
+    return numbers
 
 
-def effect_numbers(split: EffectSplit | None) -> dict[str, Any] | None:
-    """The split of the loss from track to rig [km/h]."""
-    if split is None:
-        return None
-    off, alone = split.switched_off, split.alone
-    both = {"gain_switched_off_kmh": off, "loss_alone_kmh": alone}
-    left = {"interaction_switched_off_kmh": split.interaction(off), "interaction_alone_kmh": split.interaction(alone)}
-    return {"track_kmh": split.track, "rig_kmh": split.rig, **both, **left}
-
-
-def radius_rows(table: CriticalSpeedOverRadius | None) -> list[list[object]]:
+def radius_rows(found: Scans) -> list[list[object]]:
     """critical_speeds.csv, header first."""
-    rows: list[list[object]] = [
-        ["part", "roller_radius_m", "linear_critical_speed_kmh", "frequency_hz", "mode", "note"]
-    ]
-    for (part, radius), scan in (table.found if table else {}).items():
-        onset, grows = scan.onset, (f"{name} grows at the lowest speed" for name in scan.grows_at_start)
-        note = scan.problem or ", ".join(grows)
-        found = (scan.speed_kmh, onset.frequency, onset.name) if onset else (math.nan, math.nan, "")
-        rows.append([part, "track" if math.isinf(radius) else radius, *found, note])
+    header = ["part", "roller_radius_m", "linear_critical_speed_kmh", "frequency_hz", "mode", "note"]
+    rows: list[list[object]] = [list(header)]
+    for (part, radius), scan in found.items():
+        note = scan.problem or ", ".join(f"{name} grows at the lowest speed" for name in scan.grows_at_start)
+        onset = (scan.onset.frequency, scan.onset.name) if scan.onset else (math.nan, "")
+        rows.append([part, "track" if radius == TRACK else radius, scan.speed_kmh, *onset, note])
     return rows
-
-
-def effect_rows(split: EffectSplit | None) -> list[list[object]]:
-    """roller_effects.csv, header first."""
-    rows: list[list[object]] = [[*EFFECTS, "linear_critical_speed_kmh"]]
-    return rows + [[*(int(e in on) for e in EFFECTS), split.kmh(on)] for on in (split.found if split else {}) if split]
 
 
 def linear_cell(scan: LinearCriticalSpeed | None) -> str:
@@ -197,78 +174,59 @@ def linear_cell(scan: LinearCriticalSpeed | None) -> str:
     return f"{scan.speed_kmh:.1f}" if scan.onset else "none in the range"
 
 
-def radius_table(table: CriticalSpeedOverRadius, caption: str) -> Table:
+def radius_table(found: Scans, caption: str) -> Table:
     """A row per support, a column per part, the change against the track beside each."""
-    header = ["on"]
-    for part in table.parts:
-        header += [f"{words(part)} [km/h]", "against track"]
-    rows = []
-    for radius in (TRACK, *reversed(table.radii[:-1])):
-        row = [support_words(radius)]
-        for part in table.parts:
-            change = table.kmh(part, radius) / table.kmh(part, TRACK) - 1
-            shown = f"{100 * change:+.1f} %" if math.isfinite(change) and radius != TRACK else ""
-            row += [linear_cell(table.found.get((part, radius))), shown]
-        rows.append(row)
-    return Table(header, rows, caption)
+    parts, radii = dict.fromkeys(part for part, _ in found), sorted({radius for _, radius in found}, reverse=True)
+
+    def cells(part: str, radius: float) -> tuple[str, str]:
+        own, track = (found.get((part, r), LinearCriticalSpeed()).speed_kmh for r in (radius, TRACK))
+        change = math.nan if radius == TRACK else own / track - 1.0
+        return linear_cell(found.get((part, radius))), f"{100 * change:+.1f} %" if math.isfinite(change) else ""
+
+    rows = [[support_words(radius), *itertools.chain(*(cells(part, radius) for part in parts))] for radius in radii]
+    return Table(
+        ["on", *itertools.chain(*((f"{words(part)} [km/h]", "against track") for part in parts))], rows, caption
+    )
 
 
-def effects_table(split: EffectSplit, caption: str) -> Table:
+def effects_table(split: Split, caption: str) -> Table:
     """The split of the loss."""
-    off, alone = split.switched_off, split.alone
-    rows = [[text, _signed(off[effect]), _signed(alone[effect])] for effect, text in EFFECT_LABELS.items()]
-    rows.append(["sum of the four", _signed(sum(off.values())), _signed(sum(alone.values()))])
-    rows.append(["interaction: loss less the sum", _signed(split.interaction(off)), _signed(split.interaction(alone))])
-    rows.append(["track less rig", _signed(split.loss), _signed(split.loss)])
+    loss = split["track_kmh"] - split["rig_kmh"]
+    columns = [
+        [*single.values(), sum(single.values()), split[f"interaction_{name}_kmh"], loss]
+        for name, single in (("switched_off", split["gain_switched_off_kmh"]), ("alone", split["loss_alone_kmh"]))
+    ]
+    names = (*EFFECT_LABELS.values(), "sum of the four", "interaction: loss less the sum", "track less rig")
+    rows = [
+        [name, *(f"{v:+.1f}" if math.isfinite(v) else "–" for v in row)]
+        for name, *row in zip(names, *columns, strict=True)
+    ]
     return Table(("effect", "switched off alone: gain [km/h]", "on alone: loss [km/h]"), rows, caption)
 
 
-def _signed(value: float) -> str:
-    return f"{value:+.1f}" if math.isfinite(value) else "–"
-
-
-def effects_sentence(split: EffectSplit) -> str:
+def effects_sentence(split: Split) -> str:
     """The split of the loss in words."""
-    if not math.isfinite(split.loss):
+    track, rig = split["track_kmh"], split["rig_kmh"]
+    if not math.isfinite(track - rig):
         return "Track or rig has no critical speed in the range: there is no loss to split."
-    known = {effect: gain for effect, gain in split.switched_off.items() if math.isfinite(gain)}
-    text = (
-        f"The linear critical speed falls from {split.track:.1f} km/h on track to {split.rig:.1f} km/h on the rig, by "
-        f"{100 * split.loss / split.track:.1f} %."
-    )
-    if known:
-        most = max(known, key=lambda effect: known[effect])
-        text += f" The largest effect is the {_short(most)}: {known[most]:+.1f} km/h without it."
-    helping = [_short(effect) for effect, gain in known.items() if gain < -0.05]
-    verb = "raises" if len(helping) == 1 else "raise"
-    return text + (f" The {' and the '.join(helping)} {verb} the critical speed." if helping else "")
+    change = 100 * (rig / track - 1.0)
+    text = f"Linear critical speed: {track:.1f} km/h on track, {rig:.1f} km/h on the rig, {change:+.1f} %."
+    gains = {e: gain for e, gain in split["gain_switched_off_kmh"].items() if math.isfinite(gain)}
+    single = ", ".join(f"{EFFECT_LABELS[e].partition(':')[0]} {gain:+.1f}" for e, gain in gains.items())
+    return text + (f" Without one effect it rises by, in km/h: {single}." if gains else "")
 
 
-def _short(effect: str) -> str:
-    return EFFECT_LABELS[effect].split(":")[0]
-
-
-def radius_picture(name: str, table: CriticalSpeedOverRadius, marked: float, caption: str) -> Picture:
+def radius_figure(found: Scans, marked: float) -> Figure:
     """Critical speed of every part that has one over the rollers' radius."""
-    radii = [radius for radius in table.radii if radius != TRACK]
-    curves = {
-        words(part): (radii, [table.kmh(part, radius) for radius in radii], table.kmh(part, TRACK))
-        for part in table.parts
-    }
-    shown = {label: curve for label, curve in curves.items() if any(map(math.isfinite, curve[1]))}
-    return Picture(name, critical_over_radius(shown, marked), caption)
+    curves: dict[str, dict[float, float]] = {}
+    for (part, radius), scan in found.items():
+        curves.setdefault(words(part), {})[radius] = scan.speed_kmh
+    shown = {label: curve for label, curve in curves.items() if any(map(math.isfinite, curve.values()))}
+    return critical_over_radius(shown, marked)
 
 
-def effects_picture(name: str, split: EffectSplit, caption: str) -> Picture:
+def effects_figure(split: Split) -> Figure:
     """The split of the loss as bars."""
-    off, alone = ({EFFECT_LABELS[e]: v for e, v in one.items()} for one in (split.switched_off, split.alone))
-    return Picture(name, effect_bars(off, alone, split.loss), caption)
-
-
-def effects_blocks(split: EffectSplit | None, caption: str) -> list[Block]:
-    """All about the effects of the rollers, under a picture with this caption; nothing where they were not computed."""
-    if split is None:
-        return []
-    table = "Linear critical speed, track less rig, split by switching the four effects of a roller (contact.roller_effects)."
-    picture = effects_picture("roller_effects", split, caption)
-    return [Text(effects_sentence(split)), picture, effects_table(split, table)]
+    keys = ("gain_switched_off_kmh", "loss_alone_kmh")
+    off, alone = ({EFFECT_LABELS[e]: v for e, v in split[key].items()} for key in keys)
+    return effect_bars(off, alone, split["track_kmh"] - split["rig_kmh"])

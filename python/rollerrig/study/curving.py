@@ -5,13 +5,15 @@ Case -> [CurvingStudy] -> all wheels as curving.nc, table and figure of the larg
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from rollerrig.analysis.curving import DEFICIENCIES, RADII, curving, curving_case
-from rollerrig.analysis.curving_sensitivity import curving_sensitivity
+from rollerrig.analysis.curving_sensitivity import curving_sensitivity, largest_change
+from rollerrig.analysis.stability_sensitivity import parameter_rows
 from rollerrig.analysis.wheel_rail_forces import QUOTIENT_LIMIT
 from rollerrig.config import Case
 from rollerrig.plot.hunting import tornado_diagram
@@ -21,7 +23,7 @@ from rollerrig.study.jobs import Done, Round, job
 from rollerrig.study.quantities import Numbers
 from rollerrig.study.report import Picture, Section, Text
 
-MEASURED = {
+MEASURED = {  # key -> variable of which it is the largest magnitude, and factor
     "guiding_force_n": ("guiding_force", 1.0),
     "wheel_load_n": ("wheel_load", 1.0),
     "derailment_quotient": ("derailment_quotient", 1.0),
@@ -30,19 +32,16 @@ MEASURED = {
     "angle_of_attack_mrad": ("angle_of_attack", 1e3),
     "unbalanced_force_n": ("unbalanced_force", 1.0),
 }
-"""Key -> variable of which it is the largest magnitude, and factor."""
 METHOD = (
     "Each curve is without end: all forces are in balance, creep forces included; the heaviest body is hauled at constant speed. "
     "ΣY and Y/Q are quasi-static: a run over irregularities exceeds them."
 )
-MOVED = {
+MOVED = {  # key -> variable of whose largest magnitude it is the change by a number that is 1 % larger
     "derailment_quotient_change": "derailment_quotient",
     "guiding_force_sum_change_n": "guiding_force_sum",
     "wear_number_change_n": "wear_number",
 }
-"""Key -> variable of whose largest magnitude it is the change by a number that is 1 % larger."""
-LIMITED = {"derailment_quotient": "Y/Q", "guiding_force_sum_n": "ΣY"}
-"""Key of what has a limit -> how texts call it."""
+LIMITED = {"derailment_quotient": "Y/Q", "guiding_force_sum_n": "ΣY"}  # key of what has a limit -> how texts call it
 
 
 @dataclass(frozen=True)
@@ -74,7 +73,9 @@ class CurvingStudy(Study[Results]):
     def rounds(self, done: Done) -> Iterator[Round]:
         yield {"curving": job(curving, self.case, self.radii, self.deficiencies, self.cant)}
         if self.sensitivity:
-            yield {"sensitivity": job(moves, self.case, *tightest(done["curving"]), self.cant)}
+            radius, deficiency = tightest(done["curving"])
+            moves = partial(curving_sensitivity, radius=radius, deficiency=deficiency, cant=self.cant)
+            yield {"sensitivity": job(moves, self.case)}
 
     def collect(self, done: Done) -> Results | None:
         return Results(done["curving"], done.get("sensitivity")) if "curving" in done else None
@@ -83,8 +84,11 @@ class CurvingStudy(Study[Results]):
         return ["no steady state" if why else "ok" for why in results.curves["failure"].to_numpy().ravel()]
 
     def numbers(self, results: Results) -> dict[str, Any]:
-        found = self._curves(results.curves)
-        return found if results.sensitivity is None else {**found, "sensitivity": sensitivity_rows(results.sensitivity)}
+        found, moved = self._curves(results.curves), results.sensitivity
+        if moved is not None:
+            changes = {key: largest_change(moved, name) for key, name in MOVED.items()}
+            found["sensitivity"] = parameter_rows(moved, changes)
+        return found
 
     def _curves(self, results: xr.Dataset) -> dict[str, Any]:
         limits, curves = limits_of(results), {}
@@ -144,27 +148,6 @@ def tightest(curves: xr.Dataset) -> tuple[float, float]:
     radii, deficiencies = (curves[name].to_numpy() for name in ("radius", "cant_deficiency"))
     radius, below = min((radii[i], -deficiencies[j]) for i, j in np.argwhere(steady))
     return float(radius), -float(below)
-
-
-def moves(case: Case, radius: float, deficiency: float, cant: float | None) -> xr.Dataset:
-    """What moves the steady state in one curve."""
-    return curving_sensitivity(case, radius=radius, deficiency=deficiency, cant=cant)
-
-
-def sensitivity_rows(found: xr.Dataset) -> list[dict[str, Any]]:
-    """What each number does to the largest magnitudes, that which changes Y/Q most first."""
-    largest = {name: {found[name].dims[0]: int(abs(found[name]).to_numpy().argmax())} for name in MOVED.values()}
-    slopes = {key: found[f"{name}_derivative"].isel(largest[name]) for key, name in MOVED.items()}
-    rows = [
-        {
-            "parameter": str(found["parameter"][k].item()),
-            "value": float(found["value"][k]),
-            "unit": str(found["parameter_unit"][k].item()),
-            **{key: 0.01 * float(found["value"][k] * slope[k]) for key, slope in slopes.items()},
-        }
-        for k in range(found.sizes["parameter"])
-    ]
-    return sorted(rows, key=lambda row: -abs(row["derailment_quotient_change"]))
 
 
 def limits_of(results: xr.Dataset) -> dict[str, float]:

@@ -15,7 +15,6 @@ import xarray as xr
 from rollerrig.analysis import lateral_guidance
 from rollerrig.analysis.lateral_guidance import amplitude, creep_force, leading_lateral, slide_begins, train_slip
 from rollerrig.analysis.slide_statistics import following, largest, real_sliding, wheel_radius
-from rollerrig.common.formatting import number, percent
 from rollerrig.config import Case, Condition, ConfigError, ConfigProblem, Rig
 from rollerrig.config.validate.check_actuators import simulated_axles
 from rollerrig.plot import adhesion as figures
@@ -27,14 +26,9 @@ from rollerrig.study.quantities import Numbers
 from rollerrig.study.report import VIEW, Block, Picture, Section, Text
 from rollerrig.study.runs.adhesion import track_case
 
-MEMBERS = 8
-"""Runs of an ensemble, the case itself included."""
-
-NEARLY = 1e-9
-"""Relative change of the disturbance from one member to the next: below what any measurement could tell."""
-
-CLEAN_POLACH = {"kind": "polach", "k_A": 1.0, "k_S": 1.0}
-"""Polach's creep law on a clean surface."""
+MEMBERS = 8  # runs of an ensemble, the case itself included
+NEARLY = 1e-9  # relative change of the disturbance from one member to the next: below what any measurement could tell
+CLEAN_POLACH = {"kind": "polach", "k_A": 1.0, "k_S": 1.0}  # Polach's creep law on a clean surface
 
 
 def unbraked(case: Case) -> Case:
@@ -59,17 +53,14 @@ def whole_creep_slope(case: Case) -> Case:
 def nearly_the_same(case: Case, count: int) -> list[Case]:
     """An ensemble: the case, and others of which each is displaced by 1e-9 more than the one before."""
 
-    def displaced(larger: float) -> Case:
-        moved = [
-            one.model_copy(update={"lateral": larger * one.lateral, "yaw": larger * one.yaw})
-            for one in case.disturbance
-        ]
+    def displaced(k: float) -> Case:
+        moved = (one.model_copy(update={"lateral": k * one.lateral, "yaw": k * one.yaw}) for one in case.disturbance)
         return case.model_copy(update={"disturbance": tuple(moved)})
 
     return [displaced(1.0 + NEARLY * k) for k in range(count)]
 
 
-LABELS = {
+LABELS = {  # key of a run -> its label; displaced: by the case's disturbance
     "rig": "rig as it is, displaced",
     "rig_centred": "rig as it is, centred",
     "rig_rigid": "rigid rollers, displaced",
@@ -83,10 +74,8 @@ LABELS = {
     "track_stiff_unbraked": "track, displaced, k_A = k_S = 1, unbraked",
     "track_polach_stiff_unbraked": "track, displaced, k_A = k_S = 1, unbraked, Polach's creep law",
 }
-"""Key of a run -> its label; displaced: by the case's disturbance."""
 
-GUIDED = ("track", "track_paper")
-"""Runs whose lateral creep is compared with the closed form."""
+GUIDED = ("track", "track_paper")  # runs whose lateral creep is compared with the closed form
 
 REPEATED = ("rig", "rig_rigid")
 """Runs in which flanges strike: repeated with a disturbance that differs by 1e-9, since no single figure of theirs is certain."""
@@ -94,6 +83,12 @@ REPEATED = ("rig", "rig_rigid")
 
 CHAOTIC = ("tracking_rms", "real_sliding_largest_mps", "amplitude_before_mm", "amplitude_in_slide_mm")
 """Quantities of a run that the smallest change moves."""
+
+
+CAUSES = (
+    "Unbraked no wheel slides: hunting that dies there too dies of the flatter creep curve of the contaminated rail (k_A, k_S), "
+    "or of Polach's, softer near the limit of friction; the pair with k_A = k_S = 1 separates the slide from the rail."
+)
 
 
 def run_measured(case: Case, slide: float, progress: Progress | None = None) -> dict[str, Any]:
@@ -122,88 +117,20 @@ def run_numbers(run: xr.Dataset, slide: float) -> dict[str, Any]:
     }
 
 
-def control_text(numbers: Numbers) -> Iterator[str]:
-    """How lateral motion disturbs the control of the rig."""
-    runs, again = numbers["runs"], numbers["ensemble"]
-    means = {"rig_centred": runs.get("rig_centred"), **{key: again.get(key) for key in ("rig", "rig_rigid")}}
-    if not all(one and one["tracking_rms"] for one in means.values()):
-        return
-    errors = {key: one["tracking_rms"] for key, one in means.items() if one}
-    yield (
-        f"Tracking error, RMS of train speed: {percent(errors['rig_centred'])} while the bogie stays centred, "
-        f"{percent(errors['rig_rigid'])} where it hunts on rigid rollers, {percent(errors['rig'])} on elastic ones "
-        f"({number(errors['rig'] / errors['rig_centred'], 2)} times as much). Wheels then slide on the rollers at up to "
-        f"{_interval(again['rig'])} m/s, rigid {_interval(again['rig_rigid'])} m/s, centred "
-        f"{number(runs['rig_centred']['real_sliding_largest_mps'], 2)} m/s: means of runs whose disturbances differ by 10⁻⁹, and "
-        "their standard errors, as flanges that strike move every single figure."
-    )
-
-
-def hunting_text(numbers: Numbers) -> Iterator[str]:
-    """What becomes of hunting in a slide, on track and on the rig, and which of its causes ends it."""
-    runs = numbers["runs"]
-
-    def sizes(key: str) -> str:
-        run = runs[key]
-        return f"{number(run['amplitude_before_mm'], 2)} and {number(run['amplitude_in_slide_mm'], 2)} mm"
-
-    def known(*keys: str) -> bool:
-        return all(key in runs and runs[key]["amplitude_in_slide_mm"] is not None for key in keys)
-
-    if known("track", "rig"):
-        yield (
-            "Hunting, amplitude of the leading wheelset before the slide and later than 1 s into it: on track "
-            f"{sizes('track')}, on the rig {sizes('rig')}: its real wheels keep rolling on dry rollers."
-        )
-    if known("track_unbraked"):
-        end = "it goes on, and the slide is what ends it."
-        if runs["track_unbraked"]["amplitude_in_slide_mm"] < LEFT * runs["track_unbraked"]["amplitude_before_mm"]:
-            end = (
-                "hunting dies there too, of the flatter creep curve of the contaminated rail (k_A, k_S) alone, and the run with "
-                "braking does not show what sliding does."
-            )
-        yield f"On the same rail without braking it is {sizes('track_unbraked')} at these times: {end}"
-    if known("track_stiff", "track_stiff_unbraked"):
-        text = (
-            f"With k_A = k_S = 1, where only friction is low, it is {sizes('track_stiff_unbraked')} unbraked and "
-            f"{sizes('track_stiff')} braked: this pair separates the slide from the rail."
-        )
-        if known("track_polach_stiff_unbraked"):
-            unbraked = sizes("track_polach_stiff_unbraked")
-            text += f" With Polach's creep law it is {unbraked} unbraked: near the limit of friction it is softer."
-        yield text
-
-
-def guidance_text(numbers: Numbers) -> Iterator[str]:
-    """What is left of lateral creep on a sliding wheel, with which creep law."""
-    laws = {"track": "the case's creep law", "track_paper": "the paper's law"}
-    found = {law: numbers["guidance"][key] for key, law in laws.items() if key in numbers["guidance"]}
-    if laws["track"] not in found:
-        return
-    own = found[laws["track"]]
-    slopes = ", ".join(f"{one['slope']:z.2f} with {law}" for law, one in found.items())
-    yield (
-        f"What remains of lateral creep on a sliding wheel is viscous, {number(own['sliding_ns_per_m'], 3)} N s/m instead of "
-        f"{number(own['rolling_ns_per_m'], 3)}. Against −F v_y/v_s its slope is {slopes}."
-    )
-
-
-LEFT = 0.2
-"""Hunting of which less than this part is left has died [-]."""
-
-
-def _interval(one: Numbers) -> str:
-    """Largest sliding of an ensemble [m/s]; without an error where that is round-off."""
-    mean, error = one["real_sliding_largest_mps"], one["real_sliding_largest_mps_standard_error"]
-    return number(mean, 2) + (f" ± {number(error, 1)}" if error > 1e-3 * mean else "")
+CONTROL = ("tracking_rms", "real_sliding_largest_mps", "real_sliding_largest_mps_standard_error")
+HUNTING = ("amplitude_before_mm", "amplitude_in_slide_mm")
+LEFT = 0.2  # hunting of which less than this part is left has died [-]
 
 
 @dataclass(frozen=True)
 class Found:
-    """Runs by key of LABELS, and the numbers of the nearly same runs by key of REPEATED."""
+    """What was run and read off."""
 
-    runs: dict[str, xr.Dataset]
-    repeated: dict[str, list[dict[str, Any]]]
+    runs: dict[str, xr.Dataset]  # by key of LABELS
+    repeated: dict[str, list[dict[str, Any]]]  # numbers of the nearly same runs, by key of REPEATED
+    guidance: dict[
+        str, lateral_guidance.Guidance
+    ]  # by key of GUIDED, of runs whose wheels slid while they moved sideways
 
 
 @dataclass(frozen=True)
@@ -270,7 +197,9 @@ class LateralStudy(Study[Found]):
         if LABELS["rig"] not in done:
             return None
         again = {key: started(done, LABELS[key], [None])[1:] for key in REPEATED}
-        return Found({key: done[label] for key, label in LABELS.items() if label in done}, again)
+        runs = {key: done[label] for key, label in LABELS.items() if label in done}
+        left = {key: one for key in GUIDED if key in runs and (one := self.guidance_of(runs[key]))}
+        return Found(runs, again, left)
 
     def statuses(self, results: Found) -> Sequence[str]:
         return [run.attrs["status"] for run in results.runs.values()]
@@ -278,7 +207,6 @@ class LateralStudy(Study[Found]):
     def numbers(self, results: Found) -> dict[str, Any]:
         begin = _slide(results.runs)
         names = [q.name for q in self.quantities.below("guidance.*")]
-        left = {key: self.guidance_of(results.runs[key]) for key in GUIDED if key in results.runs}
         runs = {key: run_numbers(run, begin) for key, run in results.runs.items()}
         return {
             "case": self.case.name,
@@ -287,8 +215,7 @@ class LateralStudy(Study[Found]):
             "ensemble": {k: means([runs[k], *others], CHAOTIC) for k, others in results.repeated.items() if others},
             "guidance": {
                 key: dict(zip(names, (one.slope, one.correlation, one.rolling, one.sliding), strict=True))
-                for key, one in left.items()
-                if one is not None
+                for key, one in results.guidance.items()
             },
         }
 
@@ -297,8 +224,21 @@ class LateralStudy(Study[Found]):
         return lateral_guidance.guidance(run, lateral_guidance.lateral_creep_coefficient(self.case, run))
 
     def summary(self, results: Found, numbers: Numbers) -> list[str]:
-        lines = [*control_text(numbers), *hunting_text(numbers)]
-        lines += guidance_text(numbers)
+        runs = numbers["runs"]
+        control = {"rig_centred": runs.get("rig_centred", {}), **numbers["ensemble"]}
+        lines = [
+            f"{LABELS[key]}: {said}." for key, one in control.items() if (said := self.quantities.said(one, CONTROL))
+        ]
+        for key, run in runs.items():
+            before, later = (run[name] for name in HUNTING)
+            if later is not None and "centred" not in key:
+                end = "dies" if later < LEFT * before else "goes on"
+                lines.append(f"Hunting, {LABELS[key]}: {self.quantities.said(run, HUNTING)}: it {end}.")
+        lines.append(CAUSES)
+        guided = {key: self.quantities.said(one, "guidance.*") for key, one in numbers["guidance"].items()}
+        lines += [
+            f"What remains of lateral creep on a sliding wheel, {LABELS[key]}: {said}." for key, said in guided.items()
+        ]
         ended = {key: run for key, run in results.runs.items() if run.attrs["status"] not in COMPLETED}
         return lines + [f"{LABELS[key]}: {run.attrs['status_message']}" for key, run in ended.items()]
 
@@ -323,14 +263,13 @@ class LateralStudy(Study[Found]):
             "Friction opposes sliding: F_y = −F v_y/v_s, viscous and weak, of a wheel that slides along the track far faster "
             "than across it; docs/theory/rig_control.md, (Q6)."
         )
-        found = {key: self.guidance_of(results.runs[key]) for key in numbers["guidance"]}
-        if not found:
+        if not results.guidance:
             return [Text(text), Text("No wheel slid while it moved sideways.")]
-        entries = {LABELS[key]: numbers["guidance"][key] for key in found}
+        entries = {LABELS[key]: one for key, one in numbers["guidance"].items()}
         pictures = [
             Picture(f"guidance_{key}", figures.viscous(one.expected, one.force, one.slope),
                     f"{LABELS[key]}: axles whose wheels slide faster than 1 m/s, each sample.")
-            for key, one in found.items() if one is not None
+            for key, one in results.guidance.items()
         ]  # fmt: skip
         return [Text(text), self.quantities.table(entries, "guidance.*", head="run"), *pictures]
 
@@ -347,11 +286,9 @@ def _pictures(results: Mapping[str, xr.Dataset]) -> list[tuple[str, str, Any, st
     sizes = {label: lateral_guidance.amplitudes_over_time(*series) for label, series in motion.items()}
     slips = {label: (run["time"], 100.0 * train_slip(run).isel(axle=0)) for label, run in shown.items()}
     rigs = {LABELS[key]: results[key] for key in ("rig", "rig_rigid", "rig_centred") if key in results}
-    forces = {
-        LABELS[key]: (run["time"], 1e-3 * creep_force(run, "x")[:, 0], 1e-3 * creep_force(run, "y")[:, 0])
-        for key, run in results.items()
-        if key in ("rig", "track")
-    }
+    both = {LABELS[key]: results[key] for key in ("rig", "track") if key in results}
+    along, across = ({n: 1e-3 * creep_force(run, way)[:, 0] for n, run in both.items()} for way in "xy")
+    forces = {name: (run["time"], along[name], across[name]) for name, run in both.items()}
     return [
         ("Disturbance of the control", "disturbed_control", figures.disturbed_control(rigs, wheel_radius(results["rig"])),
          "Leading wheelset: tracking error, and sliding of the real wheel on its roller."),

@@ -95,9 +95,19 @@ def _branch(
     return trace(settle, sweep, tuple(float(v) / 3.6 for v in speeds_kmh), tolerance=tolerance), missing
 
 
+POINT = {  # number of a point -> attribute of CyclePoint, and factor
+    "speed_kmh": ("speed", 3.6),
+    "amplitude_mm": ("amplitude", 1e3),
+    "peak_mm": ("peak", 1e3),
+    "frequency_hz": ("frequency", 1.0),
+    "guiding_force_n": ("guiding_force", 1.0),
+    "growth_rate_at_end_per_s": ("rate", 1.0),
+    "duration_s": ("duration", 1.0),
+}
+
+
 def cycle_numbers(found: Diagram, settings: LimitCycleSettings) -> dict[str, Any]:
     """The diagram and what follows from it."""
-    sweeps: tuple[tuple[str, list[CyclePoint]], ...] = (("up", found.up), ("down", found.down))
     return {
         "bifurcation": found.kind,
         "critical_speed_by_continuation_kmh": 3.6 * found.lowest_cycle,
@@ -111,16 +121,10 @@ def cycle_numbers(found: Diagram, settings: LimitCycleSettings) -> dict[str, Any
         "points": [
             {
                 "sweep": sweep,
-                "speed_kmh": round(3.6 * point.speed, 6),
-                "amplitude_mm": 1e3 * point.amplitude,
-                "peak_mm": 1e3 * point.peak,
-                "frequency_hz": point.frequency,
-                "guiding_force_n": point.guiding_force,
-                "growth_rate_at_end_per_s": point.rate,
-                "duration_s": point.duration,
+                **{key: factor * getattr(point, name) for key, (name, factor) in POINT.items()},
                 "status": point.status,
             }
-            for sweep, points in sweeps
+            for sweep, points in (("up", found.up), ("down", found.down))
             for point in points
         ],
     }
@@ -135,21 +139,21 @@ def continuation_sentences(found: Diagram) -> list[str]:
 
 
 def _continuation(found: Diagram) -> str:
+    name = "Critical speed by continuation"
     if not math.isfinite(found.lowest_cycle):
         decaying = [p.speed for p in (*found.up, *found.down) if p.decays]
         if not decaying:
-            return "Critical speed by continuation: not found, no run was decided."
+            return f"{name}: not found, no run was decided."
         if found.ended_early:
             return f"No limit cycle was found; the disturbance decays in the {len(decaying)} runs that were decided."
         return f"No limit cycle up to {3.6 * max(decaying):.1f} km/h: every disturbance decays."
-    text = f"Critical speed by continuation: {3.6 * found.lowest_cycle:.1f} km/h, the lowest with a limit cycle"
-    rest = f"; at {3.6 * found.decays:.1f} km/h every motion comes to rest"
-    text += f"{rest if math.isfinite(found.decays) else ' and the lowest run that was decided'}. {KIND_SENTENCES[found.kind]}"
-    if found.hysteresis is not None:
-        low, high = (f"{3.6 * v:.1f}" for v in found.hysteresis)
-        where = f"At {low} km/h" if low == high else f"From {low} to {high} km/h"
-        text += f" {where} the upward and the downward sweep end differently."
-    return text
+    rest = f", at {3.6 * found.decays:.1f} km/h every motion comes to rest"
+    rest = rest if math.isfinite(found.decays) else ", the lowest run that was decided"
+    text = f"{name}: {3.6 * found.lowest_cycle:.1f} km/h, the lowest with a limit cycle{rest}. {KIND_SENTENCES[found.kind]}"
+    if found.hysteresis is None:
+        return text
+    low, high = (3.6 * v for v in found.hysteresis)
+    return f"{text} From {low:.1f} to {high:.1f} km/h the upward and the downward sweep end differently."
 
 
 def cycle_blocks(

@@ -13,8 +13,7 @@ def limitations(case: Case) -> list[str]:
     return [sentence for holds, sentence in found if holds]
 
 
-Sentence = tuple[object, str]
-"""Whether it holds, and what it says."""
+Sentence = tuple[object, str]  # whether it holds, and what it says
 
 
 def _structure(case: Case) -> tuple[Sentence, ...]:

@@ -14,7 +14,6 @@ from typing import Any
 import xarray as xr
 from matplotlib.figure import Figure
 
-from rollerrig.analysis.hunting import hunting_table
 from rollerrig.analysis.ramp import end_of_hunting
 from rollerrig.analysis.signals import fit
 from rollerrig.analysis.traction import asymmetry, sliding_course
@@ -32,12 +31,10 @@ from rollerrig.study.runs import paper as computed
 from rollerrig.study.runs.paper import EXACT, FRONT, FULL, MATERIALS, NAMES, OWN, REAR, RIG, VEHICLE, Results
 
 TEXT = tomllib.loads(files("rollerrig.study").joinpath("paper.toml").read_text(encoding="utf-8"))
-CAPTIONS: Mapping[str, str] = TEXT["captions"]
-"""Picture -> what it shows."""
+CAPTIONS: Mapping[str, str] = TEXT["captions"]  # picture -> what it shows
 
 PAPER: str = TEXT["paper"]
-CRITICAL_KMH = 100.0
-"""Speed above which the paper's figure 7a grows [km/h]."""
+CRITICAL_KMH = 100.0  # speed above which the paper's figure 7a grows [km/h]
 
 
 @dataclass(frozen=True)
@@ -96,8 +93,7 @@ class PaperStudy(Study[Results]):
             found |= {f"data/run_{m}_{3.6 * run.speed:.2f}_kmh.nc": run.motion for run in one.runs}
         for variant, name in ((RIG, "figure_7_runs"), (VEHICLE, "figure_7b_vehicle_runs")):
             for m, one in results.runs_of(variant).items():
-                table = hunting_table(one.runs, one.disturbance)
-                found[f"data/{name}_{m}.csv"] = dataset_rows(table, computed.RUN_COLUMNS, "speed")
+                found[f"data/{name}_{m}.csv"] = dataset_rows(one.table, computed.RUN_COLUMNS, "speed")
         if results.modes:
             found["data/figure_7b_linear.csv"] = computed.frequency_rows(results)
         if results.traction is not None and results.theory is not None:
@@ -117,10 +113,12 @@ class PaperStudy(Study[Results]):
 
         ramp = self.chosen.ramps[MATERIALS[0]]
         every, rate = (round(3.6 * value, 6) for value in (ramp.perturbation_every, ramp.acceleration))
+        ends = {m: 3.6 * end_of_hunting(run, "front_frame") for m, run in results.ramps.items()}
         stability: list[Block] = [
             *self._critical_table(results),
-            *map(Text, _critical_paragraphs(results)),
+            Text(TEXT["hysteresis"]),
             Text(TEXT["ramp"].format(every=every, perturbation=1e3 * ramp.perturbation, rate=rate)),
+            *(Text(TEXT["ramp_end"].format(NAMES[m], end)) for m, end in ends.items() if math.isfinite(end)),
             *pictures("figure_7a_ramp"),
             Text(TEXT["constant_speed"]),
             *pictures("figure_7a_time_steel", "figure_7a_time_paper", "figure_7a_amplitude"),
@@ -128,10 +126,6 @@ class PaperStudy(Study[Results]):
             *pictures("figure_7b_steel", "figure_7b_paper"),
         ]
         rig: list[Block] = [
-            *(
-                Text(f"{NAMES[m].capitalize()}, bogie. {speeds.effects_sentence(one)}")
-                for m, one in results.effects.items()
-            ),
             *(speeds.radius_table(one, TEXT["radii"].format(NAMES[m])) for m, one in results.over_radius.items()),
             *pictures("radius_steel", "radius_paper"),
             *(speeds.effects_table(one, TEXT["effects"].format(NAMES[m])) for m, one in results.effects.items()),
@@ -188,31 +182,28 @@ def _figures(results: Results) -> dict[str, Figure]:
     body, stated = "front_frame", {"the paper": CRITICAL_KMH}  # the one number that the paper states of its figure 7
     runs = results.runs_of(RIG)
     if results.ramps:
-        lines: dict[str, dict[str, float | tuple[float, float]]] = {
-            LABELS[m]: {**stated, "linear": results.linear_kmh(m), "by disturbance": (by.low, by.high)}
-            for m in results.ramps
-            for by in [results.by_disturbance(m)]
-        }
+        lines: dict[str, dict[str, float | tuple[float, float]]] = {}
+        for m in results.ramps:
+            by = results.by_disturbance(m)
+            lines[LABELS[m]] = {**stated, "linear": results.linear_kmh(m), "by disturbance": (by.low, by.high)}
         found["figure_7a_ramp"] = ramp_over_speed({LABELS[m]: ramp for m, ramp in results.ramps.items()}, body, lines)
     for m, one in runs.items():
         chosen = [(3.6 * run.speed, run.motion) for run in computed.around_onset(one.runs, one.persists)]
         found[f"figure_7a_time_{m}"] = hunting_over_time(chosen, body, LABELS[m])
     if runs:
-        tables = {LABELS[m]: hunting_table(one.runs, one.disturbance) for m, one in runs.items()}
-        exact = results.runs_of(RIG, EXACT).items()
-        tables |= {f"{LABELS[m]}, exact contact": hunting_table(one.runs, one.disturbance) for m, one in exact}
+        tables = {LABELS[m]: one.table for m, one in runs.items()}
+        tables |= {f"{LABELS[m]}, exact contact": one.table for m, one in results.runs_of(RIG, EXACT).items()}
         critical = {**stated, **{f"linear, {m}": results.linear_kmh(m) for m in runs}}
         found["figure_7a_amplitude"] = amplitude_over_speed(tables, critical)
     for m, modes in results.modes.items():
-        both = {v: results.runs_of(v)[m] for v in (RIG, VEHICLE) if m in results.runs_of(v)}
-        points = {v: hunting_table(one.runs, one.disturbance) for v, one in both.items()}
+        points = {v: results.runs_of(v)[m].table for v in (RIG, VEHICLE) if m in results.runs_of(v)}
         found[f"figure_7b_{m}"] = hunting_frequencies(modes, points, LABELS[m])
     rig = computed.rig_case(MATERIALS[0]).support.data
     assert isinstance(rig, Rig)
     for m, table in results.over_radius.items():
-        found[f"radius_{m}"] = speeds.radius_picture("", table, rig.roller_radius, "").figure
+        found[f"radius_{m}"] = speeds.radius_figure(table, rig.roller_radius)
     if MATERIALS[0] in results.effects:
-        found["roller_effects"] = speeds.effects_picture("", results.effects[MATERIALS[0]], "").figure
+        found["roller_effects"] = speeds.effects_figure(results.effects[MATERIALS[0]])
     if results.theory is not None:
         wheels = {FRONT: "front right wheel", REAR: "rear right wheel"}
         found["figure_8a"] = traction_sliding(results.theory, wheels)
@@ -223,10 +214,6 @@ def _figures(results: Results) -> dict[str, Figure]:
 Row = Sequence[str]
 
 
-def _percents(values: list[float]) -> str:
-    return f"{100 * min(values):+z.0f} to {100 * max(values):+z.0f} %"
-
-
 def _speeds(results: Results, material: str, contact: str) -> str:
     """The critical speed on the rig by both definitions."""
     linear, by = results.linear_kmh(material, RIG, contact), results.by_disturbance(material, RIG, contact)
@@ -234,27 +221,12 @@ def _speeds(results: Results, material: str, contact: str) -> str:
     return f"{small} for small motions and {by.text('km/h', 1) if by.known else 'not computed'} from the offset"
 
 
-def _critical_paragraphs(results: Results) -> Iterator[str]:
-    """What figure 7 says about the critical speed."""
-    for material, found in results.runs_of(RIG).items():
-        small, large = results.linear_kmh(material), results.by_disturbance(material)
-        if not (math.isfinite(small) and large.known):
-            continue
-        offset, words = 1e3 * found.disturbance, large.text("km/h", 1)
-        text = TEXT["critical"].format(material=NAMES[material].capitalize(), small=small, offset=offset, large=words)
-        if large.high < small - 5:
-            text += TEXT["hysteresis"].format(high=large.high, small=small)
-        ramp = results.ramps.get(material)
-        end = 3.6 * end_of_hunting(ramp, "front_frame") if ramp is not None else math.nan
-        yield text + (f" On the ramp down, the hunting ends at {end:z.0f} km/h." if math.isfinite(end) else "")
-
-
 def _rig_and_rails(results: Results) -> Iterator[Row]:
     """Figure 7b: bogie on the rig against the whole vehicle on the rails."""
     for m in MATERIALS:
         if apart := results.frequency_differences(m):
             what = f"frequency of hunting, rig against rails, {NAMES[m]} (figure 7b)"
-            yield what, "similar", f"differs by {_percents(apart)}", TEXT["short"]
+            yield what, "similar", f"differs by {100 * min(apart):+z.0f} to {100 * max(apart):+z.0f} %", TEXT["short"]
         rig, rails = results.by_disturbance(m), results.by_disturbance(m, VEHICLE)
         if rig.known and rails.known:
             here = f"{rig.text('km/h')} on the rig, {rails.text('km/h')} on the rails"

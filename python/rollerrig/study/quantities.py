@@ -62,11 +62,11 @@ class Quantities:
 
         Args:
             entries: numbers by name, or by key where several have one name; label of the row -> numbers where rows have one.
-            names: of the quantities shown, or the prefix of all that are; what an entry lacks is a dash.
+            names: of the quantities shown, or the prefix of all that some entry has; what an entry lacks is a dash.
             caption: of the table.
             head: of the column of labels.
         """
-        columns = self._chosen(names)
+        columns = self._chosen(names, entries.values() if isinstance(entries, Mapping) else entries)
         if not isinstance(entries, Mapping):
             return Table(
                 [q.heading for q in columns], [[q.cell(_value(one, q)) for q in columns] for one in entries], caption
@@ -79,17 +79,27 @@ class Quantities:
 
     def list_table(self, entries: Mapping[str, Numbers], names: Sequence[str] | str, caption: str = "") -> Table:
         """A row per quantity, a column per entry; arguments as `table`."""
-        chosen = self._chosen(names)
+        chosen = self._chosen(names, entries.values())
         rows = [[q.heading, *(q.cell(_value(values, q)) for values in entries.values())] for q in chosen]
         return Table(("", *(label.replace("_", " ") for label in entries)), rows, caption)
 
+    def said(self, entry: Numbers, names: Sequence[str] | str) -> str:
+        """Values in a sentence, 'distance 312.4 m, slip 2.1 %'; arguments as `table`, what an entry lacks is left out."""
+        known = [(q, value) for q in self._chosen(names, [entry]) if (value := _value(entry, q)) is not None]
+        cells = [f"{q.label or q.in_words} {q.cell(value)} {q.shown_unit}" for q, value in known]
+        return ", ".join(cell.removesuffix(" 1").rstrip() for cell in cells)
+
     def csv(self, rows: Iterable[Numbers], names: Sequence[str] | str) -> list[list[object]]:
         """Rows of a CSV file, header first; every name must be registered."""
-        header: list[object] = [quantity.name for quantity in self._chosen(names)]
+        chosen = self.below(names) if isinstance(names, str) else [self[name] for name in names]
+        header: list[object] = [quantity.name for quantity in chosen]
         return [header, *([row.get(str(name)) for name in header] for row in rows)]
 
-    def _chosen(self, names: Sequence[str] | str) -> list[Quantity]:
-        return self.below(names) if isinstance(names, str) else [self[name] for name in names]
+    def _chosen(self, names: Sequence[str] | str, entries: Iterable[Numbers]) -> list[Quantity]:
+        if not isinstance(names, str):
+            return [self[name] for name in names]
+        known = set().union(*entries)
+        return [quantity for quantity in self.below(names) if not known.isdisjoint((quantity.key, quantity.name))]
 
 
 def _value(entry: Numbers, quantity: Quantity) -> Any:

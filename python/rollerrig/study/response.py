@@ -4,7 +4,7 @@ Case, commands, outputs, speeds -> [ResponseStudy] -> Bode, Nyquist, poles and z
 """
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -47,21 +47,28 @@ def measured_error(found: AtSpeed, output: int, source: int) -> float:
     return float(np.abs(20 * np.log10(np.abs(measured.values[inside, output] / linear))).max())
 
 
+Channel = tuple[str, int, int]  # name, index of output and input
+
+
+def channels_of(inputs: Sequence[str], outputs: Sequence[str]) -> list[Channel]:
+    """Channels from every input to every output."""
+    return [(f"{source} to {output}", i, k) for k, source in enumerate(inputs) for i, output in enumerate(outputs)]
+
+
 def response_rows(results: Mapping[str, AtSpeed], frequencies: Array) -> Rows:
     """Every response, linear and measured, header first."""
     rows: Rows = [["speed_kmh", "input", "output", "frequency_hz", "real", "imaginary", "measured"]]
     for found in results.values():
         system = found.system
         response = system.response(frequencies)
-        for k, source in enumerate(system.inputs):
-            for i, output in enumerate(system.outputs):
-                curves = [(frequencies, response[:, i, k], 0)]
-                if source in found.measured:
-                    curves.append((found.measured[source].frequencies, found.measured[source].values[:, i], 1))
-                head = [3.6 * system.speed, source, output]
-                for at, values, kind in curves:
-                    parts = zip(at.tolist(), values.real.tolist(), values.imag.tolist(), strict=True)
-                    rows += [[*head, *part, kind] for part in parts]
+        for _, i, k in channels_of(system.inputs, system.outputs):
+            curves = [(frequencies, response[:, i, k], 0)]
+            if own := found.measured.get(system.inputs[k]):
+                curves.append((own.frequencies, own.values[:, i], 1))
+            head = [3.6 * system.speed, system.inputs[k], system.outputs[i]]
+            for at, values, kind in curves:
+                parts = np.stack([at, values.real, values.imag], axis=1).tolist()
+                rows += [[*head, *part, kind] for part in parts]
     return rows
 
 
@@ -69,10 +76,9 @@ def pole_rows(results: Mapping[str, AtSpeed]) -> Rows:
     """Poles and zeros of every channel, header first."""
     rows: Rows = [["at", "kind", "growth_rate_per_s", "frequency_hz"]]
     for label, found in results.items():
-        kinds = {"pole": found.system.poles()}
-        for k, source in enumerate(found.system.inputs):
-            for i, output in enumerate(found.system.outputs):
-                kinds[f"zero of {source} to {output}"] = found.system.zeros(i, k)
+        system = found.system
+        kinds = {"pole": system.poles()}
+        kinds |= {f"zero of {name}": system.zeros(i, k) for name, i, k in channels_of(system.inputs, system.outputs)}
         for kind, values in kinds.items():
             rows += [[label, kind, float(one.real), float(one.imag) / (2 * math.pi)] for one in values]
     return rows
@@ -123,17 +129,15 @@ class ResponseStudy(Study[dict[str, AtSpeed]]):
     def _grid(self) -> Array:
         return np.geomspace(*self.frequencies, self.points)
 
-    def _channels(self) -> Iterator[tuple[str, int, int]]:
-        """Name of the channel, index of output and input."""
-        for k, source in enumerate(self.inputs):
-            for i, output in enumerate(self.outputs):
-                yield f"{source} to {output}", i, k
+    @property
+    def _channels(self) -> list[Channel]:
+        return channels_of(self.inputs, self.outputs)
 
     def numbers(self, results: dict[str, AtSpeed]) -> dict[str, Any]:
         responses = {label: found.system.response(self._grid) for label, found in results.items()}
         channels = {
             name: {label: self._channel(found, responses[label], i, k) for label, found in results.items()}
-            for name, i, k in self._channels()
+            for name, i, k in self._channels
         }
         growing = {label: int(np.sum(found.system.poles().real > 1e-6)) for label, found in results.items()}
         step = next(iter(results.values())).system.step
@@ -151,10 +155,9 @@ class ResponseStudy(Study[dict[str, AtSpeed]]):
         values = response[:, output, source]
         size = 20 * np.log10(np.abs(values))
         below = np.flatnonzero(size < size[0] - 3.0)
-        bandwidth = float(self._grid[below[0]]) if below.size else math.nan
         margins = margins_of(self._grid, values)
         return {
-            "bandwidth_hz": bandwidth,
+            "bandwidth_hz": float(self._grid[below[0]]) if below.size else math.nan,
             "gain_margin_db": 20 * math.log10(margins.gain) if math.isfinite(margins.gain) else math.nan,
             "gain_margin_frequency_hz": margins.gain_frequency,
             "phase_margin_deg": math.degrees(margins.phase),
@@ -163,16 +166,13 @@ class ResponseStudy(Study[dict[str, AtSpeed]]):
         }
 
     def summary(self, results: dict[str, AtSpeed], numbers: Numbers) -> list[str]:
-        sentences = []
-        for name, by_speed in numbers["channels"].items():
-            errors = [one["measured_error_db"] for one in by_speed.values() if one["measured_error_db"] is not None]
-            measured = f" Measured at {self.amplitude:g}: within {max(errors):.2g} dB of it." if errors else ""
-            widths = [one["bandwidth_hz"] for one in by_speed.values() if one["bandwidth_hz"] is not None]
-            width = f"bandwidth {min(widths):.3g} to {max(widths):.3g} Hz" if widths else "no bandwidth in this range"
-            sentences.append(f"{name}: {width}.{measured}")
-        all_measured = ((label, one) for label, found in results.items() for one in found.measured.values())
-        ended = [f"A measurement ended early at {label}: {one.ended}" for label, one in all_measured if one.ended]
-        return [*sentences, *ended]
+        sentences = [
+            f"{name}, {at}: {self.quantities.said(one, ('bandwidth_hz', 'measured_error_db')) or 'no bandwidth in this range'}."
+            for name, by_speed in numbers["channels"].items()
+            for at, one in by_speed.items()
+        ]
+        measured = [(at, one) for at, found in results.items() for one in found.measured.values()]
+        return sentences + [f"A measurement ended early at {at}: {one.ended}" for at, one in measured if one.ended]
 
     def files(self, results: dict[str, AtSpeed], numbers: Numbers) -> Mapping[str, Any]:
         return {
@@ -182,29 +182,21 @@ class ResponseStudy(Study[dict[str, AtSpeed]]):
         }
 
     def sections(self, results: dict[str, AtSpeed], numbers: Numbers) -> list[Section]:
-        sections = []
-        responses = {label: found.system.response(self._grid) for label, found in results.items()}
-        for number, (name, i, k) in enumerate(self._channels(), 1):
-            system = next(iter(results.values())).system
-            unit = f"{system.output_units[i]} per {system.input_units[k]}"
+        sections, systems = [], {label: found.system for label, found in results.items()}
+        responses = {label: system.response(self._grid) for label, system in systems.items()}
+        first = next(iter(systems.values()))
+        poles = {label: system.poles() for label, system in systems.items()}
+        for number, (name, i, k) in enumerate(self._channels, 1):
+            unit = f"{first.output_units[i]} per {first.input_units[k]}"
             lines = {label: (self._grid, response[:, i, k]) for label, response in responses.items()}
-            points = {
-                label: (one.frequencies, one.values[:, i])
-                for label, found in results.items()
-                for source, one in found.measured.items()
-                if source == self.inputs[k]
-            }
-            poles = {label: found.system.poles() for label, found in results.items()}
-            zeros = {label: found.system.zeros(i, k) for label, found in results.items()}
+            measured = {label: found.measured.get(self.inputs[k]) for label, found in results.items()}
+            points = {label: (one.frequencies, one.values[:, i]) for label, one in measured.items() if one}
+            places = poles_and_zeros_figure(poles, {label: system.zeros(i, k) for label, system in systems.items()})
             blocks: list[Block] = [
                 Picture(f"bode_{number}", bode_figure(lines, points, unit), f"{name}: magnitude and phase."),
                 self.quantities.table(numbers["channels"][name], "channels.*.*", "Bandwidth and margins.", "at"),
                 Picture(f"nyquist_{number}", nyquist_figure(lines, unit), f"{name} in the complex plane."),
-                Picture(
-                    f"poles_{number}",
-                    poles_and_zeros_figure(poles, zeros),
-                    f"{name}: poles (crosses) and zeros (circles).",
-                ),
+                Picture(f"poles_{number}", places, f"{name}: poles (crosses) and zeros (circles)."),
             ]
             sections.append(Section(name, blocks))
         note = "Of a case with samples, poles are ln(z) over the sampling step. Those of all motions are in poles.csv."

@@ -5,7 +5,7 @@ Case -> [RunStudy] -> run, wheel-rail forces and running safety (EN 14363)
 """
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,6 +15,7 @@ import xarray as xr
 from rollerrig.analysis.assessment import Assessment, Row, assess, table
 from rollerrig.analysis.hunting import LateralRest, lateral_rest
 from rollerrig.analysis.wheel_rail_forces import QUOTIENT_LIMIT, STATISTICS, curved, irregular, unfiltered
+from rollerrig.common.arrays import Array
 from rollerrig.common.formatting import number
 from rollerrig.config import Case
 from rollerrig.config.schema.faults import fault_text
@@ -64,10 +65,10 @@ def safety_numbers(assessment: Assessment, rows: Sequence[Row]) -> dict[str, Any
     }
 
 
-LARGEST_OF_WHEELS = {
-    "wheel_load": ("wheel_load_least_n", "smallest"),
-    "guiding_force": ("guiding_force_largest_n", "largest"),
-    "derailment_quotient": ("derailment_quotient_largest", "largest"),
+LARGEST_OF_WHEELS: dict[str, tuple[str, Callable[[Array], float]]] = {
+    "wheel_load": ("wheel_load_least_n", np.min),
+    "guiding_force": ("guiding_force_largest_n", lambda force: np.abs(force).max()),
+    "derailment_quotient": ("derailment_quotient_largest", lambda quotient: np.abs(quotient).max()),
 }
 """Quantity -> key of a wheel's number in the summary, and which extreme of the whole run it is."""
 
@@ -75,13 +76,12 @@ LARGEST_OF_WHEELS = {
 def wheel_numbers(assessment: Assessment) -> dict[str, dict[str, float | None]]:
     """Wheel -> extremes of its filtered forces, by the keys of LARGEST_OF_WHEELS; None where they cannot be filtered."""
     found: dict[str, dict[str, float | None]] = {}
-    for name, (key, which) in LARGEST_OF_WHEELS.items():
+    for name, (key, extreme) in LARGEST_OF_WHEELS.items():
         values = assessment.assessed[name]
         for wheel in map(str, values["wheel"].to_numpy()):
             one = values.sel(wheel=wheel).to_numpy()
             known = one[np.isfinite(one)] if "filter" in values.attrs else one[:0]
-            extreme = (known.min() if which == "smallest" else np.abs(known).max()) if known.size else None
-            number = None if extreme is None else float(resolved(extreme, str(values.attrs["units"])))
+            number = float(resolved(extreme(known), str(values.attrs["units"]))) if known.size else None
             found.setdefault(wheel, {})[key] = number
     return found
 
@@ -90,11 +90,8 @@ def _weighted(assessment: Assessment) -> dict[str, dict[str, float]] | None:
     """Weighted values of points in the car body; frames carry no passengers."""
     if assessment.weighted is None:
         return None
-    passengers = assessment.weighted[~assessment.points["on_wheelsets"].to_numpy()]
-    directions, points = (passengers[name].to_numpy().tolist() for name in ("direction", "point"))
-    return dict(
-        zip(points, (dict(zip(directions, v, strict=True)) for v in passengers.to_numpy().tolist()), strict=True)
-    )
+    passengers = assessment.weighted[~assessment.points["on_wheelsets"].to_numpy()].to_pandas()
+    return {str(point): row.to_dict() for point, row in passengers.iterrows()}
 
 
 def safety_sections(assessment: Assessment, rows: Sequence[Row], along: xr.DataArray) -> list[Section]:
@@ -109,36 +106,31 @@ def safety_sections(assessment: Assessment, rows: Sequence[Row], along: xr.DataA
     angle = math.degrees(forces.attrs["flange_angle_rad"])
     nadal = f"Nadal, δ = {angle:.1f}°, μ = {forces.attrs['friction']:g}"
     limits = {nadal: float(forces["nadal_limit"]), "EN 14363": QUOTIENT_LIMIT}
-    drawings = [
-        (
-            "Wheel forces",
-            figures.wheel_forces_over_time(forces, along),
-            "Wheel loads Q, and guiding forces Y on the rails or rollers.",
-        ),
-        ("Y/Q", figures.quotient(forces, along, limits), "Guiding force over wheel load, with its limits."),
-        (
-            "Sum of guiding forces",
-            figures.track_shifting(forces, along),
-            "Lateral force of each wheelset on the track.",
-        ),
-        (
-            "Wear number",
-            figures.wear(forces, along),
-            "Work of the creep forces per metre of distance, all patches of a wheel.",
-        ),
-    ]
+    drawn = {
+        "Wheel forces": figures.wheel_forces_over_time(forces, along),
+        "Y/Q": figures.quotient(forces, along, limits),
+        "Sum of guiding forces": figures.track_shifting(forces, along),
+        "Wear number": figures.wear(forces, along),
+    }
     framed = assessment.points["on_wheelsets"].to_numpy()
     for title, kept in (("Accelerations of the car body", ~framed), ("Accelerations of the frames", framed)):
         if kept.any():
-            figure = figures.accelerations_along(assessment.points.isel(point=kept), along)
-            drawings.append((title, figure, "At the centre of mass, and above the suspension."))
-    for title, figure, text in drawings:
-        found.append(Section(title, [Picture(title.lower().replace("/", "_over_").replace(" ", "_"), figure, text)]))
+            drawn[title] = figures.accelerations_along(assessment.points.isel(point=kept), along)
+    for title, figure in drawn.items():
+        name = title.lower().replace("/", "_over_").replace(" ", "_")
+        caption = FORCES.get(title, "At the centre of mass, and above the suspension.")
+        found.append(Section(title, [Picture(name, figure, caption)]))
     return found
 
 
-VIBRATING = 0.1
-"""Share of the static wheel load: the report speaks of a larger r.m.s. of what the filter takes away."""
+FORCES = {  # section -> caption of its figure
+    "Wheel forces": "Wheel loads Q, and guiding forces Y on the rails or rollers.",
+    "Y/Q": "Guiding force over wheel load, with its limits.",
+    "Sum of guiding forces": "Lateral force of each wheelset on the track.",
+    "Wear number": "Work of the creep forces per metre of distance, all patches of a wheel.",
+}
+
+VIBRATING = 0.1  # share of the static wheel load: the report speaks of a larger r.m.s. of what the filter takes away
 
 
 def vibrations(assessment: Assessment) -> list[str]:
@@ -150,18 +142,20 @@ def vibrations(assessment: Assessment) -> list[str]:
     assessed, raw = assessment.assessed["wheel_load"], unfiltered(assessment.forces)["wheel_load"]
     if "filter" not in assessed.attrs:
         return []
-    part = ((raw.std("time") ** 2 - assessed.std("time") ** 2).clip(min=0.0) ** 0.5) / assessment.forces[
-        "static_wheel_load"
-    ]
+    vibration = (raw.std("time") ** 2 - assessed.std("time") ** 2).clip(min=0.0) ** 0.5
+    part = vibration / assessment.forces["static_wheel_load"]
     if not bool((part > VIBRATING).any()):
         return []
-    wheel = str(part["wheel"].to_numpy()[int(part.to_numpy().argmax())])
     unloaded = ", until wheels are unloaded for moments" if float(raw.min()) <= 0.0 else ""
     return [
         f"Above the filter the wheel loads vibrate by up to {number(100 * float(part.max()), 2)} % of the static load (r.m.s., "
-        f"{wheel.replace('_', ' ')}){unloaded}: wheelsets on the springs of their contacts, which nothing damps on rigid rails "
-        "or rollers, struck by irregularities and by jumps between contact patches. The filtered forces are free of it."
+        f"{_words(part.idxmax().item())}){unloaded}: wheelsets on the springs of their contacts, which nothing damps on rigid "
+        "rails or rollers, struck by irregularities and by jumps between patches. The filtered forces are free of it."
     ]
+
+
+def _words(name: object) -> str:
+    return str(name).replace("_", " ")
 
 
 def _most_critical(rows: Sequence[Row], caption: str = "") -> Table:
@@ -170,12 +164,13 @@ def _most_critical(rows: Sequence[Row], caption: str = "") -> Table:
     for key in dict.fromkeys((row.quantity, row.filter) for row in rows):
         row = max((one for one in rows if (one.quantity, one.filter) == key), key=_outer)
         quantity = SAFETY[row.quantity]
-        statistics = ("quasi_static", "percentile_0_15", "percentile_99_85", "rms")
-        cells = [quantity.cell(value) for value in (*(row.statistics[name] for name in statistics), row.limit)]
-        part = Quantity("", "", digits=3).cell(100.0 * row.part_of_limit)
-        lines.append([quantity.heading, row.filter, row.place.replace("_", " "), *cells, part])
-    header = ("", "filter", "at", "quasi-static", "0.15 %", "99.85 %", "r.m.s.", "limit", "of it [%]")
-    return Table(header, lines, caption)
+        cells = [quantity.cell(value) for value in (*(row.statistics[name] for name in SHOWN), row.limit)]
+        lines.append([quantity.heading, row.filter, _words(row.place), *cells, number(100.0 * row.part_of_limit, 3)])
+    return Table(("", "filter", "at", *SHOWN.values(), "limit", "of it [%]"), lines, caption)
+
+
+SHOWN = {"quasi_static": "quasi-static", "percentile_0_15": "0.15 %", "percentile_99_85": "99.85 %", "rms": "r.m.s."}
+"""Statistics in the report -> heading."""
 
 
 def _outer(row: Row) -> float:
@@ -185,12 +180,11 @@ def _outer(row: Row) -> float:
     return max((v for v in values if math.isfinite(v)), default=-math.inf)
 
 
-_LIMITED = {
+_LIMITED = {  # quantities with a limit
     "derailment_quotient": "Y/Q",
     "guiding_force_sum": "ΣY",
     "guiding_force_sum_rms": "the instability criterion (r.m.s. of ΣY over 100 m)",
 }
-"""Quantities with a limit."""
 
 
 def rest_numbers(rest: LateralRest) -> dict[str, Any]:
@@ -202,53 +196,43 @@ def rest_numbers(rest: LateralRest) -> dict[str, Any]:
 
 def answer(numbers: Numbers, rest: LateralRest | None, rows: Sequence[Row]) -> list[str]:
     """The findings, the one that the run was made for first."""
-    lines = [] if rest is None else [_rest(rest)]
-    if safe := _safety(rows):
-        lines.append(safe)
-    lines.append(f"{numbers['case']}: {numbers['stopped_at_s']:g} s computed. {numbers['status_message']}")
-    speeds = ""
-    if numbers["samples"]:
-        speeds = f"Speed {numbers['speed_start_kmh']:.4g} km/h at the start, {numbers['speed_end_kmh']:.4g} km/h at the end. "
     energy = numbers["energy_turned_over_j"]
-    lines.append(
-        f"{speeds}Energy balance closed to {number(numbers['energy_relative_residual'], 2)} of the "
-        f"{number(energy and energy / 1e3)} kJ turned over."
-    )
-    return [*lines, *(f"Warning: {line}." for line in numbers["warnings"].splitlines())]
+    speeds = (number(numbers[f"speed_{end}_kmh"]) for end in ("start", "end"))
+    return [
+        *([] if rest is None else [_rest(rest)]),
+        *_safety(rows),
+        f"{numbers['case']}: {numbers['stopped_at_s']:g} s computed. {numbers['status_message']}",
+        f"Speed at the start and at the end {' and '.join(speeds)} km/h. Energy balance closed to "
+        f"{number(numbers['energy_relative_residual'], 2)} of the {number(energy and energy / 1e3)} kJ turned over.",
+        *(f"Warning: {line}." for line in numbers["warnings"].splitlines()),
+    ]
+
+
+DECISIONS = {"persists": "It hunts", "open": "Not decided whether it hunts", "decays": "The motion decays"}
 
 
 def _rest(rest: LateralRest) -> str:
-    body, final = rest.body.replace("_", " "), rest.final
-    motion = f"by ±{number(1e3 * final.amplitude, 2)} mm at {number(final.frequency, 2)} Hz"
-    if rest.decision == "persists":
-        return f"It hunts: in the last third of the run {body} still moves sideways {motion}."
-    if rest.decision == "open":
-        change = f", which changes by {100.0 * final.rate:+.2g} %/s" if math.isfinite(final.rate) else ""
-        return (
-            f"Not decided whether it hunts: in the last third of the run {body} still moves sideways {motion}{change}; a "
-            "longer run (time.duration) tells."
-        )
-    was = f"by up to {number(1e3 * rest.largest, 2)} mm"
+    final, largest = rest.final, number(1e3 * rest.largest, 2)
+    text = f"{DECISIONS[rest.decision]}: {_words(rest.body)} moved sideways by up to {largest} mm"
     if final.amplitude == 0.0:
-        return f"The motion decays: {body} moved sideways {was}, and no longer does so in the last third of the run."
-    return f"The motion decays: {body} moved sideways {was}, in the last third of the run {motion}, and less and less."
+        return f"{text}, and no longer does so in the last third of the run."
+    change = f", which changes by {100.0 * final.rate:+.2g} %/s" if math.isfinite(final.rate) else ""
+    longer = " A longer run (time.duration) tells." if rest.decision == "open" else ""
+    motion = f"±{number(1e3 * final.amplitude, 2)} mm at {number(final.frequency, 2)} Hz"
+    return f"{text}, in the last third of the run by {motion}{change}.{longer}"
 
 
-def _safety(rows: Sequence[Row]) -> str:
+def _safety(rows: Sequence[Row]) -> Iterator[str]:
     """The quantities with a limit, each where it comes nearest to it."""
-    known = [row for row in rows if row.quantity in _LIMITED and math.isfinite(row.part_of_limit)]
-    nearest = {row.quantity: max((one for one in known if one.quantity == row.quantity), key=lambda one: one.part_of_limit)
-               for row in known}  # fmt: skip
-    if not nearest:
-        return ""
-    beyond = any(row.part_of_limit > 1.0 for row in nearest.values())
-    parts = (
-        f"{_LIMITED[name]} reaches {number(100.0 * row.part_of_limit, 2)} % ({row.place.replace('_', ' ')})"
-        for name, row in nearest.items()
-    )
-    *others, last = parts
-    listed = f"{', '.join(others)} and {last}" if others else last
-    return f"Running safety: {listed} of the limit{', which it exceeds' if beyond else ''}."
+    known = sorted((row for row in rows if math.isfinite(row.part_of_limit)), key=lambda row: row.part_of_limit)
+    nearest = {row.quantity: row for row in known if row.quantity in _LIMITED}
+    if nearest:
+        limited = {name: nearest[key] for key, name in _LIMITED.items() if key in nearest}
+        parts = [
+            f"{n} reaches {number(100.0 * one.part_of_limit, 2)} % ({_words(one.place)})" for n, one in limited.items()
+        ]
+        beyond = ", which it exceeds" if any(row.part_of_limit > 1.0 for row in nearest.values()) else ""
+        yield f"Running safety: {', '.join(parts)} of the limit{beyond}."
 
 
 QUANTITIES = Quantities(
@@ -265,16 +249,15 @@ MORE = tuple(q.name for q in QUANTITIES.below("wheels.*") if q.name not in FIRST
 CONTACT = QUANTITIES.below("contact")
 
 
-SOLVER = {
+SOLVER = {  # counts of the integrator as the report names them, where the key says too little
     "derivative_calls": "evaluations of the right-hand side",
     "jacobian_calls": "evaluations of the Jacobian",
     "smallest_step": "smallest step [s]",
     "largest_step": "largest step [s]",
 }
-"""Counts of the integrator as the report names them, where the key says too little."""
 
 
-DRAWINGS = {
+DRAWINGS = {  # section of the report -> its figure over time, and caption
     "Motion": (
         motion_over_time,
         "Lateral displacement and yaw of the vehicle's bodies, and the running speed where it changes.",
@@ -282,7 +265,6 @@ DRAWINGS = {
     "Sliding": (sliding_over_time, "Longitudinal creep force and sliding, wheel less roller; contact on the wheel S."),
     "Energy": (energy_over_time, "Work put in = change of stored energy + heat + residual."),
 }
-"""Section of the report -> its figure over time, and caption."""
 
 
 @dataclass(frozen=True)
@@ -344,21 +326,23 @@ class RunStudy(Study[Results]):
 
     def sections(self, results: Results, numbers: Numbers) -> list[Section]:
         run, along = results.run, distance_or_time(results.run)
+        bodies = QUANTITIES.table(numbers["bodies"], "bodies.*", head="body")
+        wheels, more = (QUANTITIES.table(numbers["wheels"], names, head="wheel") for names in (FIRST, MORE))
         sections = [
-            Section("Numbers", [_entries("bodies", "bodies.*", numbers), _entries("wheels", FIRST, numbers)]),
+            Section("Numbers", [bodies, wheels]),
             *safety_sections(results.assessment, results.rows, along),
         ]
         if run.sizes["time"] > 1:
-            if curved(run) or irregular(run):
+            if along.name == "distance":
                 caption = "Alignment and irregularities of the track, and how the wheelsets follow them."
                 sections.insert(1, Section("Track", [Picture("track", figures.line_and_response(run, along), caption)]))
-            for title, (draw, text) in DRAWINGS.items():
-                sections.append(Section(title, [Picture(title.lower(), draw(run), text)]))
+            drawn = {title: Picture(title.lower(), draw(run), text) for title, (draw, text) in DRAWINGS.items()}
+            sections += [Section(title, [picture]) for title, picture in drawn.items()]
         counts, events = numbers["solver"].items(), numbers["contact"]
         solver = [(SOLVER.get(name, name.replace("_", " ")), "–" if v is None else v) for name, v in counts]
         contact = [(q.name.replace("_", " "), events[q.name], q.meaning) for q in CONTACT if q.name in events]
         tables: list[Block] = [
-            _entries("wheels", MORE, numbers),
+            more,
             Table(("count", "value"), solver, "integration"),
             Table(("count", "value", "meaning"), contact, "contacts, counted over accepted steps and wheels"),
         ]
@@ -367,10 +351,5 @@ class RunStudy(Study[Results]):
 
 def distance_or_time(run: xr.Dataset) -> xr.DataArray:
     """What forces are drawn over: the distance where curves, cant or irregularities lie along it, else time."""
-    if curved(run) or irregular(run):
-        return run["distance"].assign_attrs(long_name="distance")
-    return run["time"].assign_attrs(long_name="time")
-
-
-def _entries(group: str, names: Sequence[str] | str, numbers: Numbers) -> Table:
-    return QUANTITIES.table(numbers[group], names, head={"bodies": "body", "wheels": "wheel"}[group])
+    name = "distance" if curved(run) or irregular(run) else "time"
+    return run[name].assign_attrs(long_name=name)

@@ -64,7 +64,7 @@ def contact_at_rest_table(model: Case, at_full_scale: ContactAtRest, own: Contac
     rows = []
     for name, unit, key, factor in lines:
         a, b = (unit * getattr(contact, key) for contact in (at_full_scale, own))
-        rows.append([name, number(a), number(b), number(b * factor), deviation(b * factor / a - 1.0)])
+        rows.append([name, *map(number, (a, b, b * factor)), deviation(b * factor / a - 1.0)])
     header = ("first wheel, steady running", "full scale", "model", "model, mapped back", "deviation")
     return Table(header, rows, "where several patches share a load, sizes follow it less closely than one patch would")
 
@@ -98,29 +98,19 @@ LEFT_OUT = (
     "weight; leave `gravity` out of --keep for such a one. What is computed beside the model, virtual train and rail, pneumatic "
     "brake, slide protection, runs at the model's time."
 )
-CASE_FILE = "case.toml"
-"""The scaled rig, to be run like any other."""
-MICROMETRE = 1e-6
-"""Lateral motion below it is round-off [m]."""
+CASE_FILE = "case.toml"  # the scaled rig, to be run like any other
+MICROMETRE = 1e-6  # lateral motion below it is round-off [m]
 
 
 @dataclass(frozen=True)
 class Scaled:
-    """Results at full scale.
+    """Results at full scale."""
 
-    Attributes:
-        full: run of the full-scale case.
-        mapped: runs of the models by name of LABELS, mapped back; 'model' first.
-        critical: linear critical speed by name [m/s], mapped back; NaN: none.
-        violations: all requirements, met or not.
-        contact: the contact at rest of full scale and model, each at its own scale.
-    """
-
-    full: xr.Dataset
-    mapped: Mapping[str, xr.Dataset]
-    critical: Mapping[str, float]
-    violations: Sequence[Requirement]
-    contact: tuple[ContactAtRest, ContactAtRest]
+    full: xr.Dataset  # run of the full-scale case
+    mapped: Mapping[str, xr.Dataset]  # runs of the models by name of LABELS, mapped back; 'model' first
+    critical: Mapping[str, float]  # linear critical speed by name [m/s], mapped back; NaN: none
+    violations: Sequence[Requirement]  # all requirements, met or not
+    contact: tuple[ContactAtRest, ContactAtRest]  # the contact at rest of full scale and model, each at its own scale
 
 
 @dataclass(frozen=True)
@@ -182,9 +172,10 @@ class ScaleStudy(Study[Scaled]):
         compared = {name: scaled_model.fidelity(results.full, run) for name, run in results.mapped.items()}
         for name, one in compared.items():
             one["linear_critical_speed_relative"] = scaled_model.relative(results.critical, name)
-        full, model = (scaled_model.run_numbers(run) for run in (results.full, results.mapped["model"]))
-        full["linear_critical_speed_kmh"] = 3.6 * results.critical.get("full", math.nan)
-        model["linear_critical_speed_kmh"] = 3.6 * results.critical.get("model", math.nan)
+        full, model = (
+            {**scaled_model.run_numbers(run), "linear_critical_speed_kmh": 3.6 * results.critical.get(name, math.nan)}
+            for name, run in (("full", results.full), ("model", results.mapped["model"]))
+        )
         violated = self.quantities.below("violations.*")
         return {
             "case": self.full.name,
@@ -204,8 +195,14 @@ class ScaleStudy(Study[Scaled]):
 
     def summary(self, results: Scaled, numbers: Numbers) -> list[str]:
         ended = {"full scale": results.full, "model": results.mapped["model"]}
+        ideal = numbers["error_budget"].get("ideal", {})
         early = {label: run for label, run in ended.items() if run.attrs["status"] not in COMPLETED}
-        found = [*model_summary(self.model, results.violations), *_differences(numbers)]
+        found = model_summary(self.model, results.violations)
+        for name, of in {"mapped back": numbers["fidelity"], "ideal, the repeatability of the test": ideal}.items():
+            if said := self.quantities.said(of, "fidelity"):
+                found.append(f"Model less full scale, {name}: {said}.")
+        if share := numbers["motor_limited_share"]:
+            found.append(f"The motors cannot exert the demanded torque in {percent(share, 3)} of the time.")
         return found + [f"{label}: {run.attrs['status_message']}" for label, run in early.items()]
 
     def files(self, results: Scaled, numbers: Numbers) -> Mapping[str, Any]:
@@ -215,31 +212,19 @@ class ScaleStudy(Study[Scaled]):
 
     def sections(self, results: Scaled, numbers: Numbers) -> list[Section]:
         runs = {"full scale": numbers["full"], "model, mapped back": numbers["model_mapped_back"]}
-        hidden = {"status", "status_message"}
-        hidden |= set() if _moves_sideways(numbers) else {"lateral_largest_m", "lateral_rms_m"}
-        shown, compared = (
-            [q.name for q in self.quantities.below(group) if q.name in known.keys() - hidden]
-            for group, known in (("*", numbers["full"]), ("fidelity", numbers["fidelity"]))
-        )
-        violations = [
-            [one.name, one.quantity, number(one.required), number(one.actual), one.unit,
-             "met" if one.met else deviation(one.deviation), "" if one.met else one.effect]
-            for one in results.violations
-        ]  # fmt: skip
-        header = ("requirement", "quantity of the model", "needed", "is", "unit", "deviation", "effect on results")
+        violations = self.quantities.table(numbers["violations"], "violations.*", "requirements, met or violated")
         factors = factors_of(self.model)
         scaled = [[name, number(factors.factor(unit)), unit] for name, unit in similitude.FACTORS]
-        scaling = Table(
-            ("quantity", "full scale over model", "unit"), scaled, similitude.STRATEGIES[self.record.strategy].title
-        )
+        title = similitude.STRATEGIES[self.record.strategy].title
+        scaling = Table(("quantity", "full scale over model", "unit"), scaled, title)
         sections = [
-            Section("Similitude", [scaling, Table(header, violations, "requirements, met or violated")]),
+            Section("Similitude", [scaling, violations]),
             Section("Contact at rest", [contact_at_rest_table(self.model, *results.contact)]),
-            Section("Numbers", [self.quantities.list_table(runs, shown)]),
+            Section("Numbers", [self.quantities.list_table(runs, "*")]),
         ]
         sections += [Section(title, [Picture(*picture)]) for title, *picture in self._pictures(results, numbers)]
         entries = {LABELS[n]: one for n, one in {"model": numbers["fidelity"], **numbers["error_budget"]}.items()}
-        budget = self.quantities.table(entries, compared, "against full scale", "model")
+        budget = self.quantities.table(entries, "fidelity", "against full scale", "model")
         return [*sections, Section("Error budget of the model", [budget])]
 
     def _pictures(self, results: Scaled, numbers: Numbers) -> list[tuple[str, str, Any, str]]:
@@ -248,9 +233,7 @@ class ScaleStudy(Study[Scaled]):
         pictures: list[tuple[str, str, Any, str]] = []
         if "train_speed" in results.full:
             radius = wheel_radius(results.full)
-            aligned = {
-                LABELS[name]: scaled_model.at_times_of(results.full, run) for name, run in results.mapped.items()
-            }
+            aligned = {LABELS[n]: scaled_model.at_times_of(results.full, run) for n, run in results.mapped.items()}
             torques = figures.torques(runs, (scaled_model.axle_torque(runs[0]), scaled_model.axle_torque(runs[1])))
             pictures += [
                 ("Speeds", "speeds", figures.speeds(runs, radius), "Train and wheels; the train is virtual on either rig."),
@@ -285,39 +268,11 @@ def scale_study(
     if error_budget:
         variants["ideal"] = model((), None)
         alone = {name: model((name,), None) for name in keep}
-        variants |= {
-            name: one for name, one in alone.items() if any(not r.met for r in similitude.requirements(full, one))
-        }
+        violated = {n: any(not one.met for one in similitude.requirements(full, case)) for n, case in alone.items()}
+        variants |= {name: case for name, case in alone.items() if violated[name]}
         if changes:
             variants["own"] = model((), changes)
     return ScaleStudy(variants)
-
-
-def _differences(numbers: Numbers) -> Iterator[str]:
-    """Differences between the model, mapped back, and full scale."""
-    near = numbers["fidelity"]
-    if near.get("wheel_speed_rms") is not None:
-        yield (
-            f"Mapped back, wheel speeds differ from full scale by {percent(near['wheel_speed_rms'], 3)} RMS of the highest "
-            f"train speed, {percent(near['wheel_speed_largest'], 3)} at most; distance by "
-            f"{percent(near['distance_relative'], 3, signed=True)}."
-        )
-        ideal = numbers["error_budget"].get("ideal", {}).get("wheel_speed_rms")
-        if ideal is not None and ideal > 1e-6:
-            yield (
-                f"Repeatability: the ideal model differs by {percent(ideal, 3)} RMS, since round-off decides single "
-                "switchings of the valves; so much of the difference is not due to the model."
-            )
-    elif near["lateral_rms_m"] is not None:
-        yield f"Mapped back, the wheelsets' lateral displacement differs by {number(1e3 * near['lateral_rms_m'], 3)} mm RMS."
-    if near["linear_critical_speed_relative"] is not None:
-        yield (
-            f"Linear critical speed: {numbers['full']['linear_critical_speed_kmh']:z.1f} km/h at full scale, "
-            f"{numbers['model_mapped_back']['linear_critical_speed_kmh']:z.1f} km/h by the model "
-            f"({percent(near['linear_critical_speed_relative'], 3, signed=True)})."
-        )
-    if share := numbers["motor_limited_share"]:
-        yield f"The motors cannot exert the demanded torque in {percent(share, 3)} of the time."
 
 
 def _speed_of(name: str) -> str:

@@ -15,11 +15,11 @@ import xarray as xr
 
 from rollerrig import plot
 from rollerrig.analysis.bifurcation import bifurcation
-from rollerrig.analysis.critical_speed import HIGHEST_KMH, LinearCriticalSpeed, linear_critical_speed, scan_above
+from rollerrig.analysis.critical_speed import HIGHEST_KMH, LinearCriticalSpeed, linear_critical_speed, scan_linear
 from rollerrig.analysis.limit_cycle import Diagram
 from rollerrig.analysis.limit_cycle_runs import LimitCycleSettings, limit_cycle_table, settling_run
 from rollerrig.analysis.mode_table import stability
-from rollerrig.analysis.stability_sensitivity import stability_sensitivity
+from rollerrig.analysis.stability_sensitivity import parameter_rows, stability_sensitivity
 from rollerrig.config import Case, Track
 from rollerrig.config.schema.contact import NORMAL_LAWS
 from rollerrig.plot.modes import shape_speed, shown_modes
@@ -32,21 +32,21 @@ from rollerrig.study.quantities import Numbers
 from rollerrig.study.report import VIEW, Block, Picture, Section, Table, Text
 
 TABLES = ("modes", "shapes", "limit_cycles", "contact_effects", "branch", "sensitivity")
-BRANCH, SENSITIVITY = "branch of limit cycles", "sensitivity of the linear critical speed"
+ABOVE, BRANCH = "linear critical speed above the range", "branch of limit cycles"
+SENSITIVITY = "sensitivity of the linear critical speed"
 
 SUSPENSION_WORDS = ("car body", "bogie", "bogies", "front bogie", "rear bogie")
 """How the names of those modes begin whose shapes are drawn together."""
 
-MODE_COLUMNS = {
+MODE_COLUMNS = {  # column of modes.csv -> variable
     "speed_kmh": "speed",
     "mode": "mode",
     "growth_rate_per_s": "growth_rate",
     "frequency_hz": "frequency",
     "damping": "damping",
 }
-"""Column of modes.csv -> variable."""
 
-SHAPE_COLUMNS = {
+SHAPE_COLUMNS = {  # column of shapes.csv -> variable
     **{name: MODE_COLUMNS[name] for name in ("speed_kmh", "mode")},
     "body": "body",
     "direction": "direction",
@@ -54,13 +54,11 @@ SHAPE_COLUMNS = {
     "phase_deg": "shape_phase",
     "energy_share": "energy_share",
 }
-"""Column of shapes.csv -> variable."""
 
 
 def line_sentences(case: Case) -> list[str]:
     """That the modes of a line of several segments are those of its first one; nothing for a line of one or none."""
-    support = case.support.data
-    line = support.line if isinstance(support, Track) else None
+    line = case.support.data.line if isinstance(case.support.data, Track) else None
     if line is None or len(line.segments) < 2:
         return []
     return [
@@ -79,9 +77,8 @@ def mode_table(modes: xr.Dataset) -> Table:
     picks = sorted({0, modes.sizes["speed"] // 2, modes.sizes["speed"] - 1})
     rows = []
     for name in shown_modes(modes):
-        one = modes.sel(mode=name)
-        pairs = zip(one["frequency"].to_numpy()[picks], 100 * one["damping"].to_numpy()[picks], strict=True)
-        rows.append([name, *(f"{frequency:.2f},  {damping:.1f}" for frequency, damping in pairs)])
+        pairs = zip(*(modes[what].sel(mode=name).to_numpy()[picks] for what in ("frequency", "damping")), strict=True)
+        rows.append([name, *(f"{frequency:.2f},  {100 * damping:.1f}" for frequency, damping in pairs)])
     header = ["mode", *(f"{modes['speed'][k]:g} km/h: f [Hz], damping [%]" for k in picks)]
     return Table(header, rows, "Frequency and damping; all modes at all speeds are in modes.csv.")
 
@@ -93,102 +90,71 @@ def shape_blocks(modes: xr.Dataset) -> list[Block]:
         Text(
             f"All at {speed:g} km/h, the speed of the table nearest to the linear critical one, or the highest. Displacements "
             f"are not to scale; outlines are schematic, dashed in their design position: wheelset red, bogie blue, car body "
-            "green. x points forward, y to the left."
+            "green. x points forward, y to the left. In the tables: displacement amplitudes in m and rad, the largest 1, phase "
+            "in degrees, without parts below 0.02. All modes at all speeds are in shapes.csv."
         )
     ]
     critical = modes.attrs["linear_critical_mode"] or modes.attrs["hunting_mode"]
     if critical and float(modes["frequency"].sel(mode=critical, speed=speed)) > 0.0:
         figure = plot.mode_shape(modes, critical, speed)
         blocks.append(Picture("critical_mode", figure, f"The mode '{critical}', from above and from behind."))
-    suspension = [name for name in shown if name.startswith(SUSPENSION_WORDS)]
-    if suspension:
+    if suspension := [name for name in shown if name.startswith(SUSPENSION_WORDS)]:
         caption = "Modes of the suspension, each in the view that shows most of it."
         blocks.append(Picture("mode_shapes", plot.mode_shapes(modes, suspension, speed), caption))
-    scale = (
-        "In the tables: displacement amplitudes in m and rad, scaled so that the largest is 1, and phase in degrees. Parts below "
-        "0.02 are left out. All modes at all speeds are in shapes.csv."
-    )
     ordered = sorted(shown, key=lambda name: not name.startswith("hunting"))
-    return [*blocks, Text(scale), *(_shape_table(modes.sel(speed=speed, mode=name)) for name in ordered)]
+    return [*blocks, *(_shape_table(modes.sel(speed=speed, mode=name)) for name in ordered)]
 
 
 def _shape_table(mode: xr.Dataset) -> Table:
-    directions = [str(name) for name in mode["direction"].to_numpy()]
     rows = []
     for body in mode["body"].to_numpy():
         own = (mode[name].sel(body=body).to_numpy() for name in ("shape_amplitude", "shape_phase"))
         cells = [f"{a:.2f} ∠ {round(float(p)):d}°" if a >= 0.02 else "" for a, p in zip(*own, strict=True)]
         rows.append([str(body).replace("_", " "), *cells])
     caption = f"{mode['mode'].item()}, {float(mode['frequency']):.2f} Hz at {float(mode['speed']):g} km/h"
-    return Table(["body", *directions], rows, caption)
+    return Table(["body", *mode["direction"].to_numpy().tolist()], rows, caption)
 
 
-BRANCH_COLUMNS = {
+BRANCH_COLUMNS = {  # column of branch.csv -> variable, and factor
     "amplitude_mm": ("amplitude", 1e3),
     "speed_kmh": ("speed", 1.0),
     "frequency_hz": ("frequency", 1.0),
     "multiplier": ("multiplier", 1.0),
     "speed_slope_kmh_per_mm": ("speed_slope", 1.0),
 }
-"""Column of branch.csv -> variable, and factor."""
 
 
 def branch_numbers(branch: xr.Dataset) -> dict[str, Any]:
     """The branch of `bifurcation`: nonlinear critical speed, folds, why it ends, its limit cycles."""
-    columns = {key: factor * branch[name].to_numpy() for key, (name, factor) in BRANCH_COLUMNS.items()}
-    stable = branch["stable"].to_numpy() == 1
-    points = [{key: float(values[i]) for key, values in columns.items()} for i in range(len(stable))]
-    points = [{**one, "stable": bool(holds)} for one, holds in zip(points, stable, strict=True)]
-    return {
-        "nonlinear_critical_speed_kmh": float(branch.attrs["nonlinear_critical_speed_kmh"]),
-        "folds": json.loads(branch.attrs["folds"]),
-        "ended": str(branch.attrs["ended"]),
-        "points": points,
-    }
+    points = [
+        {
+            **{key: factor * float(branch[name][i]) for key, (name, factor) in BRANCH_COLUMNS.items()},
+            "stable": bool(branch["stable"][i]),
+        }
+        for i in range(branch.sizes["cycle"])
+    ]
+    attributes = branch.attrs
+    lowest, ended = float(attributes["nonlinear_critical_speed_kmh"]), str(attributes["ended"])
+    folds = json.loads(attributes["folds"])
+    return {"nonlinear_critical_speed_kmh": lowest, "folds": folds, "ended": ended, "points": points}
 
 
 def branch_sentences(branch: Mapping[str, Any], linear_kmh: float) -> list[str]:
     """The nonlinear critical speed, how the branch begins and where it ends."""
     if not branch["points"]:
         return [f"The branch of limit cycles cannot be followed, it ends {branch['ended']}."]
-    begins = "Stable limit cycles begin" if branch["points"][0]["stable"] else "Unstable limit cycles begin"
-    kind = "supercritical" if branch["points"][0]["stable"] else "subcritical"
-    course = (
-        f"{begins} at the linear critical speed, {linear_kmh:.2f} km/h ({kind}). The branch ends {branch['ended']}."
-    )
+    begin, kind = ("Stable", "supercritical") if branch["points"][0]["stable"] else ("Unstable", "subcritical")
     lowest = branch["nonlinear_critical_speed_kmh"]
-    if lowest is None:
-        return [
-            "Nonlinear critical speed: not found, no limit cycle of the branch is stable as far as it was followed.",
-            course,
-        ]
-    folds = {fold["speed_kmh"]: f"a fold, with {fold['amplitude_mm']:.2f} mm" for fold in branch["folds"]}
-    at = folds.get(
-        lowest, "where it begins" if math.isclose(lowest, linear_kmh, rel_tol=1e-6) else "where cycles become stable"
-    )
-    found = f"Nonlinear critical speed: {lowest:.2f} km/h, the lowest with a stable limit cycle on the branch: {at}."
-    return [found, course]
-
-
-def sensitivity_numbers(found: xr.Dataset) -> list[dict[str, Any]]:
-    """What each number of the suspension does to the linear critical speed, the largest change first."""
-    speed = float(found.attrs["linear_critical_speed_kmh"])
-    rows = [
-        {
-            "parameter": str(found["parameter"].to_numpy()[k]),
-            "value": float(found["value"][k]),
-            "unit": str(found["parameter_unit"].to_numpy()[k]),
-            "change_kmh": float(found["critical_speed_change"][k]),
-            "relative_change": float(found["critical_speed_change"][k]) / speed,
-        }
-        for k in range(found.sizes["parameter"])
+    found = "not found, none is stable as far as it was followed" if lowest is None else f"{lowest:.2f} km/h"
+    return [
+        f"Nonlinear critical speed, the lowest with a stable limit cycle on the branch: {found}.",
+        f"{begin} limit cycles begin at the linear critical speed, {linear_kmh:.2f} km/h ({kind}). The branch ends "
+        f"{branch['ended']}.",
     ]
-    return sorted(rows, key=lambda one: -abs(one["change_kmh"]))
 
 
 CONTACT = "contact model"
-CREEP_LAWS = ("kalker_saturated", "table")
-"""The paper's and the exact one; what lies between them is in the theory."""
+CREEP_LAWS = ("kalker_saturated", "table")  # the paper's and the exact one; what lies between them is in the theory
 
 COUNTERPART = {"rig": ("track", "uic60_track"), "track": ("rig", "full_scale_rig")}
 """Kind of support -> the other kind, and the catalogue's support of that kind."""
@@ -237,8 +203,7 @@ def contact_effect(
     }
 
 
-MOST_CYCLE_SPEEDS = 20
-"""Runs are made at no more speeds than this, spread over the range."""
+MOST_CYCLE_SPEEDS = 20  # runs are made at no more speeds than this, spread over the range
 
 
 @dataclass(frozen=True)
@@ -288,31 +253,31 @@ class StabilityStudy(Study[Results]):
 
     def rounds(self, done: Done) -> Iterator[Round | Chains]:
         yield {"modes": job(stability, self.case, self.speeds_kmh)}
-        modes, above = done["modes"], "linear critical speed above the range"
-        none = not math.isfinite(modes.attrs["linear_critical_speed_kmh"])
-        search = none and not json.loads(modes.attrs["grows_at_lowest_speed"]) and self.speeds_kmh[-1] < HIGHEST_KMH
-        yield {above: job(scan_above, self.case, self.speeds_kmh[-1])} if search else {}
+        attributes, top = done["modes"].attrs, self.speeds_kmh[-1]
+        linear = attributes["linear_critical_speed_kmh"]
+        none = not math.isfinite(linear)
+        search = none and not json.loads(attributes["grows_at_lowest_speed"]) and top < HIGHEST_KMH
+        yield {ABOVE: job(scan_linear, self.case, (top, HIGHEST_KMH))} if search else {}
         if self.with_limit_cycles:
             yield cycle_chains(self.case, cycle_speeds(self.speeds_kmh), self.settings)
         if self.contacts_kmh is not None:
             yield contact_effect_jobs(self.case, self.speeds_kmh, self.contacts_kmh)
         if self.branch is not None and not none:
             yield {BRANCH: job(bifurcation, self.case, self.speeds_kmh, self.branch)}
-        linear = done[above].speed_kmh if search else modes.attrs["linear_critical_speed_kmh"]
+        linear = done[ABOVE].speed_kmh if search else linear
         if self.sensitivity and math.isfinite(linear):
-            around = (0.99 * linear, 1.01 * linear)
-            yield {SENSITIVITY: job(stability_sensitivity, self.case, None, around)}
+            yield {SENSITIVITY: job(stability_sensitivity, self.case, None, (0.99 * linear, 1.01 * linear))}
 
     def collect(self, done: Done) -> Results | None:
-        contact = [result for name, result in done.items() if name.startswith(CONTACT)]
         if "modes" not in done:
             return None
-        above, diagram = done.get("linear critical speed above the range"), None
+        modes, above, diagram = done["modes"], done.get(ABOVE), None
         if self.with_limit_cycles:
-            linear = above.speed_kmh if above else float(done["modes"].attrs["linear_critical_speed_kmh"])
+            linear = above.speed_kmh if above else float(modes.attrs["linear_critical_speed_kmh"])
             found = cycle_diagram(cycle_speeds(self.speeds_kmh), linear, self.settings, done)
             diagram = found if found.up or found.down else None
-        return Results(done["modes"], above, diagram, contact, done.get(BRANCH), done.get(SENSITIVITY))
+        contact = [result for name, result in done.items() if name.startswith(CONTACT)]
+        return Results(modes, above, diagram, contact, done.get(BRANCH), done.get(SENSITIVITY))
 
     def numbers(self, results: Results) -> dict[str, Any]:
         attributes = results.modes.attrs
@@ -338,7 +303,11 @@ class StabilityStudy(Study[Results]):
         if results.branch is not None:
             found["branch"] = branch_numbers(results.branch)
         if results.sensitivity is not None:
-            found["sensitivity"] = sensitivity_numbers(results.sensitivity)
+            change = results.sensitivity["critical_speed_change"]
+            relative = change / results.sensitivity.attrs["linear_critical_speed_kmh"]
+            found["sensitivity"] = parameter_rows(
+                results.sensitivity, {"change_kmh": change, "relative_change": relative}
+            )
         return found
 
     def summary(self, results: Results, numbers: Numbers) -> list[str]:
@@ -354,16 +323,13 @@ class StabilityStudy(Study[Results]):
             for one in numbers["diverging"]
         ]
         if self.branch is not None and not math.isfinite(results.modes.attrs["linear_critical_speed_kmh"]):
-            lines.append(
-                "The branch of limit cycles is not followed: it begins at the linear critical speed; ask for speeds around it."
-            )
+            lines.append("No branch of limit cycles: it begins at the linear critical speed; ask for speeds around it.")
         if results.branch is not None:
             lines += branch_sentences(numbers["branch"], numbers["linear_critical_speed_kmh"])
         if numbers.get("sensitivity"):
             most = numbers["sensitivity"][0]
-            lines.append(
-                f"It is moved most by {most['parameter']}: {most['change_kmh']:+.2g} km/h if that is 1 % larger."
-            )
+            change = f"{most['change_kmh']:+.2g} km/h if that is 1 % larger"
+            lines.append(f"It is moved most by {most['parameter']}: {change}.")
         return lines if results.diagram is None else [*lines, *cycles.continuation_sentences(results.diagram)]
 
     def shown(self, results: Results) -> Mapping[str, xr.Dataset]:
@@ -385,9 +351,8 @@ class StabilityStudy(Study[Results]):
         runs = None if results.diagram is None else limit_cycle_table(results.diagram)
         found = [Section("Modes", self._modes(results.modes, runs, numbers))]
         if results.sensitivity is not None and numbers["sensitivity"]:
-            found.append(
-                Section("What moves the linear critical speed", self._sensitivity(results.sensitivity, numbers))
-            )
+            blocks = self._sensitivity(results.sensitivity, numbers)
+            found.append(Section("What moves the linear critical speed", blocks))
         if results.diagram is not None:
             points = numbers["limit_cycles"]["points"]
             blocks = cycles.cycle_blocks(results.diagram, results.modes, self.settings, points)
@@ -418,12 +383,8 @@ class StabilityStudy(Study[Results]):
             "unstable one: a disturbance beyond it goes to the one above. Branches that do not begin there are not found."
         )
         drawn = Picture("branch", plot.bifurcation_diagram(branch), caption)
-        table = self.quantities.table(
-            numbers["branch"]["points"],
-            "branch.points.*",
-            "Largest magnitude of a Floquet multiplier: what is left of a small deviation after one period.",
-        )
-        return [drawn, table]
+        multiplier = "Largest magnitude of a Floquet multiplier: what is left of a small deviation after one period."
+        return [drawn, self.quantities.table(numbers["branch"]["points"], "branch.points.*", multiplier)]
 
     def _modes(self, modes: xr.Dataset, runs: xr.Dataset | None, numbers: Numbers) -> list[Block]:
         drawn = (
@@ -433,10 +394,11 @@ class StabilityStudy(Study[Results]):
             ("root_locus", plot.root_locus(modes), "Root locus: eigenvalues over speed, the modes of the first figure."),
         )  # fmt: skip
         names = ["crossings.*.speed_kmh", "mode", "crossings.*.frequency_hz", "grows"]
-        found, where = numbers["crossings"], f"from {modes['speed'][0]:g} to {modes['speed'][-1]:g} km/h"
+        where = f"from {modes['speed'][0]:g} to {modes['speed'][-1]:g} km/h"
         crossings: Block = Text(f"No oscillation begins or ends to grow {where}.")
-        if found:
-            crossings = self.quantities.table(found, names, "Speeds at which an oscillation begins or ends to grow.")
+        if numbers["crossings"]:
+            caption = "Speeds at which an oscillation begins or ends to grow."
+            crossings = self.quantities.table(numbers["crossings"], names, caption)
         return [*(Picture(*one) for one in drawn), crossings, mode_table(modes)]
 
 
@@ -444,15 +406,13 @@ def _linear_sentence(numbers: Numbers, above: LinearCriticalSpeed | None) -> str
     """The linear critical speed, or how far it was looked for."""
     low, high = numbers["speeds_kmh"][0], numbers["speeds_kmh"][-1]
     asked = f"from {low:g} to {high:g} km/h" if high > low else f"at {low:g} km/h"
-    critical = numbers["linear_critical_speed_kmh"]
-    if critical is not None:
+    if (critical := numbers["linear_critical_speed_kmh"]) is not None:
         mode, frequency = numbers["linear_critical_mode"], numbers["linear_critical_frequency_hz"]
         beyond = f" It is above the speeds asked for, {asked}." if above is not None else ""
         return f"Linear critical speed: {critical:.1f} km/h, {mode}, {frequency:.2f} Hz.{beyond}"
-    if above is not None and above.problem:
-        return f"No linear critical speed {asked}: all oscillations are damped. Not looked for above: {above.problem}"
-    searched = f", nor above up to {numbers['linear_searched_to_kmh']:g} km/h" if above is not None else ""
-    return f"No linear critical speed {asked}{searched}: all oscillations are damped."
+    searched = f", nor above up to {numbers['linear_searched_to_kmh']:g} km/h" if above and not above.problem else ""
+    problem = f" Not looked for above: {above.problem}" if above and above.problem else ""
+    return f"No linear critical speed {asked}{searched}: all oscillations are damped.{problem}"
 
 
 def cycle_speeds(speeds_kmh: tuple[float, ...]) -> list[float]:

@@ -97,8 +97,8 @@ def test_without_a_fold_up_and_down_are_one_and_called_supercritical() -> None:
             assert 1e3 * point.amplitude == pytest.approx(exact.radius(point.speed), rel=0.01)
 
 
-def branch(sweep, amplitudes) -> Branch:
-    return Branch(sweep, [CyclePoint(10.0 * (k + 1), 1e-3 * a) for k, a in enumerate(amplitudes)])
+def branch(amplitudes) -> Branch:
+    return Branch([CyclePoint(10.0 * (k + 1), 1e-3 * a) for k, a in enumerate(amplitudes)])
 
 
 @pytest.mark.parametrize(
@@ -112,7 +112,7 @@ def branch(sweep, amplitudes) -> Branch:
     ],
 )
 def test_kinds_of_diagram(up, down, linear: float, kind: str) -> None:
-    assert diagram(branch("up", up), branch("down", down), linear, 1.0).kind == kind
+    assert diagram(branch(up), branch(down), linear, 1.0).kind == kind
 
 
 def lost_at(low: float, high: float, a: float, start: float):
@@ -149,7 +149,7 @@ def test_runs_lost_at_the_fold_leave_open_where_limit_cycles_begin() -> None:
     assert found.kind == "open"
     assert found.decays < fold - 2.0
     assert found.lowest_cycle > fold + 2.0
-    assert all(p.status == "contact_lost" for p in down.refined[-1:])  # the halving ends where a run says nothing
+    assert all(p.status == "contact_lost" for p in down.points[-1:])  # the halving ends where a run says nothing
 
 
 def test_runs_lost_far_above_change_nothing_below() -> None:

@@ -108,7 +108,7 @@ def test_critical_speeds_of_many_cases_are_those_of_each(bogie) -> None:
         "10 m": bogie.with_changes({"support.roller_radius": 10.0}),
         "never": load_case("wheelset_rollers"),
     }
-    jobs = {name: job(scan_linear, (case, [60 / 3.6, 350 / 3.6])) for name, case in cases.items()}
+    jobs = {name: job(scan_linear, case, [60.0, 350.0]) for name, case in cases.items()}
     found = list(run_rounds(lambda _done: iter([jobs]), None, (1.0,), 2, None)[0].values())
     speeds = [scan.speed_kmh for scan in found if scan is not None]
     assert speeds[0] < speeds[1] < speeds[2]
@@ -121,7 +121,7 @@ def test_critical_speeds_of_many_cases_are_those_of_each(bogie) -> None:
 
 def test_a_case_without_equilibrium_is_told_by_the_scan(bogie) -> None:
     torque = {"wheelset": "wheelset_1", "reacts_on": "none", "constant": 60_000.0}  # friction holds 0.46 m * 33 kN
-    found = scan_linear((bogie.with_changes({"axle_torque": [torque]}), [60 / 3.6, 100 / 3.6]))
+    found = scan_linear(bogie.with_changes({"axle_torque": [torque]}), [60.0, 100.0])
     assert "no rolling equilibrium" in found.problem
     assert math.isnan(found.speed_kmh)
 

@@ -11,12 +11,12 @@ import pytest
 
 from called import called
 from reported import unexplained, unreported
-from rollerrig.analysis.critical_speed import EFFECTS, TRACK, CriticalSpeedOverRadius, EffectSplit, LinearCriticalSpeed
+from rollerrig.analysis.critical_speed import EFFECTS, TRACK, LinearCriticalSpeed, effect_split
 from rollerrig.analysis.hunting import HuntingSettings
 from rollerrig.analysis.mode_table import Crossing
 from rollerrig.config import ConfigError, Rig, Track, load_case, load_support
 from rollerrig.study.assessment import Interval, change_in_words
-from rollerrig.study.compare import QUANTITIES, CompareStudy, compared_cases
+from rollerrig.study.compare import CompareStudy, compared_cases
 from rollerrig.study.critical_speeds import radius_table
 
 BOGIE = "leading_bogie"
@@ -77,8 +77,8 @@ def test_everything_is_written(folder) -> None:
 
 @pytest.mark.slow
 def test_every_number_is_registered_and_every_registered_quantity_reported(numbers) -> None:
-    assert unexplained(QUANTITIES, numbers) == []
-    assert unreported(QUANTITIES, numbers) == ["roller_effects"]  # null where it is not computed
+    assert unexplained(CompareStudy.quantities, numbers) == []
+    assert unreported(CompareStudy.quantities, numbers) == ["roller_effects"]  # null where it is not computed
 
 
 @pytest.mark.slow
@@ -153,23 +153,27 @@ def scan(kmh: float) -> LinearCriticalSpeed:
 
 
 def test_a_table_over_the_radius_has_changes_against_the_track() -> None:
-    found = {("bogie", 0.5): scan(200), ("bogie", 1.0): scan(190), ("bogie", TRACK): scan(300)}
-    table = CriticalSpeedOverRadius(("bogie", "wheelset"), (0.5, 1.0, TRACK), found)
-    rows = radius_table(table, "").rows
+    found = {
+        ("bogie", 0.5): scan(200),
+        ("bogie", 1.0): scan(190),
+        ("bogie", TRACK): scan(300),
+        ("wheelset", 0.5): scan(90),
+    }
+    rows = radius_table(found, "").rows
     assert rows[0] == ["track", "300.0", "", "not computed", ""]
-    assert rows[2] == ["rollers of 0.5 m", "200.0", "-33.3 %", "not computed", ""]
+    assert rows[2] == ["rollers of 0.5 m", "200.0", "-33.3 %", "90.0", ""]
 
 
 def test_a_loss_of_independent_effects_leaves_no_interaction() -> None:
     cost = dict(zip(EFFECTS, (-5.0, 30.0, 10.0, 1.0), strict=True))
     every = frozenset(EFFECTS)
     sets = [every, frozenset(), *(every - {e} for e in EFFECTS), *(frozenset({e}) for e in EFFECTS)]
-    split = EffectSplit({on: scan(300.0 - sum(cost[e] for e in on)) for on in sets})
-    assert split.loss == pytest.approx(36.0)
-    assert split.switched_off == pytest.approx(cost)
-    assert split.alone == pytest.approx(cost)
-    assert split.interaction(cost) == pytest.approx(0.0, abs=1e-9)
-    assert math.isnan(EffectSplit({}).loss)
+    split = effect_split({on: scan(300.0 - sum(cost[e] for e in on)) for on in sets})
+    assert split["track_kmh"] - split["rig_kmh"] == pytest.approx(36.0)
+    for name, single in (("switched_off", "gain_switched_off_kmh"), ("alone", "loss_alone_kmh")):
+        assert split[single] == pytest.approx(cost)
+        assert split[f"interaction_{name}_kmh"] == pytest.approx(0.0, abs=1e-9)
+    assert math.isnan(effect_split({})["track_kmh"])
 
 
 @pytest.mark.slow
@@ -192,9 +196,7 @@ def test_ctrl_c_keeps_what_is_done(tmp_path) -> None:
     assert kept is not None
     assert kept.taken_over == len(outcome.results.modes) + len(outcome.results.states) + len(
         outcome.results.shifts
-    ) + len(outcome.results.linear) + sum(
-        len(one.found) for one in (outcome.results.effects, outcome.results.over_radius) if one is not None
-    )
+    ) + len(outcome.results.linear) + sum(len(one) for one in (outcome.results.effects, outcome.results.over_radius))
 
 
 @pytest.mark.parametrize(

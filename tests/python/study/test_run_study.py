@@ -100,22 +100,14 @@ def test_a_report_says_first_what_the_vehicle_did(outcome: Outcome[Results]) -> 
     run, rest = outcome.results.run, FinalMotion(6.1e-3, 5.1, 0.0)
     decaying, over = replace(rest, rate=-1.0), FinalMotion(0.0, math.nan, math.nan)
     for final, decision, said in (
-        (
-            rest,
-            "persists",
-            "It hunts: in the last third of the run wheelset 1 still moves sideways by ±6.1 mm at 5.1 Hz.",
-        ),
-        (decaying, "decays", "The motion decays: wheelset 1 moved sideways by up to 7 mm, in the last third"),
-        (
-            decaying,
-            "open",
-            "Not decided whether it hunts: in the last third of the run wheelset 1 still moves sideways by",
-        ),
-        (over, "decays", "The motion decays: wheelset 1 moved sideways by up to 7 mm, and no longer"),
+        (rest, "persists", "It hunts: {}, in the last third of the run by ±6.1 mm at 5.1 Hz, which changes by +0 %/s."),
+        (decaying, "decays", "The motion decays: {}, in the last third"),
+        (decaying, "open", "Not decided whether it hunts: {}, in the last third of the run by ±6.1 mm"),
+        (over, "decays", "The motion decays: {}, and no longer"),
     ):
         results = replace(outcome.results, rest=LateralRest("wheelset_1", 7e-3, final, decision))
         first, second, *_ = outcome.study.summary(results, outcome.study.numbers(results))
-        assert first.startswith(said)
+        assert first.startswith(said.format("wheelset 1 moved sideways by up to 7 mm"))
         assert second.startswith("Running safety: Y/Q reaches ")
     assert run.sizes["time"] > 1
     unsaid = outcome.study.summary(replace(outcome.results, rest=None), outcome.numbers)

@@ -15,14 +15,8 @@ from typing import Any
 import xarray as xr
 
 from rollerrig.analysis.control_loop import ContactState, contact_state
-from rollerrig.analysis.critical_speed import (
-    RADII,
-    CriticalSpeedByDisturbance,
-    CriticalSpeedOverRadius,
-    EffectSplit,
-    scan_linear,
-)
-from rollerrig.analysis.hunting import HuntingRun, HuntingSettings, hunting_table
+from rollerrig.analysis.critical_speed import RADII, CriticalSpeedByDisturbance, effect_split, scan_linear
+from rollerrig.analysis.hunting import HuntingRun, HuntingSettings
 from rollerrig.analysis.ramp import RampSettings, ramp_run
 from rollerrig.analysis.traction import asymmetry, carried_weight, sliding_course, spin_balance, with_theory
 from rollerrig.cases import restrained_along_track
@@ -33,55 +27,38 @@ from rollerrig.study.frame import dataset_rows
 from rollerrig.study.jobs import Done, Job, Round, job, whole_modes, whole_run
 from rollerrig.study.report import Mark
 
-MATERIALS = ("steel", "paper")
-"""Names in the catalogue; `paper` has the G = 10 GPa of the paper."""
-
-NAMES = {"steel": "steel", "paper": "the paper's material"}
-"""Material -> what it is called in sentences."""
+MATERIALS = ("steel", "paper")  # names in the catalogue; `paper` has the G = 10 GPa of the paper
+NAMES = {"steel": "steel", "paper": "the paper's material"}  # material -> what it is called in sentences
 
 OWN, EXACT = "own contact", "exact contact"
-CONTACTS: dict[str, dict[str, object]] = {
+CONTACTS: dict[str, dict[str, object]] = {  # contact -> changes of a case
     OWN: {"contact.normal": {"kind": "hertz"}, "contact.creep": {"kind": "kalker_saturated"}},
     EXACT: {"contact.normal": {"kind": "strips"}, "contact.creep": {"kind": "table"}},
 }
-"""Contact -> changes of a case."""
 
-VARIANTS = {
+VARIANTS = {  # what is linearised: label -> case, cut
     "bogie on the rig": ("bogie_rollers_constant", "leading_bogie"),
     "bogie on track": ("bogie_track", "leading_bogie"),
     "vehicle on track": ("bogie_track", "vehicle"),
 }
-"""What is linearised: label -> case, cut."""
 
-RIG, VEHICLE = "bogie on the rig", "vehicle on track"
-"""The variants that figure 7b compares."""
-
-TABLE_PARTS = ("leading_bogie", "vehicle")
-"""Parts in the table of critical speeds over the rollers' radius."""
-
-FRONT, REAR = "wheelset_1_right", "wheelset_2_right"
-"""The wheels of the paper's figure 8."""
+RIG, VEHICLE = "bogie on the rig", "vehicle on track"  # the variants that figure 7b compares
+TABLE_PARTS = ("leading_bogie", "vehicle")  # parts in the table of critical speeds over the rollers' radius
+FRONT, REAR = "wheelset_1_right", "wheelset_2_right"  # the wheels of the paper's figure 8
 
 
 @dataclass(frozen=True)
 class PaperPlan:
-    """Speeds and lengths of what is computed.
+    """Speeds and lengths of what is computed."""
 
-    Attributes:
-        linear_kmh: speeds at which modes are computed [km/h].
-        runs_kmh: material -> speeds of runs at constant speed [km/h], of the bogie on the rig and of the vehicle on track.
-        bracket_kmh: width to which the critical speed by disturbance is narrowed down [km/h].
-        radii: of the rollers in the table of critical speeds [m].
-        mark: said on every page, table and figure; None: the numbers may be relied on.
-    """
-
-    linear_kmh: tuple[float, ...]
+    linear_kmh: tuple[float, ...]  # speeds at which modes are computed [km/h]
+    # material -> speeds of runs at constant speed [km/h], of the bogie on the rig and of the vehicle on track
     runs_kmh: dict[str, tuple[float, ...]]
-    bracket_kmh: float
+    bracket_kmh: float  # width to which the critical speed by disturbance is narrowed down [km/h]
     ramps: dict[str, RampSettings]
     hunting: HuntingSettings = field(default_factory=HuntingSettings)
-    radii: tuple[float, ...] = RADII
-    mark: Mark | None = None
+    radii: tuple[float, ...] = RADII  # of the rollers in the table of critical speeds [m]
+    mark: Mark | None = None  # said on every page, table and figure; None: the numbers may be relied on
 
 
 def _kmh(low: float, high: float, acceleration: float, perturbation_every: float) -> RampSettings:
@@ -137,14 +114,12 @@ def _label(contact: str, material: str, variant: str) -> str:
 
 def rounds(plan: PaperPlan, done: Done) -> Iterator[Round]:
     """All jobs: what is linear first, then ramps and runs."""
-    scanned = [v / 3.6 for v in plan.linear_kmh]
     linear: dict[str, Job] = {}
     further: dict[str, Job] = {}
     for m in MATERIALS:
         for variant in VARIANTS:
             linear[f"modes {m}, {variant}"] = job(whole_modes, case_of(variant, m), plan.linear_kmh)
-            exact = case_of(variant, m, EXACT)
-            further[f"{EXACT} linear {m}, {variant}"] = job(scan_linear, (exact, scanned))
+            further[f"{EXACT} linear {m}, {variant}"] = job(scan_linear, case_of(variant, m, EXACT), plan.linear_kmh)
         rig = rig_case(m)
         linear[f"contact {m}"] = job(contact_state, rig)
         linear |= speeds.roller_jobs(rig, TABLE_PARTS, plan.radii, plan.linear_kmh, f" {m}")
@@ -159,35 +134,22 @@ def rounds(plan: PaperPlan, done: Done) -> Iterator[Round]:
         further = {}
 
 
-Place = tuple[str, str, str]
-"""Contact, material, variant."""
+Place = tuple[str, str, str]  # contact, material, variant
 
 
 @dataclass
 class Results:
-    """What was computed; parts that Ctrl-C cut off are missing.
+    """What was computed; parts that Ctrl-C cut off are missing."""
 
-    Attributes:
-        modes: material -> variant -> Dataset of `stability`, with the paper's contact.
-        linear: linear critical speed [km/h] and its frequency [Hz]; NaN: none.
-        runs: critical speed by disturbance, with its runs.
-        contact: the wheels' contact in steady rolling on the rig, by material.
-        ramps: Datasets of `ramp_run`, by material.
-        over_radius: critical speeds over the rollers' radius, by material.
-        effects: of the rollers on the bogie's critical speed, by material.
-        traction: the traction run, all signals.
-        theory: the same wheels beside the closed forms; those with the exact contact.
-    """
-
-    modes: dict[str, dict[str, xr.Dataset]]
-    linear: dict[Place, tuple[float, float]]
-    runs: dict[Place, CriticalSpeedByDisturbance]
-    contact: dict[str, ContactState]
-    ramps: dict[str, xr.Dataset]
-    over_radius: dict[str, CriticalSpeedOverRadius]
-    effects: dict[str, EffectSplit]
-    traction: xr.Dataset | None
-    theory: xr.Dataset | None
+    modes: dict[str, dict[str, xr.Dataset]]  # material -> variant -> Dataset of `stability`, with the paper's contact
+    linear: dict[Place, tuple[float, float]]  # linear critical speed [km/h] and its frequency [Hz]; NaN: none
+    runs: dict[Place, CriticalSpeedByDisturbance]  # critical speed by disturbance, with its runs
+    contact: dict[str, ContactState]  # the wheels' contact in steady rolling on the rig, by material
+    ramps: dict[str, xr.Dataset]  # Datasets of `ramp_run`, by material
+    over_radius: dict[str, speeds.Scans]  # critical speeds over the rollers' radius, by material
+    effects: dict[str, speeds.Split]  # of the rollers on the bogie's critical speed, by material
+    traction: xr.Dataset | None  # the traction run, all signals
+    theory: xr.Dataset | None  # the same wheels beside the closed forms; those with the exact contact
     exact_theory: xr.Dataset | None
     checks: list[Check] = field(default_factory=list)
 
@@ -205,8 +167,7 @@ class Results:
 
     def frequency_differences(self, material: str) -> list[float]:
         """Frequency of the bogie on the rig over that of the vehicle on track, less one, at each speed both were run at."""
-        both = [one for variant in (RIG, VEHICLE) if (one := self.runs_of(variant).get(material))]
-        tables = [hunting_table(one.runs, one.disturbance) for one in both]
+        tables = [one.table for variant in (RIG, VEHICLE) if (one := self.runs_of(variant).get(material))]
         known = [one["oscillation_frequency"].where(one["persists"] == 1, one["decay_frequency"]) for one in tables]
         found = [one.assign_coords(speed=one["speed"].round(3)) for one in known]
         return (found[0] / found[1] - 1).dropna("speed").to_numpy().tolist() if len(found) == 2 else []
@@ -224,8 +185,7 @@ def results_of(plan: PaperPlan, done: Done) -> Results:
         if (scan := done.get(f"{EXACT} linear {m}, {v}")) is not None:
             linear[EXACT, m, v] = scan.speed_kmh, math.nan if scan.onset is None else scan.onset.frequency
     runs = {key: one for key in RUNS for one in speeds.brackets([_label(*key)], plan.hunting, done).values()}
-    radii = {m: speeds.over_radius(done, TABLE_PARTS, plan.radii, f" {m}") for m in MATERIALS}
-    splits = {m: speeds.effect_split(done, f" {m}") for m in MATERIALS}
+    rollers = {m: speeds.roller_results(rig_case(m), TABLE_PARTS, plan.radii, done, f" {m}") for m in MATERIALS}
     run, exact = done.get("traction"), done.get(f"{EXACT} traction")
     found = Results(
         modes={m: variants for m, variants in modes.items() if variants},
@@ -233,8 +193,8 @@ def results_of(plan: PaperPlan, done: Done) -> Results:
         runs=runs,
         contact={m: done[n] for m in MATERIALS if (n := f"contact {m}") in done},
         ramps={m: done[n] for m in MATERIALS if (n := f"ramp {m}") in done},
-        over_radius={m: one for m, one in radii.items() if one is not None},
-        effects={m: one for m, one in splits.items() if one is not None},
+        over_radius={m: one for m, (one, _) in rollers.items() if one},
+        effects={m: effect_split(one) for m, (_, one) in rollers.items() if one},
         traction=run,
         theory=None if run is None else with_theory(run, traction_case()),
         exact_theory=None if exact is None else with_theory(exact, traction_case(EXACT)),
@@ -313,25 +273,18 @@ def traction_checks(run: xr.Dataset, study: xr.Dataset, case: Case) -> Iterator[
 
 
 def around_onset(runs: list[HuntingRun], onset: float, count: int = 6) -> list[HuntingRun]:
-    """Runs on both sides of the onset [m/s] and further away, by speed; spread evenly if there is no onset."""
-    if not math.isfinite(onset):
-        return runs[:: max(1, math.ceil(len(runs) / count))]
-    below = [run for run in runs if run.speed < onset]
-    above = [run for run in runs if run.speed >= onset]
-    far_below = [run for run in below[:-1] if run.speed < onset - 8 / 3.6]
-    far_above = [run for run in above[1:] if run.speed > onset + 8 / 3.6]
-    picked = below[-1:] + above[:1] + far_below[-1:] + far_above[:1] + far_above[2:3] + far_above[-1:]
-    unique = {run.speed: run for run in picked}
-    return [unique[speed] for speed in sorted(unique)][:count]
+    """Runs spread evenly over the speeds, and those next to the onset [m/s] on either side if there is one, by speed."""
+    near = [i for i, run in enumerate(runs) if run.speed >= onset][:1]
+    step = math.ceil(len(runs) / (count - 2 * len(near)))
+    return [runs[i] for i in sorted({*range(0, len(runs), step), *near, *(max(i - 1, 0) for i in near)})]
 
 
-ENDS = (
+ENDS = (  # key, variable and factor of what is reported of figure 8 at its end
     ("sliding_mmps", "sliding", 1e3),
     ("longitudinal_creep_force_n", "longitudinal_creep_force", 1.0),
     ("longitudinal_force_n", "longitudinal_force", 1.0),
     ("vertical_force_n", "vertical_force", 1.0),
 )
-"""Key, variable and factor of what is reported of figure 8 at its end."""
 
 
 def numbers_of(results: Results) -> dict[str, Any]:
@@ -373,7 +326,7 @@ def _material_numbers(results: Results, material: str) -> dict[str, Any]:
     if material in results.over_radius:
         found["critical_speed_over_radius_kmh"] = speeds.radius_numbers(results.over_radius[material])
     if material in results.effects:
-        found["roller_effects"] = speeds.effect_numbers(results.effects[material])
+        found["roller_effects"] = results.effects[material]
     return found
 
 
@@ -387,7 +340,7 @@ def _traction_numbers(study: xr.Dataset | None) -> dict[str, Any] | None:
     return {"speed_kmh": 3.6 * float(end["speed"]), **own}
 
 
-RUN_COLUMNS = {
+RUN_COLUMNS = {  # column of the runs' files -> variable
     "speed_kmh": "speed",
     "amplitude_m": "amplitude",
     "frequency_hz": "oscillation_frequency",
@@ -395,7 +348,6 @@ RUN_COLUMNS = {
     "rate_at_end_per_s": "rate_at_end",
     "persists": "persists",
 }
-"""Column of the runs' files -> variable."""
 
 
 def frequency_rows(results: Results) -> list[list[object]]:
