@@ -74,7 +74,9 @@ def _keys(case: Case) -> dict[str, tuple[str, ...]]:
     """Model of the contact in a case -> keys of its entries."""
     contact = case.contact
     laws = {"normal contact": contact.normal, "creep law": contact.creep}
-    found = {f"{what}, {law.kind.replace('_', ' ')}": law.sources for what, law in laws.items()}
+    found: dict[str, tuple[str, ...]] = {
+        f"{what}, {law.kind.replace('_', ' ')}": law.sources for what, law in laws.items()
+    }
     falling = case.adhesion or contact.friction.kind == "falling"
     return found | ({"friction falling with sliding": FallingFriction.sources} if falling else {})
 
