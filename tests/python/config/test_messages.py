@@ -68,8 +68,8 @@ PRIMARY = 'between = ["front_frame", "wheelset_1"]\npoint = [10.78, 1.0, 0.46]'
          "case.toml: motion.speed_table[1][1]: nan; allowed: a number in m/s or a text with a unit like "
          "'100 km/h', from 0 to 200 m/s, with its unit written beyond 10 m/s"),
         ("case", 'speed = "150 km/h"', "speed = 1\nspeed_table = [[0, 2], [5, 3]]",
-         "case.toml: motion.speed_table: [[0, 2], [5, 3]]; allowed: a table that starts at time 0 with motion.speed; "
-         "[0, 2] does not"),
+         "case.toml: motion.speed_table: [[0, 2], [5, 3]]; allowed: a first row at time 0 with motion.speed; "
+         "[0, 2] is not that"),
         ("case", 'drive = "speed_controlled"', 'drive = "torque"',
          "case.toml: motion.torque_table: missing; needed for drive = 'torque'"),
         ("vehicle", '  ["-25 mm", 0.0],', '  ["-25 mm", 0.0],\n  ["-25 mm", 3.0],', None),

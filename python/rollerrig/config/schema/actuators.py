@@ -13,10 +13,9 @@ from pydantic import (
     PlainValidator,
     StrictBool,
     WithJsonSchema,
-    model_validator,
 )
 
-from rollerrig.config.schema.base import OrShort, Rows, Table, TorqueTable, by_kind, optional, refused
+from rollerrig.config.schema.base import Mistakes, OrShort, Rows, Table, TorqueTable, by_kind, optional
 from rollerrig.config.schema.brakes import AnyAir, AnyElectrodynamicBrake, Pressure, Rate, UnlimitedAir, Volume
 from rollerrig.config.schema.units import Quantity, Time
 
@@ -148,13 +147,13 @@ class Traction(Table):
         None, "distance of the link from the axle for suspension = 'axle', towards the frame's middle"
     )
 
-    @model_validator(mode="after")
-    def _link_of_an_axle_hung_motor(self) -> "Traction":
+    def _mistakes(self) -> Mistakes:
         needed = self.suspension == "axle"
         if needed != (self.link is not None):
-            allowed = "needed for suspension = 'axle', about 1 m" if needed else "allowed only with suspension = 'axle'"
-            raise refused("link", allowed)
-        return self
+            yield (
+                "link",
+                "needed for suspension = 'axle', about 1 m" if needed else "allowed only with suspension = 'axle'",
+            )
 
 
 class Controller(Table):
@@ -176,11 +175,9 @@ class Controller(Table):
         """Whether our own controller runs, none of the user's."""
         return self.user is None and self.fmu is None
 
-    @model_validator(mode="after")
-    def _one_of_two(self) -> "Controller":
+    def _mistakes(self) -> Mistakes:
         if self.user is not None and self.fmu is not None:
-            raise refused("fmu", "allowed: one of user and fmu")
-        return self
+            yield "fmu", "allowed: one of user and fmu"
 
 
 class BrakeUnit(Controller):
@@ -257,11 +254,10 @@ class ReferencedProtection(Controller):
         None, "a protection that is off is on again once its reference speed has passed this; absent: least_speed"
     )
 
-    @model_validator(mode="after")
-    def _returns_above(self) -> "ReferencedProtection":
+    def _mistakes(self) -> Mistakes:
+        yield from super()._mistakes()
         if self.return_speed is not None and self.return_speed < self.least_speed:
-            raise refused("return_speed", f"allowed: at least least_speed, {self.least_speed:g} m/s")
-        return self
+            yield "return_speed", f"allowed: at least least_speed, {self.least_speed:g} m/s"
 
 
 class SlideProtection(ReferencedProtection):
@@ -313,19 +309,15 @@ class TableSlideProtection(ReferencedProtection):
         """Relative slip above which a cylinder is vented that does not regain speed."""
         return self.slip_thresholds[-1] if self.slip_thresholds else 1.0
 
-    @model_validator(mode="after")
-    def _an_entry_for_each_band(self) -> "TableSlideProtection":
+    def _mistakes(self) -> Mistakes:
+        yield from super()._mistakes()
         for key in ("slip_thresholds", "acceleration_thresholds"):
             values = getattr(self, key)
             if list(values) != sorted(set(values)):
-                raise refused(key, "allowed: ascending thresholds, each once")
+                yield key, "allowed: ascending thresholds, each once"
         rows, columns = len(self.slip_thresholds) + 1, len(self.acceleration_thresholds) + 1
         if len(self.entries) != rows or any(len(row) != columns for row in self.entries):
-            allowed = (
-                f"allowed: {rows} rows of {columns} entries, one for each band between slip_thresholds and between "
-            )
-            raise refused("entries", f"{allowed}acceleration_thresholds")
-        return self
+            yield "entries", f"allowed: {rows} rows of {columns} entries, one for each band between the thresholds"
 
 
 AnySlideProtection = Annotated[

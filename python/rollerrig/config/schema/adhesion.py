@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import BeforeValidator, Field, ValidationInfo, field_validator, model_validator
 
 from rollerrig.config.errors import nearest, show_value
-from rollerrig.config.schema.base import OrShort, Table, optional, refused
+from rollerrig.config.schema.base import Mistakes, OrShort, Table, optional
 from rollerrig.config.schema.contact import AnyFriction, FallingFriction, Share
 from rollerrig.config.schema.units import Quantity
 
@@ -39,11 +39,9 @@ class Condition(Table):
         "of modified_fastsim",
     )
 
-    @model_validator(mode="after")
-    def _no_stiffer_in_slip(self) -> "Condition":
+    def _mistakes(self) -> Mistakes:
         if self.k_S > self.k_A:
-            raise refused("k_S", f"allowed: at most k_A, {self.k_A:g}")
-        return self
+            yield "k_S", f"allowed: at most k_A, {self.k_A:g}"
 
 
 def _by_name(value: Any) -> Any:
@@ -152,16 +150,13 @@ class Adhesion(Table):
         if value is not None:
             raise ValueError("allowed in a case, with which it is read")
 
-    @model_validator(mode="after")
-    def _pieces_in_order(self) -> "Adhesion":
+    def _mistakes(self) -> Mistakes:
         last = -1.0
         for number, piece in enumerate(self.piece):
             place = piece.time if self.over_time else piece.distance
             if place is None or (piece.time is None) == (piece.distance is None):
-                raise refused("piece", "allowed: each piece with `distance`, or each with `time`")
+                yield "piece", "allowed: each piece with `distance`, or each with `time`"
+                return
             if not place > last:
-                raise refused(
-                    "piece", f"allowed: pieces in ascending order; piece[{number}] begins at {place:g} after {last:g}"
-                )
+                yield "piece", f"allowed: pieces in ascending order; piece[{number}] begins at {place:g} after {last:g}"
             last = place
-        return self

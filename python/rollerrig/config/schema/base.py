@@ -1,7 +1,7 @@
 """The model all configuration tables derive from, and the tables of numbers inside them."""
 
-from collections.abc import Mapping
-from typing import Annotated, Any, TypeVar, get_args
+from collections.abc import Iterator, Mapping
+from typing import Annotated, Any, Self, TypeVar, get_args
 
 from pydantic import (
     AfterValidator,
@@ -50,6 +50,10 @@ def quantity_of(annotation: object, metadata: object = ()) -> Quantity | None:
 def refused(key: str, allowed: str) -> PydanticCustomError:
     """A mistake at a key of the table that raises it; `allowed` says what may stand there."""
     return PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": key})
+
+
+Mistakes = Iterator[tuple[str, str]]
+"""Keys of a table, and what may stand there."""
 
 
 INSTEAD_OF = "x-instead-of"
@@ -101,6 +105,16 @@ class Table(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True, hide_input_in_errors=True)
 
+    def _mistakes(self) -> Mistakes:
+        """What only a look across its keys can tell; the first one is reported."""
+        yield from ()
+
+    @model_validator(mode="after")
+    def _first_mistake(self) -> Self:
+        for key, allowed in self._mistakes():
+            raise refused(key, allowed)
+        return self
+
     @model_validator(mode="before")
     @classmethod
     def _unit_in_key(cls, data: Any) -> Any:
@@ -120,6 +134,22 @@ class Table(BaseModel):
             translated[name] = f"{number!r} {KEY_SUFFIXES[suffix]}" if number is not None else value
             del translated[key]
         return translated
+
+
+Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9_\-]{1,60}$")]
+
+
+class Named(Table):
+    """A table that stands for itself: a file of its own, or a part of one."""
+
+    name: Name = Field(description="its name, in results and messages")
+    description: str = optional("", "one line about it")
+
+
+class Sourced(Named):
+    """A table of data that somebody else published or measured."""
+
+    source: str = optional("", "where the data come from")
 
 
 def in_order(rows: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:

@@ -4,10 +4,10 @@ import math
 from itertools import pairwise
 from typing import Annotated, Literal
 
-from pydantic import Discriminator, Field, StrictInt, model_validator
+from pydantic import Discriminator, Field, StrictInt
 
 from rollerrig.config.schema.adhesion import ALLOWED, AnyCondition, Condition
-from rollerrig.config.schema.base import Rows, Table, by_kind, optional, refused
+from rollerrig.config.schema.base import Mistakes, Rows, Table, by_kind, optional
 from rollerrig.config.schema.contact import AnyFriction, FallingFriction
 from rollerrig.config.schema.units import Mass, Quantity, Time
 
@@ -31,22 +31,20 @@ class TrainAxles(Table):
         None, "change of each simulated axle's load per acceleration of the train, forward; absent: none"
     )
 
-    @model_validator(mode="after")
-    def _in_order(self) -> "TrainAxles":
+    def _mistakes(self) -> Mistakes:
         n, m = len(self.positions), len(self.under_test)
         if not 1 <= n <= MOST_AXLES:
-            raise refused("positions", f"allowed: 1 to {MOST_AXLES} axles; given are {n}")
+            yield "positions", f"allowed: 1 to {MOST_AXLES} axles; given are {n}"
         if self.positions[0] != 0.0 or any(not a < b for a, b in pairwise(self.positions)):
-            raise refused("positions", "allowed: distances behind the first axle, which begin at 0 and increase")
+            yield "positions", "allowed: distances behind the first axle, which begin at 0 and increase"
         if not 1 <= m <= n:
-            raise refused("under_test", f"allowed: 1 to {n} axles, no more than the train has; given are {m}")
+            yield "under_test", f"allowed: 1 to {n} axles, no more than the train has; given are {m}"
         if any(not 1 <= k <= n for k in self.under_test) or any(not a < b for a, b in pairwise(self.under_test)):
-            raise refused("under_test", f"allowed: numbers from 1 to {n} that increase, each axle once")
+            yield "under_test", f"allowed: numbers from 1 to {n} that increase, each axle once"
         for key in ("loads", "load_transfer"):
             given = getattr(self, key)
             if given is not None and len(given) != n - m:
-                raise refused(key, f"allowed: one number for each simulated axle, {n - m}; given are {len(given)}")
-        return self
+                yield key, f"allowed: one number for each simulated axle, {n - m}; given are {len(given)}"
 
     @property
     def simulated(self) -> tuple[int, ...]:
@@ -200,15 +198,13 @@ class ConstantPowerBrake(ElectrodynamicBrake):
     fade_from: BrakeSpeed = optional(10.0 / 3.6, "below this speed the force fades ...")
     fade_to: BrakeSpeed = optional(3.0 / 3.6, "... along a straight line, to nothing here")
 
-    @model_validator(mode="after")
-    def _does_not_cross(self) -> "ConstantPowerBrake":
+    def _mistakes(self) -> Mistakes:
         if not self.fade_to < self.fade_from:
-            raise refused("fade_to", f"allowed: below fade_from, {self.fade_from:g} m/s")
+            yield "fade_to", f"allowed: below fade_from, {self.fade_from:g} m/s"
         corner = self.largest_power / self.largest_force if self.largest_force > 0.0 else self.fade_from
         if corner < self.fade_from:
-            allowed = f"allowed: at least largest_force times fade_from, {self.largest_force * self.fade_from:g} W: at less the "
-            raise refused("largest_power", f"{allowed}curve of constant power crosses the fading at {corner:.3g} m/s")
-        return self
+            least = self.largest_force * self.fade_from
+            yield "largest_power", f"allowed: at least {least:g} W; this curve crosses the fading at {corner:.3g} m/s"
 
 
 class ForceTableBrake(ElectrodynamicBrake):
@@ -281,32 +277,31 @@ class SandOnSlide(Table):
     )
 
 
-class SandFromDistance(Table):
+class SandBetween(Table):
+    """Sand from a begin to an end."""
+
+    begin: float = Field(description="begin of sanding")
+    end: float = Field(description="end of sanding")
+
+    def _mistakes(self) -> Mistakes:
+        if not self.begin < self.end:
+            yield "end", f"allowed: beyond begin, {self.begin:g}"
+
+
+class SandFromDistance(SandBetween):
     """Sand from a place on."""
 
     kind: Literal["from_distance"] = Field(description="sand from a place on")
     begin: Place = Field(description="distance of the train since the start")
     end: Place = optional(1e6, "end of sanding")
 
-    @model_validator(mode="after")
-    def _in_order(self) -> "SandFromDistance":
-        if not self.begin < self.end:
-            raise refused("end", f"allowed: beyond begin, {self.begin:g} m")
-        return self
 
-
-class SandFromTime(Table):
+class SandFromTime(SandBetween):
     """Sand from a time on, as a driver switches it."""
 
     kind: Literal["from_time"] = Field(description="sand from a time on, as a driver switches it")
     begin: Duration = Field(description="time of the run")
     end: Duration = optional(1e6, "end of sanding")
-
-    @model_validator(mode="after")
-    def _in_order(self) -> "SandFromTime":
-        if not self.begin < self.end:
-            raise refused("end", f"allowed: after begin, {self.begin:g} s")
-        return self
 
 
 AnySandingStart = Annotated[SandOnSlide | SandFromDistance | SandFromTime, Discriminator("kind"), by_kind("on_slide")]

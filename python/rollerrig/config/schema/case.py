@@ -6,7 +6,7 @@ from pydantic import ConfigDict, Field, StrictBool, model_validator
 
 from rollerrig.config.schema.actuators import AnySlideProtection, Brake, BrakeUnit, Traction, WheelSlipControl
 from rollerrig.config.schema.adhesion import Adhesion
-from rollerrig.config.schema.base import SpeedTable, Table, TorqueTable, instead_of, optional, refused
+from rollerrig.config.schema.base import Mistakes, Name, Named, SpeedTable, Table, TorqueTable, instead_of, optional
 from rollerrig.config.schema.brakes import AnyTrackBrake, Sanding, Train
 from rollerrig.config.schema.contact import (
     AnyCreep,
@@ -23,7 +23,7 @@ from rollerrig.config.schema.faults import AnyFault
 from rollerrig.config.schema.rig_control import RigControl, Sensors
 from rollerrig.config.schema.support import AnySupport
 from rollerrig.config.schema.units import Damping, Quantity, RollerRadius, RunningSpeed, Torque
-from rollerrig.config.schema.vehicle import Body, Cut, Name, Vehicle
+from rollerrig.config.schema.vehicle import Body, Cut, Vehicle
 
 StrategyName = Literal["mmu", "dlr", "inrets"]
 Kept = Literal["gravity", "material", "clock", "drives"]
@@ -155,17 +155,14 @@ class Contact(Table):
         """Coefficient of friction where flanges touch, at no slip [-]."""
         return self.friction.mu_0 if self.gauge_face_friction is None else self.gauge_face_friction
 
-    @model_validator(mode="after")
-    def _fits_creep(self) -> "Contact":
+    def _mistakes(self) -> Mistakes:
         if self.creep.kind == "strip_theory" and self.normal.kind != "strips":
-            raise refused(
+            yield (
                 "creep",
-                f"allowed: strip_theory with contact.normal = 'strips', whose strips it follows; with '{self.normal.kind}' take "
-                "'table'",
+                "allowed: strip_theory with contact.normal = 'strips', whose strips it follows; else take 'table'",
             )
         if self.creep.kind == "coefficients" and self.kalker_factor != 1.0:
-            raise refused("kalker_factor", "allowed with contact.creep = 'coefficients': 1; its coefficients are final")
-        return self
+            yield "kalker_factor", "allowed with contact.creep = 'coefficients': 1; its coefficients are final"
 
 
 class Motion(Table):
@@ -199,24 +196,17 @@ class Motion(Table):
         except (KeyError, IndexError, TypeError):
             return data
 
-    @model_validator(mode="after")
-    def _fits_drive(self) -> "Motion":
-        needs_torque = self.drive == "torque"
-        if needs_torque != (self.torque_table is not None):
-            raise refused(
-                "torque_table", "needed for drive = 'torque'" if needs_torque else "allowed only with drive = 'torque'"
-            )
+    def _mistakes(self) -> Mistakes:
+        needed = self.drive == "torque"
+        if needed != (self.torque_table is not None):
+            yield "torque_table", "needed for drive = 'torque'" if needed else "allowed only with drive = 'torque'"
         if self.speed_table is None:
-            return self
+            return
         if self.drive != "speed_controlled":
-            raise refused("speed_table", "allowed only with drive = 'speed_controlled'")
+            yield "speed_table", "allowed only with drive = 'speed_controlled'"
         start, speed = self.speed_table[0]
         if start != 0 or abs(speed - self.speed) > 1e-9 * max(1.0, self.speed):
-            raise refused(
-                "speed_table",
-                f"allowed: a table that starts at time 0 with motion.speed; [{start:g}, {speed:g}] does not",
-            )
-        return self
+            yield "speed_table", f"allowed: a first row at time 0 with motion.speed; [{start:g}, {speed:g}] is not that"
 
 
 class AxleTorque(Table):
@@ -231,11 +221,9 @@ class AxleTorque(Table):
         "none", "the body that feels the opposite moment (the frame carrying the motor), or 'none'"
     )
 
-    @model_validator(mode="after")
-    def _one_law(self) -> "AxleTorque":
+    def _mistakes(self) -> Mistakes:
         if (self.constant is None) == (self.table is None):
-            raise refused("table", "allowed: one of `constant = torque` and `table = [[time, torque], ...]`")
-        return self
+            yield "table", "allowed: one of `constant = torque` and `table = [[time, torque], ...]`"
 
 
 Offset = Annotated[float, Quantity("m", -1.0, 1.0)]
@@ -306,17 +294,15 @@ class TimeSettings(Table):
     )
     output_step: Interval = optional(0.01, "interval between kept samples")
 
-    @model_validator(mode="after")
-    def _consistent(self) -> "TimeSettings":
+    def _mistakes(self) -> Mistakes:
         if self.method in FIXED_STEP and self.step is None:
-            raise refused("step", f"needed: the step of the fixed-step method {self.method}, e.g. step = '0.1 ms'")
+            yield "step", f"needed: the step of the fixed-step method {self.method}, e.g. step = '0.1 ms'"
         for key, value in (("output_step", self.output_step), ("step", self.step), ("maximum_step", self.maximum_step)):
             if value is not None and value > self.duration:
-                raise refused(key, f"allowed: at most the duration, {self.duration:g} s")
-        return self
+                yield key, f"allowed: at most the duration, {self.duration:g} s"
 
 
-class CaseTables(Table):
+class CaseTables(Named):
     """Everything one simulation needs; read by `load_case`, in SI, never changed: `with_changes` makes another."""
 
     model_config = ConfigDict(title="Case")
@@ -327,8 +313,6 @@ class CaseTables(Table):
         "loading writes that into it",
     )
     without: tuple[str, ...] | None = optional(None, "dotted keys that `base` has and this one has not")
-    name: Name = Field(description="name of the case")
-    description: str = optional("", "one line about the case")
     gravity: Annotated[float, Quantity("m/s^2", 0.05, 1e4)] = optional(
         GRAVITY, "acceleration of gravity; another one only in ideal similitude"
     )

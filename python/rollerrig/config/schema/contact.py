@@ -11,21 +11,17 @@ from typing import Annotated, Any, ClassVar, Literal, get_args
 
 from pydantic import BeforeValidator, Discriminator, Field, RootModel, StrictBool, model_validator
 
-from rollerrig.config.schema.base import OrShort, Table, by_kind, instead_of, optional, refused
+from rollerrig.config.schema.base import Mistakes, OrShort, Sourced, Table, by_kind, instead_of, optional, refused
 from rollerrig.config.schema.units import Quantity
-from rollerrig.config.schema.vehicle import Name
 
 _MODULUS = Quantity("Pa", 1e5, 1e14)
 _POISSON = Quantity("1", 0.0, 0.5)
 _MODULI = ("young_modulus", "shear_modulus")
 
 
-class Material(Table):
+class Material(Sourced):
     """An isotropic elastic material; one of the two moduli may be left out and follows from E = 2 G (1 + nu)."""
 
-    name: Name = Field(description="name of the material")
-    description: str = optional("", "one line about the material")
-    source: str = optional("", "where the data come from")
     poisson_ratio: Annotated[float, _POISSON] = Field(description="Poisson's ratio nu")
     young_modulus: Annotated[float, _MODULUS] = Field(
         description="Young's modulus E", json_schema_extra=instead_of("shear_modulus")
@@ -50,15 +46,10 @@ class Material(Table):
             raise refused(given, f"allowed: such that {other}, here {follows:g} Pa, is {_MODULUS.bounds}")
         return {**data, other: follows}
 
-    @model_validator(mode="after")
-    def _consistent(self) -> "Material":
+    def _mistakes(self) -> Mistakes:
         expected = 2 * self.shear_modulus * (1 + self.poisson_ratio)
         if abs(self.young_modulus - expected) > 1e-3 * expected:
-            raise refused(
-                "young_modulus",
-                f"allowed: 2 G (1 + nu) = {expected:g} Pa, or leave out one of young_modulus and shear_modulus",
-            )
-        return self
+            yield "young_modulus", f"allowed: 2 G (1 + nu) = {expected:g} Pa, or leave out one of the two moduli"
 
 
 Share = Annotated[float, Quantity("1", 1e-6, 1.0)]

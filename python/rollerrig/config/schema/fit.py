@@ -2,12 +2,11 @@
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Discriminator, Field, model_validator
+from pydantic import BeforeValidator, Discriminator, Field
 
-from rollerrig.config.schema.base import Table, by_kind, optional, refused
+from rollerrig.config.schema.base import Mistakes, Name, Named, Table, by_kind, optional
 from rollerrig.config.schema.plan import Lognormal, Normal, Value
 from rollerrig.config.schema.units import Quantity
-from rollerrig.config.schema.vehicle import Name
 
 AnyPrior = Annotated[Normal | Lognormal, Discriminator("kind")]
 Part = Annotated[float, Quantity("1", 0.0, 0.9)]
@@ -47,11 +46,9 @@ class Output(Table):
     )
     any_offset: bool = optional(False, "whether the sensor's zero is unknown: only changes count")
 
-    @model_validator(mode="after")
-    def _one_error(self) -> "Output":
+    def _mistakes(self) -> Mistakes:
         if self.error is not None and self.error_column is not None:
-            raise refused("error", "allowed: one of `error` and `error_column`")
-        return self
+            yield "error", "allowed: one of `error` and `error_column`"
 
 
 class Input(Table):
@@ -129,11 +126,9 @@ def _one_or_more(value: Any) -> Any:
     return [value] if isinstance(value, dict) else value
 
 
-class FitPlan(Table):
+class FitPlan(Named):
     """A case, its free numbers, and logs to fit them to."""
 
-    name: Name = Field(description="name of the plan")
-    description: str = optional("", "one line about it")
     case: str = Field(min_length=1, description="the case: a name of the catalogue, or a file")
     changes: dict[str, Any] = optional({}, "changes of the case for all logs: dotted key -> value")
     free: tuple[FreeKey, ...] = Field(min_length=1, max_length=50, description="what is sought")

@@ -2,12 +2,11 @@
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Discriminator, Field, model_validator
+from pydantic import BeforeValidator, Discriminator, Field
 
-from rollerrig.config.schema.base import OrShort, Table, by_kind, optional, refused
+from rollerrig.config.schema.base import Mistakes, Name, Named, OrShort, Table, by_kind, optional
 from rollerrig.config.schema.programme import AnyStop, UniformStop
 from rollerrig.config.schema.units import Angle, Position, Quantity, Time
-from rollerrig.config.schema.vehicle import Name
 
 Plain = float | str
 Count = Annotated[int, Field(ge=2)]
@@ -72,17 +71,15 @@ class Variation(Table):
         None, "distribution of the samples; absent: all values of the range are equally likely"
     )
 
-    @model_validator(mode="after")
-    def _one_way(self) -> "Variation":
+    def _mistakes(self) -> Mistakes:
         if self.values is not None:
             for key in ("least", "most", "count", "distribution"):
                 if getattr(self, key) is not None:
-                    raise refused(key, "allowed: one of `values`, and a range or distribution")
+                    yield key, "allowed: one of `values`, and a range or distribution"
         elif self.distribution is None or self.distribution.kind == "triangular":
             for key in ("least", "most"):
                 if getattr(self, key) is None:
-                    raise refused(key, "needed: `values`, or both `least` and `most`, or a distribution")
-        return self
+                    yield key, "needed: `values`, or both `least` and `most`, or a distribution"
 
     @property
     def label(self) -> str:
@@ -103,17 +100,15 @@ class Design(Table):
     )
     seed: Annotated[int, Field(ge=0, lt=2**32)] = optional(1, "seed of the samples")
 
-    @model_validator(mode="after")
-    def _samples_where_needed(self) -> "Design":
+    def _mistakes(self) -> Mistakes:
         sampled = self.kind not in ("grid", "list")
         if sampled and self.samples is None:
-            raise refused("samples", f"needed by the design {self.kind}: how many samples")
+            yield "samples", f"needed by the design {self.kind}: how many samples"
         if not sampled and self.samples is not None:
-            raise refused("samples", f"allowed: nothing here; a {self.kind} has the values of its variations")
+            yield "samples", f"allowed: nothing here; a {self.kind} has the values of its variations"
         if self.kind in ("sobol", "saltelli") and self.samples is not None and self.samples & (self.samples - 1):
             below = 2 ** (self.samples.bit_length() - 1)
-            raise refused("samples", f"allowed with {self.kind}: a power of 2, such as {below} or {2 * below}")
-        return self
+            yield "samples", f"allowed with {self.kind}: a power of 2, such as {below} or {2 * below}"
 
 
 AnyDesign = Annotated[Design, BeforeValidator(by_kind().completed), OrShort({"enum": ["grid", "list"]})]
@@ -153,11 +148,9 @@ class CriticalSpeedMeasure(Measure):
         400 / 3.6, "highest speed at which it is looked for"
     )
 
-    @model_validator(mode="after")
-    def _rising(self) -> "CriticalSpeedMeasure":
+    def _mistakes(self) -> Mistakes:
         if not self.fastest > self.slowest:
-            raise refused("fastest", f"allowed: more than `slowest`, {3.6 * self.slowest:g} km/h")
-        return self
+            yield "fastest", f"allowed: more than `slowest`, {3.6 * self.slowest:g} km/h"
 
 
 class ContactMeasure(Measure):
@@ -203,11 +196,9 @@ AnyMeasure = Annotated[
 ]
 
 
-class Plan(Table):
+class Plan(Named):
     """A case, what is varied in it, and what is computed and kept."""
 
-    name: Name = Field(description="name of the plan")
-    description: str = optional("", "one line about it")
     case: str = Field(min_length=1, description="the case: a name of the catalogue, or a file")
     changes: dict[str, Any] = optional({}, "dotted key of the case -> value that all cases of the sweep have")
     design: AnyDesign = optional(Design(), "how the cases are chosen")

@@ -4,23 +4,20 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import Discriminator, Field, ValidationInfo, field_validator, model_validator
+from pydantic import Discriminator, Field, ValidationInfo, field_validator
 
 from rollerrig.config.schema.adhesion import ALLOWED, Adhesion, AnyCondition, Piece
-from rollerrig.config.schema.base import Table, optional, refused
+from rollerrig.config.schema.base import Mistakes, Named, Sourced, Table, optional
 from rollerrig.config.schema.brakes import Pressure
 from rollerrig.config.schema.units import Quantity, RunningSpeed
-from rollerrig.config.schema.vehicle import Name
 
 Length = Annotated[float, Quantity("m", 1e-3, 1e5)]
 Count = Annotated[int, Field(ge=4, le=100)]
 
 
-class BrakedRun(Table):
+class BrakedRun(Named):
     """What every stop of a programme has."""
 
-    name: Name = Field(description="name of the stop, for limits and files")
-    description: str = optional("", "one line about it")
     speed: RunningSpeed = Field(description="at the demand for braking")
     pressure: Pressure | None = optional(
         None, "demanded cylinder pressure over the ambient; absent: the largest that the case demands"
@@ -62,12 +59,10 @@ class SteppedStop(BrakedRun):
         """Where the rail changes."""
         return self.piece
 
-    @model_validator(mode="after")
-    def _pieces_in_order(self) -> "SteppedStop":
+    def _mistakes(self) -> Mistakes:
         if any(piece.distance is None for piece in self.piece):
-            raise refused("piece", "allowed: each piece with `distance`")
+            yield "piece", "allowed: each piece with `distance`"
         Adhesion(rail=self.rail, piece=self.piece, blend=self.blend)
-        return self
 
 
 class PatchStop(BrakedRun):
@@ -89,11 +84,9 @@ class PatchStop(BrakedRun):
             for piece in (Piece(distance=begin, rail=self.patch), Piece(distance=begin + self.length, rail=self.rail))
         )
 
-    @model_validator(mode="after")
-    def _patches_apart(self) -> "PatchStop":
+    def _mistakes(self) -> Mistakes:
         if not self.spacing > self.length:
-            raise refused("spacing", f"allowed: more than the length of a patch, {self.length:g} m")
-        return self
+            yield "spacing", f"allowed: more than the length of a patch, {self.length:g} m"
 
 
 class DragBraking(BrakedRun):
@@ -182,14 +175,12 @@ class Limit(Table):
         assert value is not None
         return value
 
-    @model_validator(mode="after")
-    def _one_bound(self) -> "Limit":
+    def _mistakes(self) -> Mistakes:
         right, wrong = ("at_least", "at_most") if CRITERIA[self.criterion].least else ("at_most", "at_least")
         if getattr(self, wrong) is not None:
-            raise refused(wrong, f"allowed for {self.criterion}: {right}")
+            yield wrong, f"allowed for {self.criterion}: {right}"
         if getattr(self, right) is None:
-            raise refused(right, CRITERIA[self.criterion].quantity.allowed.replace("allowed", "needed", 1))
-        return self
+            yield right, CRITERIA[self.criterion].quantity.allowed.replace("allowed", "needed", 1)
 
     def holds_for(self, stop: BrakedRun) -> bool:
         """Whether a stop is judged by it."""
@@ -206,12 +197,9 @@ class FlatWear(Table):
     width: Annotated[float, Quantity("m", 1e-4, 0.2)] = optional(0.012, "width of the flat, across the tread")
 
 
-class Programme(Table):
+class Programme(Sourced):
     """Stops and limits."""
 
-    name: Name = Field(description="name of the programme")
-    description: str = optional("", "one line about it")
-    source: str = optional("", "where stops and limits come from")
     starts: Count = optional(8, "tests of each stop on each support, without which nothing is decided")
     flat: FlatWear = optional(FlatWear(), "estimate of wheel flats")
     stop: tuple[AnyStop, ...] = Field(min_length=1, max_length=100, description="the stops, in their order")

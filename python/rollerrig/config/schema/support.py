@@ -14,16 +14,12 @@ from dataclasses import dataclass, replace
 from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import Discriminator, Field, RootModel, StrictBool, model_validator
+from pydantic import Discriminator, Field, RootModel, StrictBool
 
-from rollerrig.config.schema.base import Table, optional, refused
+from rollerrig.config.schema.base import Mistakes, Table, optional
 from rollerrig.config.schema.profile import AnyProfile
 from rollerrig.config.schema.track import (
-    CONTACT_DISTANCE,
-    AnyIrregularity,
     Curve,
-    Gauge,
-    GaugeDepth,
     Mounting,
     Restraint,
     Straight,
@@ -33,7 +29,6 @@ from rollerrig.config.schema.track import (
     layout,
 )
 from rollerrig.config.schema.units import Inertia, Mass, Quantity, RollerRadius
-from rollerrig.config.schema.vehicle import Name
 from rollerrig.profiles import ProfileTable, gauge_point, profile_from_spec, tabulate
 from rollerrig.track import PiecewiseCubic, ramps
 
@@ -63,16 +58,6 @@ class Rig(WithGauge):
     """A roller rig: under each wheelset a pair of rollers on one axis, parallel to y, under the wheelset's axle."""
 
     kind: Literal["rig"] = Field(description="rollers")
-    name: Name = Field(description="name of the rig")
-    description: str = optional("", "one line about the rig")
-    source: str = optional("", "where the data come from")
-    profile: AnyProfile = Field(description="generatrix of the left roller: a rail head")
-    right_profile: AnyProfile | None = optional(
-        None, "generatrix of the right roller, as a left one would have it; absent: the same"
-    )
-    gauge: Gauge = optional(1.435, "distance between the gauge sides of the two rollers")
-    gauge_depth: GaugeDepth = optional(0.014, "depth below the crown at which the gauge is taken")
-    contact_distance: Gauge | None = optional(None, CONTACT_DISTANCE)
     roller_radius: RollerRadius = Field(description="radius at the crown")
     roller_mass: Mass = Field(description="mass of a pair of rollers with their axle")
     roller_inertia: tuple[Inertia, Inertia, Inertia] = Field(
@@ -86,9 +71,6 @@ class Rig(WithGauge):
     restraint: Restraint | None = optional(
         None, "a coupler rod that holds a vehicle along the track which nothing else holds; absent: there is none"
     )
-    irregularity: AnyIrregularity | None = optional(
-        None, "irregularities of a track that actuators feed to the wheels by moving the rollers; absent: none"
-    )
     steered: StrictBool = optional(
         True,
         "steering of the rollers: with an irregularity they also turn about z into the direction of "
@@ -97,19 +79,14 @@ class Rig(WithGauge):
 
     spot: Spot | None = optional(None, "worn or out-of-round spot; absent: rollers are round")
 
-    @model_validator(mode="after")
-    def _spot_on_the_roller(self) -> "Rig":
+    def _mistakes(self) -> Mistakes:
+        yield from super()._mistakes()
         round_it = 2.0 * math.pi * self.roller_radius
         if self.spot is not None and self.spot.start + self.spot.length + 2.0 * self.spot.ramp > round_it:
-            raise refused("spot", f"allowed: start, both ramps and length within one turn, {round_it:.4g} m")
-        return self
-
-    @model_validator(mode="after")
-    def _possible_inertia(self) -> "Rig":
+            yield "spot", f"allowed: start, both ramps and length within one turn, {round_it:.4g} m"
         x, spin, z = self.roller_inertia
         if abs(x - z) > 1e-9 * x or spin > (x + z) * (1 + 1e-6):
-            raise refused("roller_inertia", "allowed: a body of revolution, [I, I_spin, I] with I_spin at most 2 I")
-        return self
+            yield "roller_inertia", "allowed: a body of revolution, [I, I_spin, I] with I_spin at most 2 I"
 
 
 Side = Literal["left", "right"]

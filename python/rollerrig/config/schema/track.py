@@ -1,12 +1,13 @@
 """Tables of a line: its layout, irregularities, and what carries rails and rollers."""
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeVar
 
-from pydantic import Discriminator, Field, SerializerFunctionWrapHandler, StrictInt, model_serializer, model_validator
+from pydantic import Discriminator, Field, SerializerFunctionWrapHandler, StrictInt, model_serializer
 
-from rollerrig.config.schema.base import Table, optional, refused
+from rollerrig.config.schema.base import Mistakes, Name, Sourced, Table, optional
 from rollerrig.config.schema.profile import AnyProfile, Inclination
 from rollerrig.config.schema.units import (
     Angle,
@@ -18,7 +19,6 @@ from rollerrig.config.schema.units import (
     PositiveStiffness,
     Quantity,
 )
-from rollerrig.config.schema.vehicle import Name
 from rollerrig.irregularity import RailIrregularity, generate, measured_irregularity, read_measured_track
 from rollerrig.track import Line, Segment, build_line
 
@@ -54,15 +54,11 @@ class SpectrumIrregularity(Deviation):
         2000.0, "distance after which the rails repeat; not tied to the run, so that a seed always means the same rails"
     )
 
-    @model_validator(mode="after")
-    def _ordered(self) -> "SpectrumIrregularity":
-        for key, value, name, least in (
-            ("longest_wavelength", self.longest_wavelength, "shortest_wavelength", self.shortest_wavelength),
-            ("period", self.period, "longest_wavelength", self.longest_wavelength),
-        ):
-            if value < least:
-                raise refused(key, f"allowed: at least {name}, {least:g} m")
-        return self
+    def _mistakes(self) -> Mistakes:
+        if self.longest_wavelength < self.shortest_wavelength:
+            yield "longest_wavelength", f"allowed: at least shortest_wavelength, {self.shortest_wavelength:g} m"
+        if self.period < self.longest_wavelength:
+            yield "period", f"allowed: at least longest_wavelength, {self.longest_wavelength:g} m"
 
 
 class MeasuredIrregularity(Deviation):
@@ -146,17 +142,12 @@ class Mounting(WithSupports):
         "left; those not named stand square; needs `yaw`",
     )
 
-    @model_validator(mode="after")
-    def _can_turn(self) -> "Mounting":
+    def _mistakes(self) -> Mistakes:
         if any(self.misalignment) and self.yaw is None:
-            raise refused("yaw", "needed: the support about z of a roller axle with a yaw misalignment")
-        if (
-            self.yaw is not None
-            and self.yaw.stiffness * max(map(abs, self.misalignment), default=0.0) > _LARGEST_MOMENT
-        ):
-            largest = f"{_LARGEST_MOMENT / self.yaw.stiffness:.3g} rad with this yaw stiffness"
-            raise refused("misalignment", f"allowed: at most {largest}, a moment of {_LARGEST_MOMENT:g} N m at rest")
-        return self
+            yield "yaw", "needed: the support about z of a roller axle with a yaw misalignment"
+        largest = _LARGEST_MOMENT / self.yaw.stiffness if self.yaw else math.inf
+        if max(map(abs, self.misalignment), default=0.0) > largest:
+            yield "misalignment", f"allowed: at most {largest:.3g} rad, a moment of {_LARGEST_MOMENT:g} N m at rest"
 
 
 class Restraint(Table):
@@ -175,11 +166,9 @@ class Sleeper(WithSupports):
     lateral: LinearSupport | None = optional(None, "ballast along y; absent: rigid")
     vertical: LinearSupport | None = optional(None, "ballast along z; absent: rigid")
 
-    @model_validator(mode="after")
-    def _moves(self) -> "Sleeper":
+    def _mistakes(self) -> Mistakes:
         if not self.laws:
-            raise refused("vertical", "needed: ballast along y or z; without both leave out the sleeper")
-        return self
+            yield "vertical", "needed: ballast along y or z; without both leave out the sleeper"
 
 
 class Foundation(WithSupports):
@@ -197,14 +186,9 @@ class Foundation(WithSupports):
     )
     sleeper: Sleeper | None = optional(None, "a second layer between the supports and the ground; absent: none")
 
-    @model_validator(mode="after")
-    def _moves(self) -> "Foundation":
+    def _mistakes(self) -> Mistakes:
         if not self.laws:
-            raise refused(
-                "lateral",
-                "needed: a support along y, z or about the foot, as flexible_track has them; without any leave it out",
-            )
-        return self
+            yield "lateral", "needed: a support along y, z or about the foot, as in flexible_track; else leave it out"
 
     @property
     def centre_height(self) -> float:
@@ -219,10 +203,6 @@ class Foundation(WithSupports):
 
 Gauge = Annotated[float, Quantity("m", 0.01, 5.0)]
 GaugeDepth = Annotated[float, Quantity("m", 1e-5, 0.05)]
-CONTACT_DISTANCE = (
-    "distance between the contacts of the centred wheelset, from which the gauge follows; in place of gauge, with the same head "
-    "left and right"
-)
 SegmentLength = Annotated[float, Quantity("m", 1e-3, 1e6)]
 Cant = Annotated[float, Quantity("m", -0.3, 0.3)]
 
@@ -230,43 +210,60 @@ Cant = Annotated[float, Quantity("m", -0.3, 0.3)]
 V = TypeVar("V")
 
 
-class WithGauge(Table):
+class WithGauge(Sourced):
     """What rails and rollers have in common: their gauge is given, or the distance of the contacts."""
 
-    @model_validator(mode="after")
-    def _gauge_given_once(self: Any) -> Any:
+    profile: AnyProfile = Field(description="head of the left rail, or generatrix of the left roller")
+    right_profile: AnyProfile | None = optional(None, "right one, as a left one would have it; absent: the same")
+    gauge: Gauge = optional(1.435, "distance between the gauge sides of the two rails or rollers")
+    gauge_depth: GaugeDepth = optional(0.014, "depth below the top of rail or the crown at which the gauge is taken")
+    contact_distance: Gauge | None = optional(
+        None,
+        "distance between the contacts of the centred wheelset, from which the gauge follows; in place of gauge, with the "
+        "same head left and right",
+    )
+    irregularity: AnyIrregularity | None = optional(
+        None,
+        "what the rails deviate from their design position; on a rig actuators feed it to the wheels by moving the rollers; "
+        "absent: nothing",
+    )
+
+    def _mistakes(self) -> Mistakes:
         if self.contact_distance is not None and "gauge" in self.model_fields_set:
-            raise refused("contact_distance", "allowed without gauge, which follows from it")
+            yield "contact_distance", "allowed without gauge, which follows from it"
         if self.contact_distance is not None and self.right_profile not in (None, self.profile):
-            raise refused("contact_distance", "allowed with the same head left and right; right_profile is another one")
-        return self
+            yield "contact_distance", "allowed with the same head left and right; right_profile is another one"
 
     @model_serializer(mode="wrap")
-    def _without_a_gauge_that_follows(self: Any, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+    def _without_a_gauge_that_follows(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
         tables: dict[str, Any] = handler(self)
         if self.contact_distance is not None:
             tables.pop("gauge", None)
         return tables
 
 
-_GAUGE = "gauge of its rails; absent: that of the track; transitions widen or narrow between their neighbours"
-_INCLINATION = "inclination of its rails in place of that of their profiles, a number or a ratio like '1:40'"
-_PROFILE = "head of its rails; absent: as the track has them; transitions blend between their neighbours"
-_RIGHT_PROFILE = "head of its right rail, as a left one would have it; absent: that of its left one"
-
 STEEPEST_CANT = 0.25
 """Largest cant over the distance it is measured on: 14 degrees, beyond all tracks."""
 
 
-class Straight(Table):
+class LaidSegment(Table):
+    """What a straight or a curve says of its rails; transitions pass from one of their neighbours to the other."""
+
+    length: SegmentLength = Field(description="length")
+    gauge: Gauge | None = optional(None, "gauge of its rails; absent: that of the track")
+    inclination: Inclination | None = optional(
+        None, "inclination of its rails in place of that of their profiles, a number or a ratio like '1:40'"
+    )
+    profile: AnyProfile | None = optional(None, "head of its rails; absent: as the track has them")
+    right_profile: AnyProfile | None = optional(
+        None, "head of its right rail, as a left one would have it; absent: that of its left one"
+    )
+
+
+class Straight(LaidSegment):
     """A straight, without cant."""
 
     kind: Literal["straight"] = Field(description="no curvature, no cant")
-    length: SegmentLength = Field(description="length")
-    gauge: Gauge | None = optional(None, _GAUGE)
-    inclination: Inclination | None = optional(None, _INCLINATION)
-    profile: AnyProfile | None = optional(None, _PROFILE)
-    right_profile: AnyProfile | None = optional(None, _RIGHT_PROFILE)
 
 
 class Transition(Table):
@@ -279,18 +276,13 @@ class Transition(Table):
     )
 
 
-class Curve(Table):
+class Curve(LaidSegment):
     """A circular curve."""
 
     kind: Literal["curve"] = Field(description="constant curvature and cant")
-    length: SegmentLength = Field(description="length")
     radius: Annotated[float, Quantity("m", 20.0, 1e7)] = Field(description="radius of the track's middle")
     direction: Literal["left", "right"] = optional("left", "where it leads")
     cant: Cant = optional(0.0, "height of the outer rail over the inner one")
-    gauge: Gauge | None = optional(None, _GAUGE)
-    inclination: Inclination | None = optional(None, _INCLINATION)
-    profile: AnyProfile | None = optional(None, _PROFILE)
-    right_profile: AnyProfile | None = optional(None, _RIGHT_PROFILE)
 
 
 AnySegment = Annotated[Straight | Transition | Curve, Discriminator("kind")]
@@ -300,16 +292,6 @@ class Track(WithGauge):
     """A track: the rig's limit of an infinite roller radius; straight, smooth and rigid unless it says otherwise."""
 
     kind: Literal["track"] = Field(description="rails")
-    name: Name = Field(description="name of the track")
-    description: str = optional("", "one line about the track")
-    source: str = optional("", "where the data come from")
-    profile: AnyProfile = Field(description="head of the left rail")
-    right_profile: AnyProfile | None = optional(
-        None, "head of the right rail, as a left one would have it; absent: the same"
-    )
-    gauge: Gauge = optional(1.435, "distance between the gauge sides of the two rails")
-    gauge_depth: GaugeDepth = optional(0.014, "depth below the top of rail at which the gauge is taken")
-    contact_distance: Gauge | None = optional(None, CONTACT_DISTANCE)
     segment: tuple[AnySegment, ...] = Field(
         default=(),
         max_length=1000,
@@ -320,18 +302,13 @@ class Track(WithGauge):
         4.0, "length over which a corner of curvature and cant is rounded by a parabola"
     )
     cant_base: Annotated[float, Quantity("m", 0.01, 5.0)] = optional(1.5, "distance over which cant is measured")
-    irregularity: AnyIrregularity | None = optional(
-        None, "what the rails deviate from their design position; absent: nothing"
-    )
     foundation: Foundation | None = optional(None, "what the rails lie on; absent: rigid")
 
-    @model_validator(mode="after")
-    def _cant_within_its_base(self) -> "Track":
+    def _mistakes(self) -> Mistakes:
+        yield from super()._mistakes()
         largest = max((abs(segment.cant) for segment in self.segment if isinstance(segment, Curve)), default=0.0)
         if largest > STEEPEST_CANT * self.cant_base:
-            least = largest / STEEPEST_CANT
-            raise refused("cant_base", f"allowed: at least four times the largest cant, {least:g} m")
-        return self
+            yield "cant_base", f"allowed: at least four times the largest cant, {largest / STEEPEST_CANT:g} m"
 
     @property
     def line(self) -> Line | None:

@@ -6,18 +6,20 @@ of rail.
 
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, StrictBool, model_validator
+from pydantic import Field, StrictBool
 
 from rollerrig.config.schema.base import (
     ForceOverDeflection,
     ForceOverSpeed,
+    Mistakes,
     MomentOverAngle,
     MomentOverRate,
+    Name,
+    Sourced,
     Table,
     Vector,
     instead_of,
     optional,
-    refused,
 )
 from rollerrig.config.schema.profile import AnyProfile
 from rollerrig.config.schema.units import (
@@ -39,7 +41,6 @@ from rollerrig.config.schema.units import (
 
 Direction = Literal["x", "y", "z", "roll", "pitch", "yaw"]
 DIRECTIONS: tuple[Direction, ...] = ("x", "y", "z", "roll", "pitch", "yaw")
-Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9_\-]{1,60}$")]
 
 
 class Wheel(Table):
@@ -70,18 +71,13 @@ class Body(Table):
     position: Vector = Field(description="design position of the centre of mass", json_schema_extra=instead_of("at"))
     locked: tuple[Direction, ...] = optional((), "directions in which the body cannot move")
 
-    @model_validator(mode="after")
-    def _possible_inertia(self) -> "Body":
+    def _mistakes(self) -> Mistakes:
         x, _, z = self.inertia
         largest, total = max(self.inertia), sum(self.inertia)
         if largest > (total - largest) * (1 + 1e-6):
-            raise refused("inertia", "allowed: no moment of inertia may exceed the sum of the other two")
+            yield "inertia", "allowed: no moment of inertia may exceed the sum of the other two"
         if self.kind == "wheelset" and abs(x - z) > 1e-9 * x:
-            raise refused(
-                "inertia",
-                f"allowed for a wheelset: the same moment about x and z, a body of revolution; {x:g} is not {z:g}",
-            )
-        return self
+            yield "inertia", f"allowed for a wheelset, a body of revolution: {x:g} about x and z, or {z:g} about both"
 
 
 SHORTEST_RELAXATION = 1e-12
@@ -94,15 +90,13 @@ class SeriesDamper(Table):
     damping: PositiveDamping = Field(description="damping")
     series_stiffness: PositiveStiffness = Field(description="stiffness of the spring in series")
 
-    @model_validator(mode="after")
-    def _relaxes(self) -> "SeriesDamper":
+    def _mistakes(self) -> Mistakes:
         least = SHORTEST_RELAXATION * self.series_stiffness
         if self.damping < least:
             allowed = (
                 f"allowed: at least {least:g} beside that stiffness; a damper that gives way so fast carries nothing"
             )
-            raise refused("damping", allowed)
-        return self
+            yield "damping", allowed
 
 
 class AngularSeriesDamper(SeriesDamper):
@@ -115,16 +109,14 @@ class AngularSeriesDamper(SeriesDamper):
 class Law(Table):
     """What laws along and about an axis have in common: one spring, one damper, and that it dissipates."""
 
-    @model_validator(mode="after")
-    def _consistent(self) -> "Law":
+    def _mistakes(self) -> Mistakes:
         for one, table in (("stiffness", "table"), ("damping", "damping_table")):
             if getattr(self, one) is not None and getattr(self, table) is not None:
-                raise refused(table, f"allowed: `{one}` or `{table}`; for both at once write two elements")
+                yield table, f"allowed: `{one}` or `{table}`; for both at once write two elements"
         for speed, force in getattr(self, "damping_table", None) or ():
             if speed * force < 0 or (speed == 0 and force != 0):
                 allowed = f"allowed: a force of the speed's sign, 0 at rest; [{speed:g}, {force:g}] would feed energy"
-                raise refused("damping_table", allowed)
-        return self
+                yield "damping_table", allowed
 
 
 class LinearLaw(Law):
@@ -187,27 +179,19 @@ class Element(Table):
     pitch: AngularLaw | None = optional(None, "law about y")
     yaw: AngularLaw | None = optional(None, "law about z")
 
-    @model_validator(mode="after")
-    def _complete(self) -> "Element":
+    def _mistakes(self) -> Mistakes:
         if (self.point is None) == (self.points is None):
-            raise refused("point", "allowed: one of `point = [x, y, z]` and `points = [[x, y, z], [x, y, z]]`")
+            yield "point", "allowed: one of `point = [x, y, z]` and `points = [[x, y, z], [x, y, z]]`"
         if not self.laws:
-            raise refused("x", "needed: a law in at least one of the directions x, y, z, roll, pitch, yaw")
+            yield "x", "needed: a law in at least one of the directions x, y, z, roll, pitch, yaw"
         if self.between[0] == self.between[1]:
-            raise refused("between", "allowed: two different bodies")
+            yield "between", "allowed: two different bodies"
         if self.clamped and self.points is not None:
-            raise refused("clamped", "allowed: true only with `point`, the middle of the spring, not with `points`")
-        if self.carries_load:
-            self._can_carry()
-        return self
-
-    def _can_carry(self) -> None:
-        if self.z is None or (not self.z.stiffness and self.z.table is None):
-            raise refused(
-                "carries_load", "allowed: true only where the element has a vertical spring (z.stiffness or z.table)"
-            )
-        if self.z.preload:
-            raise refused("z.preload", "allowed: no z.preload beside carries_load = true, which solves it")
+            yield "clamped", "allowed: true only with `point`, the middle of the spring, not with `points`"
+        if self.carries_load and (self.z is None or (not self.z.stiffness and self.z.table is None)):
+            yield "carries_load", "allowed: true only where the element has a vertical spring (z.stiffness or z.table)"
+        if self.carries_load and self.z and self.z.preload:
+            yield "z.preload", "allowed: no z.preload beside carries_load = true, which solves it"
 
     @property
     def end_a(self) -> tuple[float, float, float]:
@@ -233,12 +217,9 @@ class Cut(Table):
     origin_x: Position = optional(0.0, "x of the cut's own origin in the vehicle's frame")
 
 
-class Vehicle(Table):
+class Vehicle(Sourced):
     """A whole vehicle; `cut` names the parts of it that are run alone."""
 
-    name: Name = Field(description="name of the vehicle")
-    description: str = optional("", "one line about the vehicle")
-    source: str = optional("", "where the data come from")
     wheel: Wheel = Field(description="the wheels")
     body: tuple[Body, ...] = Field(min_length=1, max_length=200, description="the bodies")
     element: tuple[Element, ...] = Field(default=(), max_length=2000, description="the force elements")
