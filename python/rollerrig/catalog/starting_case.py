@@ -15,7 +15,7 @@ from rollerrig.config.errors import ConfigError, ConfigProblem, show_value
 from rollerrig.config.read import catalog_file, catalog_names, schema_uri
 from rollerrig.config.schema.vehicle import Vehicle
 from rollerrig.config.write.explain import KeyPlace, key_places, unit_text
-from rollerrig.config.write.toml import is_table, key_text, literal, plain
+from rollerrig.config.write.toml import is_table, key_text, literal, literal_on_one_line, plain
 
 Raw = dict[str, Any]
 
@@ -112,6 +112,5 @@ def _offered(table: Raw, above: str) -> list[str]:
     for place in places:
         key, default = place.key.rpartition(".")[2], place.field.default
         if key not in table and isinstance(default, str | float | int | tuple) and default not in ("", ()):
-            value = literal(plain(default)).replace(",\n", ", ").replace("\n", "")
-            lines.append(f"# {key} = {value}  # {_said(place)}".rstrip(" #"))
+            lines.append(f"# {key} = {literal_on_one_line(plain(default))}  # {_said(place)}".rstrip(" #"))
     return ["# what it has by default:", *lines] if lines else []

@@ -54,7 +54,7 @@ def _from_file(value: Any) -> Any:
     return {"file": value} if isinstance(value, str) else dict(value) if isinstance(value, Mapping) else value
 
 
-AnyControllerFmu = Annotated[ControllerFmu, BeforeValidator(_from_file), OrShort({"type": "string"})]
+AnyControllerFmu = Annotated[ControllerFmu, BeforeValidator(_from_file), OrShort({"type": "string"}, words="a text")]
 
 
 TorqueOverSpeed = Rows[Annotated[float, Quantity("rad/s", 0.0, 1e5)], Annotated[float, Quantity("N m", 0.0, 1e9)]]

@@ -58,7 +58,9 @@ def _by_name(value: Any) -> Any:
 _RECOVERY = {"area": Quantity("m^2/J", 0.0, 1e6), "length": Quantity("m/J", 0.0, 1e6)}
 
 
-AnyCondition = Annotated[Condition, BeforeValidator(_by_name), OrShort({"enum": list(CONDITIONS)})]
+AnyCondition = Annotated[
+    Condition, BeforeValidator(_by_name), OrShort({"enum": list(CONDITIONS)}, words=", ".join(CONDITIONS))
+]
 
 
 class Piece(Table):

@@ -1,6 +1,6 @@
 """The model all configuration tables derive from, and the tables of numbers inside them."""
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Annotated, Any, Self, TypeVar, get_args
 
 from pydantic import (
@@ -35,16 +35,18 @@ def optional(default: Any, description: str) -> Any:
     return Field(default=default, description=description)
 
 
-def quantity_of(annotation: object, metadata: object = ()) -> Quantity | None:
-    """The Quantity of a field that is one number or a list of such numbers; None if it has none."""
-    for item in metadata if isinstance(metadata, list | tuple) else ():
+def quantities_in(annotation: object, metadata: Iterable[object] = ()) -> Iterator[Quantity]:
+    """The quantities of a field that is one number, or of the numbers of a list."""
+    for item in (*metadata, *getattr(annotation, "__metadata__", ()), *get_args(annotation)):
         if isinstance(item, Quantity):
-            return item
-    for inner in (*getattr(annotation, "__metadata__", ()), *get_args(annotation)):
-        found = inner if isinstance(inner, Quantity) else quantity_of(inner)
-        if found:
-            return found
-    return None
+            yield item
+        else:
+            yield from quantities_in(item)
+
+
+def quantity_of(annotation: object, metadata: Iterable[object] = ()) -> Quantity | None:
+    """The first of them; None if there is none."""
+    return next(quantities_in(annotation, metadata), None)
 
 
 def refused(key: str, allowed: str) -> PydanticCustomError:
@@ -68,10 +70,10 @@ USUAL_KIND = "x-usual-kind"
 
 
 class OrShort:
-    """Mark of a table in place of which a file may write something shorter, for the JSON Schema."""
+    """Mark of a table in place of which a file may write something shorter: in words, and for the JSON Schema."""
 
-    def __init__(self, *alternatives: dict[str, Any]) -> None:
-        self.alternatives = alternatives
+    def __init__(self, *alternatives: dict[str, Any], words: str) -> None:
+        self.alternatives, self.words = alternatives, words
 
     def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
         """The alternatives beside the table."""
@@ -80,6 +82,8 @@ class OrShort:
 
 class by_kind:  # noqa: N801 (stands among the annotations of pydantic)
     """A name alone asks for that kind with its defaults, a table without `kind` for the usual one; "": none is usual."""
+
+    words = "the name of a kind"
 
     def __init__(self, usual: str = "") -> None:
         self.usual = usual

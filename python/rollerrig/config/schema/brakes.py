@@ -280,8 +280,8 @@ class SandOnSlide(Table):
 class SandBetween(Table):
     """Sand from a begin to an end."""
 
-    begin: float = Field(description="begin of sanding")
-    end: float = Field(description="end of sanding")
+    begin: Place = Field(description="begin of sanding")
+    end: Place = Field(description="end of sanding")
 
     def _mistakes(self) -> Mistakes:
         if not self.begin < self.end:

@@ -223,6 +223,6 @@ AnyFriction = Annotated[
     ConstantFriction | FallingFriction,
     Discriminator("kind"),
     BeforeValidator(_friction),
-    OrShort({"type": ["number", "string"]}),
+    OrShort({"type": ["number", "string"]}, words="a number"),
 ]
 FRICTION_LAWS = kinds(AnyFriction)

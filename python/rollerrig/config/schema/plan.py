@@ -111,7 +111,9 @@ class Design(Table):
             yield "samples", f"allowed with {self.kind}: a power of 2, such as {below} or {2 * below}"
 
 
-AnyDesign = Annotated[Design, BeforeValidator(by_kind().completed), OrShort({"enum": ["grid", "list"]})]
+AnyDesign = Annotated[
+    Design, BeforeValidator(by_kind().completed), OrShort({"enum": ["grid", "list"]}, words="grid, list")
+]
 
 
 class Measure(Table):

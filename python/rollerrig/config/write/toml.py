@@ -123,6 +123,11 @@ def literal(value: Any) -> str:
     return repr(value)
 
 
+def literal_on_one_line(value: Any) -> str:
+    """The same, also a list of lists."""
+    return literal(value).replace("\n    ", "").replace(",\n]", "]").replace(",[", ", [")
+
+
 def plain(value: Any) -> Any:
     """Models as tables, tuples as lists, unset keys left out: what TOML can hold.
 
