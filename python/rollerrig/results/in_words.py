@@ -5,13 +5,12 @@
 Of a run: what ran, how long, how it ended, its energy residual. Of anything else: what it is over, and what it holds.
 """
 
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 import xarray as xr
 
-from rollerrig.common.formatting import html_rows, number, quantity
+from rollerrig.common.formatting import Summary, number, quantity
 from rollerrig.results.files import load_run
 from rollerrig.results.run_info import ATTRIBUTE, RunInfo
 
@@ -22,21 +21,6 @@ _NAMED = 8
 """Variables, of results that are no run."""
 _UNITS = {"kmh": "km/h", "hz": "Hz", "s": "s", "m": "m", "n": "N", "rad": "rad", "nm": "N m"}
 """In which the names of attributes end."""
-
-
-@dataclass(frozen=True)
-class Summary:
-    """What results say in a few lines: a headline, rows of what and the words; it prints them."""
-
-    headline: str
-    rows: tuple[tuple[str, str], ...]
-
-    def __repr__(self) -> str:
-        width = max((len(what) for what, _ in self.rows), default=0)
-        return "\n".join([self.headline, *(f"  {what:{width}}  {words}" for what, words in self.rows)])
-
-    def _repr_html_(self) -> str:
-        return html_rows(self.headline, self.rows)
 
 
 def summary(results: xr.Dataset | str | Path) -> Summary:

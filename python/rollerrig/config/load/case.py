@@ -42,7 +42,6 @@ from rollerrig.config.write.differences import (
     OWN_KEYS,
     Differences,
     differences,
-    in_html,
     in_words,
     tables_of,
     text_from_base,
@@ -67,12 +66,12 @@ class Case(CaseTables):
     """
 
     def __repr__(self) -> str:
-        return in_words(self)
+        return repr(in_words(self))
 
     __str__ = __repr__
 
     def _repr_html_(self) -> str:
-        return in_html(self)
+        return in_words(self)._repr_html_()
 
     def with_changes(self, changes: Mapping[str, object]) -> "Case":
         """A copy with some values replaced, checked like a file.

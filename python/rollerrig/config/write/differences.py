@@ -1,7 +1,7 @@
 """Differences between two cases, and a case in words.
 
     two cases -> [differences] -> {"motion.speed": (41.7, 33.3)} -> [text_from_base] -> TOML text with `base`
-    Case -> [rows] -> (what, words) -> text, HTML
+    Case -> [in_words] -> Summary: (what, words) -> text, HTML
 
 A key that one of them does not have is None there. Items of a list are identified by their names while both lists have the same
 ones; else the whole list is one value.
@@ -11,7 +11,7 @@ from collections.abc import Iterator
 from html import escape
 from typing import Any
 
-from rollerrig.common.formatting import html_rows, number
+from rollerrig.common.formatting import Summary, number
 from rollerrig.config.errors import show_value
 from rollerrig.config.schema.case import CaseTables, Contact, SupportChoice, VehicleChoice
 from rollerrig.config.schema.support import Rig
@@ -117,7 +117,7 @@ ACTING = (
 )  # fmt: skip
 
 
-def rows(case: CaseTables) -> list[tuple[str, str]]:
+def in_words(case: CaseTables) -> Summary:
     """What the case is made of, a row each."""
     vehicle, support, contact, time = case.vehicle, case.support.data, case.contact, case.time
     part = "" if vehicle.cut == "vehicle" else f", {vehicle.cut}"
@@ -134,24 +134,11 @@ def rows(case: CaseTables) -> list[tuple[str, str]]:
         ("time", f"{time.duration:g} s, kept every {1e3 * time.output_step:g} ms; {method}"
                  + (f", step {1e3 * step:g} ms" if step else "")),
     ]  # fmt: skip
-    return [*found, *([("acting", ", ".join(acting))] if acting else [])]
+    headline = f"Case {case.name}" + (f": {case.description}" if case.description else "")
+    return Summary(headline, (*found, *([("acting", ", ".join(acting))] if acting else [])))
 
 
 def _friction(contact: Contact) -> str:
     law, face = contact.friction, contact.gauge_face_friction
     top = f"{law.mu_0:g}" if law.kind == "constant" else law.kind
     return top if face is None else f"{top} ({face:g} on the gauge face)"
-
-
-def in_words(case: CaseTables) -> str:
-    """A headline and a line per row."""
-    return "\n".join([_headline(case), *(f"  {what:8} {words}" for what, words in rows(case))])
-
-
-def in_html(case: CaseTables) -> str:
-    """The same as a table."""
-    return html_rows(_headline(case), rows(case))
-
-
-def _headline(case: CaseTables) -> str:
-    return f"Case {case.name}" + (f": {case.description}" if case.description else "")
