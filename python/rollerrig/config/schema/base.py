@@ -29,10 +29,18 @@ from rollerrig.config.schema.units import (
     Torque,
 )
 
+INSTEAD_OF = "x-instead-of"
 
-def optional(default: Any, description: str) -> Any:
-    """A key that a file may leave out: its default, and what it means."""
-    return Field(default=default, description=description)
+
+def optional(default: Any, description: str, **limits: Any) -> Any:
+    """A key that a file may leave out: its default, what it means, and limits of pydantic's."""
+    return Field(default=default, description=description, **limits)
+
+
+def needed(description: str, *, instead_of: str = "", **limits: Any) -> Any:
+    """A key that a file must give; but for that of ``instead_of``, with which it has a value once the file is read."""
+    extra: dict[str, JsonValue] | None = {INSTEAD_OF: instead_of} if instead_of else None
+    return Field(description=description, json_schema_extra=extra, **limits)
 
 
 def quantities_in(annotation: object, metadata: Iterable[object] = ()) -> Iterator[Quantity]:
@@ -56,14 +64,6 @@ def refused(key: str, allowed: str) -> PydanticCustomError:
 
 Mistakes = Iterator[tuple[str, str]]
 """Keys of a table, and what may stand there."""
-
-
-INSTEAD_OF = "x-instead-of"
-
-
-def instead_of(key: str) -> dict[str, JsonValue]:
-    """Mark of a field that a file may leave out where it gives ``key``; it has a value once the file is read."""
-    return {INSTEAD_OF: key}
 
 
 USUAL_KIND = "x-usual-kind"
@@ -146,7 +146,7 @@ Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9_\-]{1,60}$")]
 class Named(Table):
     """A table that stands for itself: a file of its own, or a part of one."""
 
-    name: Name = Field(description="its name, in results and messages")
+    name: Name = needed("its name, in results and messages")
     description: str = optional("", "one line about it")
 
 

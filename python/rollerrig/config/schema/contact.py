@@ -9,9 +9,9 @@ header: docs/how_to/contact_law.md.
 from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Literal, get_args
 
-from pydantic import BeforeValidator, Discriminator, Field, RootModel, StrictBool, model_validator
+from pydantic import BeforeValidator, Discriminator, RootModel, StrictBool, model_validator
 
-from rollerrig.config.schema.base import Mistakes, OrShort, Sourced, Table, by_kind, instead_of, optional, refused
+from rollerrig.config.schema.base import Mistakes, OrShort, Sourced, Table, by_kind, needed, optional, refused
 from rollerrig.config.schema.units import Quantity
 
 _MODULUS = Quantity("Pa", 1e5, 1e14)
@@ -22,13 +22,9 @@ _MODULI = ("young_modulus", "shear_modulus")
 class Material(Sourced):
     """An isotropic elastic material; one of the two moduli may be left out and follows from E = 2 G (1 + nu)."""
 
-    poisson_ratio: Annotated[float, _POISSON] = Field(description="Poisson's ratio nu")
-    young_modulus: Annotated[float, _MODULUS] = Field(
-        description="Young's modulus E", json_schema_extra=instead_of("shear_modulus")
-    )
-    shear_modulus: Annotated[float, _MODULUS] = Field(
-        description="shear modulus G", json_schema_extra=instead_of("young_modulus")
-    )
+    poisson_ratio: Annotated[float, _POISSON] = needed("Poisson's ratio nu")
+    young_modulus: Annotated[float, _MODULUS] = needed("Young's modulus E", instead_of="shear_modulus")
+    shear_modulus: Annotated[float, _MODULUS] = needed("shear modulus G", instead_of="young_modulus")
 
     @model_validator(mode="before")
     @classmethod
@@ -67,37 +63,31 @@ def kinds(laws: Any) -> tuple[str, ...]:
 class KalkerSaturated(Table):
     """The paper's creep law: Kalker's linear theory, saturated by friction with the cubic of Johnson and Vermeulen."""
 
-    limitation: ClassVar[str] = (
-        "The creep force follows Kalker's linear theory, saturated by friction with a heuristic law."
-    )
-    kind: Literal["kalker_saturated"] = Field(description="the paper's law, (20), (23), (24)")
+    limitation: ClassVar[str] = "The creep force follows Kalker's linear theory, with a heuristic limit of friction."
+    kind: Literal["kalker_saturated"] = needed("the paper's law, (20), (23), (24)")
     saturate_spin_moment: StrictBool = optional(False, "scale the spin moment like the force; the paper does not")
 
 
 class KalkerLinear(Table):
     """Kalker's linear theory: no limit of adhesion."""
 
-    limitation: ClassVar[str] = (
-        "The creep force follows Kalker's linear theory without a friction limit: it is valid for small creepage."
-    )
-    kind: Literal["kalker_linear"] = Field(description="Kalker's linear theory, (20)")
+    limitation: ClassVar[str] = "The creep force follows Kalker's linear theory: valid for small creepage."
+    kind: Literal["kalker_linear"] = needed("Kalker's linear theory, (20)")
 
 
 class Coefficients(Table):
     """Kalker's linear theory with coefficients of each patch as given, as textbooks state them."""
 
     limitation: ClassVar[str] = (
-        "The creep force has coefficients as given, whatever the load and the size of the patch; friction, if at all, limits it "
-        "by a heuristic law."
+        "The creep force has coefficients as given, whatever the load; friction, if at all, limits it heuristically."
     )
-    kind: Literal["coefficients"] = Field(description="coefficients as given, of one wheel")
-    f11: Annotated[float, Quantity("N", 0.0, 1e12)] = Field(description="longitudinal coefficient")
-    f22: Annotated[float, Quantity("N", 0.0, 1e12)] = Field(description="lateral coefficient")
+    kind: Literal["coefficients"] = needed("coefficients as given, of one wheel")
+    f11: Annotated[float, Quantity("N", 0.0, 1e12)] = needed("longitudinal coefficient")
+    f22: Annotated[float, Quantity("N", 0.0, 1e12)] = needed("lateral coefficient")
     f23: Annotated[float, Quantity("N m", 0.0, 1e9)] = optional(0.0, "coefficient of lateral creepage and spin")
     f33: Annotated[float, Quantity("N m^2", 0.0, 1e9)] = optional(0.0, "spin coefficient")
     saturation: StrictBool = optional(
-        True,
-        "limit of friction by the cubic of Johnson and Vermeulen, (23), forces and moment alike; false: linear, without limit",
+        True, "limit of friction by the cubic of Johnson and Vermeulen, (23), forces and moment alike; false: none"
     )
 
 
@@ -105,16 +95,14 @@ class Fastsim(Table):
     """Kalker's algorithm FASTSIM."""
 
     limitation: ClassVar[str] = "The creep force follows Kalker's simplified theory (FASTSIM) on an elliptical patch."
-    kind: Literal["fastsim"] = Field(description="Kalker's simplified theory, three flexibilities")
+    kind: Literal["fastsim"] = needed("Kalker's simplified theory, three flexibilities")
 
 
 class ModifiedFastsim(Table):
     """FASTSIM with flexibilities of its own for spin; k_0 (k_inf + (1 - k_inf)/(1 + beta eps)) of Kalker's stiffness is left."""
 
-    limitation: ClassVar[str] = (
-        "The creep force follows the modified FASTSIM, with an empirical reduction of the initial stiffness."
-    )
-    kind: Literal["modified_fastsim"] = Field(description="FASTSIM for clean, wet and contaminated surfaces")
+    limitation: ClassVar[str] = "The creep force follows the modified FASTSIM, with an empirical initial stiffness."
+    kind: Literal["modified_fastsim"] = needed("FASTSIM for clean, wet and contaminated surfaces")
     k_0: Share = optional(1.0, "what is left of Kalker's stiffness at small creepage")
     k_inf: Share = optional(1.0, "what is left of k_0 at large creepage")
     beta: Annotated[float, Quantity("1", 0.0, 1e3)] = optional(
@@ -125,32 +113,24 @@ class ModifiedFastsim(Table):
 class Polach(Table):
     """Polach's creep law with spin: k_A, k_S are 1.0 and 0.4 on dry rails, 0.3 and 0.1 on wet ones (2005); 1 and 1: clean."""
 
-    limitation: ClassVar[str] = (
-        "The creep force follows Polach's law: an elliptical patch, and spin by an approximate closed form."
-    )
-    kind: Literal["polach"] = Field(description="Polach's closed form")
-    k_A: Share = Field(description="what is left of the stiffness on the area of adhesion")
-    k_S: Share = Field(description="what is left of it on the area of slip; at most k_A")
+    limitation: ClassVar[str] = "The creep force follows Polach's law: an elliptical patch, spin approximately."
+    kind: Literal["polach"] = needed("Polach's closed form")
+    k_A: Share = needed("what is left of the stiffness on the area of adhesion")
+    k_S: Share = needed("what is left of it on the area of slip; at most k_A")
 
 
 class ExactTable(Table):
     """Kalker's exact theory of rolling contact, read from the table that rollerrig ships."""
 
-    limitation: ClassVar[str] = (
-        "The creep force is interpolated in a table of Kalker's exact theory for elliptical patches."
-    )
-    kind: Literal["table"] = Field(description="the exact theory as a smooth function")
+    limitation: ClassVar[str] = "The creep force is interpolated in a table of Kalker's exact theory of ellipses."
+    kind: Literal["table"] = needed("the exact theory as a smooth function")
 
 
 class StripTheory(Table):
     """Creep forces strip by strip, for patches that are bent: on a flat ellipse those of the table."""
 
-    limitation: ClassVar[str] = (
-        "The creep force is that of strips with their own normals and spin, corrected by Kalker's exact theory of an ellipse."
-    )
-    kind: Literal["strip_theory"] = Field(
-        description='each strip of the patch with its own normal, creepage and spin; asks for `contact.normal = "strips"`'
-    )
+    limitation: ClassVar[str] = "The creep force is of strips with own normals and spin, corrected by exact theory."
+    kind: Literal["strip_theory"] = needed("each strip with its own normal, creepage and spin; with normal = 'strips'")
 
 
 AnyCreep = Annotated[
@@ -170,10 +150,9 @@ class Hertz(Table):
     """The paper's normal contact: Hertz' ellipse at each indented minimum of the gap."""
 
     limitation: ClassVar[str] = (
-        "Each contact patch is a Hertzian ellipse, also where two patches of a wheel lie close together or the curvature "
-        "changes within a patch."
+        "Each contact patch is a Hertzian ellipse, also where patches lie close together or their curvature changes."
     )
-    kind: Literal["hertz"] = Field(description="one ellipse per indented minimum")
+    kind: Literal["hertz"] = needed("one ellipse per indented minimum")
     merging_criterion: Annotated[float, Quantity("1", 0.0, 1.0)] = optional(
         0.01,
         "two patches merge smoothly once the rise between them is below this fraction of the approach; 0: the "
@@ -184,10 +163,8 @@ class Hertz(Table):
 class Strips(Table):
     """Elastic strips over everything that overlaps: non-elliptical contact patches."""
 
-    limitation: ClassVar[str] = (
-        "The normal contact is that of elastic strips: non-elliptical patches, whose pressures are approximate."
-    )
-    kind: Literal["strips"] = Field(description="non-elliptical contact patches")
+    limitation: ClassVar[str] = "The normal contact is of elastic strips: non-elliptical, approximate pressures."
+    kind: Literal["strips"] = needed("non-elliptical contact patches")
 
 
 AnyNormal = Annotated[Hertz | Strips, Discriminator("kind"), by_kind()]
@@ -199,16 +176,16 @@ class ConstantFriction(Table):
     """Coulomb's friction."""
 
     limitation: ClassVar[str] = "The coefficient of friction is constant."
-    kind: Literal["constant"] = Field(description="one coefficient")
-    mu_0: Friction = Field(description="coefficient of friction")
+    kind: Literal["constant"] = needed("one coefficient")
+    mu_0: Friction = needed("coefficient of friction")
 
 
 class FallingFriction(Table):
     """Friction that falls with slip velocity w: mu_0 ((1 - A) exp(-B w) + A)."""
 
     limitation: ClassVar[str] = "Friction depends on the slip velocity alone, not on temperature or contamination."
-    kind: Literal["falling"] = Field(description="Polach's friction")
-    mu_0: Friction = Field(description="coefficient of friction at no slip")
+    kind: Literal["falling"] = needed("Polach's friction")
+    mu_0: Friction = needed("coefficient of friction at no slip")
     A: Fraction = optional(1.0, "friction at large slip over mu_0; 1: Coulomb's law")
     B: Annotated[float, Quantity("s/m", 0.0, 1e4)] = optional(0.0, "how fast it falls with slip")
 

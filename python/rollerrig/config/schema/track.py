@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal, TypeVar
 
 from pydantic import Discriminator, Field, SerializerFunctionWrapHandler, StrictInt, model_serializer
 
-from rollerrig.config.schema.base import Mistakes, Name, Sourced, Table, optional
+from rollerrig.config.schema.base import Mistakes, Name, Sourced, Table, needed, optional
 from rollerrig.config.schema.profile import AnyProfile, Inclination
 from rollerrig.config.schema.units import (
     Angle,
@@ -27,9 +27,7 @@ class Deviation(Table):
     """What every irregularity may say about itself."""
 
     length_scale: Annotated[float, Quantity("1", 1e-3, 10.0)] = optional(
-        1.0,
-        "factor on all lengths, along the track and of the displacements: 0.2 are the rails of a 1:5 model; every "
-        "other key is that of the full-scale track",
+        1.0, "factor on all lengths and displacements: 0.2 are the rails of a 1:5 model; other keys stay full-scale"
     )
 
     fade_in: Annotated[float, Quantity("m", 0.0, 1e4)] = optional(
@@ -43,11 +41,9 @@ class Deviation(Table):
 class SpectrumIrregularity(Deviation):
     """Rails with a published spectrum, random phases: alignment, vertical, cross level and gauge."""
 
-    kind: Literal["ore_b176"] = Field(description="the spectra of ORE B 176, generated; repeats after `period`")
-    level: Literal["low", "high"] = Field(description="level of the spectra")
-    seed: Annotated[StrictInt, Field(ge=0, le=2**32 - 1)] = optional(
-        1, "another number, other rails of the same spectrum"
-    )
+    kind: Literal["ore_b176"] = needed("the spectra of ORE B 176, generated; repeats after `period`")
+    level: Literal["low", "high"] = needed("level of the spectra")
+    seed: Annotated[StrictInt, Field(ge=0, le=2**32 - 1)] = optional(1, "another number, other rails of the spectrum")
     shortest_wavelength: Annotated[float, Quantity("m", 0.5, 1e3)] = optional(3.0, "shortest wave")
     longest_wavelength: Annotated[float, Quantity("m", 0.5, 1e4)] = optional(100.0, "longest wave")
     period: Annotated[float, Quantity("m", 1.0, 1e5)] = optional(
@@ -64,12 +60,11 @@ class SpectrumIrregularity(Deviation):
 class MeasuredIrregularity(Deviation):
     """Rails from a measured file."""
 
-    kind: Literal["file"] = Field(description="a CSV file of measured rails, columns with units")
-    path: str = Field(min_length=1, description="the file, relative to the file that names it")
+    kind: Literal["file"] = needed("a CSV file of measured rails, columns with units")
+    path: str = needed("the file, relative to the file that names it", min_length=1)
     start: Annotated[float, Quantity("m", -1e6, 1e6)] | None = optional(
         None,
-        "distance in the file at which the middle of the vehicle (or of its cut) starts; absent: the "
-        "foremost wheelset starts at the first row",
+        "distance in the file at which the vehicle's middle starts; absent: the foremost wheelset at the first row",
     )
 
 
@@ -104,14 +99,14 @@ def rails_of_run(
 class LinearSupport(Table):
     """Elastic support along one axis."""
 
-    stiffness: PositiveStiffness = Field(description="stiffness")
+    stiffness: PositiveStiffness = needed("stiffness")
     damping: Damping = optional(0.0, "damping")
 
 
 class AngularSupport(Table):
     """Elastic support about one axis."""
 
-    stiffness: PositiveAngularStiffness = Field(description="stiffness")
+    stiffness: PositiveAngularStiffness = needed("stiffness")
     damping: AngularDamping = optional(0.0, "damping")
 
 
@@ -135,11 +130,11 @@ class Mounting(WithSupports):
     lateral: LinearSupport | None = optional(None, "elastic support along y")
     vertical: LinearSupport | None = optional(None, "elastic support along z")
     yaw: AngularSupport | None = optional(None, "elastic support about z")
-    misalignment: tuple[Angle, ...] = Field(
-        default=(),
-        max_length=64,
-        description="angle about z at which the roller axles of the first, second, ... wheelset are mounted, positive to the "
+    misalignment: tuple[Angle, ...] = optional(
+        (),
+        "angle about z at which the roller axles of the first, second, ... wheelset are mounted, positive to the "
         "left; those not named stand square; needs `yaw`",
+        max_length=64,
     )
 
     def _mistakes(self) -> Mistakes:
@@ -153,8 +148,8 @@ class Mounting(WithSupports):
 class Restraint(Table):
     """A coupler rod from a vehicle to the ground: spring and damper along the track, which hold it on top of the rollers."""
 
-    height: Position = Field(description="height of the rod above the crowns")
-    stiffness: PositiveStiffness = Field(description="stiffness of the rod with its anchorage, along the track")
+    height: Position = needed("height of the rod above the crowns")
+    stiffness: PositiveStiffness = needed("stiffness of the rod with its anchorage, along the track")
     damping: Damping = optional(0.0, "damping of the same")
     body: Name | None = optional(None, "that it holds; absent: the heaviest that is no wheelset")
 
@@ -181,9 +176,7 @@ class Foundation(WithSupports):
     lateral: LinearSupport | None = optional(None, "elastic support of one rail's foot along y")
     vertical: LinearSupport | None = optional(None, "elastic support of one rail's foot along z")
     roll: AngularSupport | None = optional(None, "elastic support of one rail about its foot")
-    rail_height: Annotated[float, Quantity("m", 0.01, 1.0)] = optional(
-        0.172, "top of rail over foot: lever arm of the lateral force"
-    )
+    rail_height: Annotated[float, Quantity("m", 0.01, 1.0)] = optional(0.172, "top of rail over its foot: a lever arm")
     sleeper: Sleeper | None = optional(None, "a second layer between the supports and the ground; absent: none")
 
     def _mistakes(self) -> Mistakes:
@@ -213,19 +206,15 @@ V = TypeVar("V")
 class WithGauge(Sourced):
     """What rails and rollers have in common: their gauge is given, or the distance of the contacts."""
 
-    profile: AnyProfile = Field(description="head of the left rail, or generatrix of the left roller")
+    profile: AnyProfile = needed("head of the left rail, or generatrix of the left roller")
     right_profile: AnyProfile | None = optional(None, "right one, as a left one would have it; absent: the same")
     gauge: Gauge = optional(1.435, "distance between the gauge sides of the two rails or rollers")
     gauge_depth: GaugeDepth = optional(0.014, "depth below the top of rail or the crown at which the gauge is taken")
     contact_distance: Gauge | None = optional(
-        None,
-        "distance between the contacts of the centred wheelset, from which the gauge follows; in place of gauge, with the "
-        "same head left and right",
+        None, "distance between contacts of the centred wheelset in place of gauge; needs the same head left and right"
     )
     irregularity: AnyIrregularity | None = optional(
-        None,
-        "what the rails deviate from their design position; on a rig actuators feed it to the wheels by moving the rollers; "
-        "absent: nothing",
+        None, "what the rails deviate from their design position; on a rig the rollers move so; absent: nothing"
     )
 
     def _mistakes(self) -> Mistakes:
@@ -249,38 +238,32 @@ STEEPEST_CANT = 0.25
 class LaidSegment(Table):
     """What a straight or a curve says of its rails; transitions pass from one of their neighbours to the other."""
 
-    length: SegmentLength = Field(description="length")
+    length: SegmentLength = needed("length")
     gauge: Gauge | None = optional(None, "gauge of its rails; absent: that of the track")
-    inclination: Inclination | None = optional(
-        None, "inclination of its rails in place of that of their profiles, a number or a ratio like '1:40'"
-    )
+    inclination: Inclination | None = optional(None, "inclination in place of the profiles', also a ratio like '1:40'")
     profile: AnyProfile | None = optional(None, "head of its rails; absent: as the track has them")
-    right_profile: AnyProfile | None = optional(
-        None, "head of its right rail, as a left one would have it; absent: that of its left one"
-    )
+    right_profile: AnyProfile | None = optional(None, "right rail's head, as a left one has it; absent: the left's")
 
 
 class Straight(LaidSegment):
     """A straight, without cant."""
 
-    kind: Literal["straight"] = Field(description="no curvature, no cant")
+    kind: Literal["straight"] = needed("no curvature, no cant")
 
 
 class Transition(Table):
     """A transition between the straights or curves before and after it, of which it takes over curvature and cant."""
 
-    kind: Literal["transition"] = Field(description="joins what stands before and after it")
-    length: SegmentLength = Field(description="length")
-    shape: Literal["clothoid", "bloss"] = optional(
-        "clothoid", "curvature and cant in proportion to the distance, or along the cubic of Bloss"
-    )
+    kind: Literal["transition"] = needed("joins what stands before and after it")
+    length: SegmentLength = needed("length")
+    shape: Literal["clothoid", "bloss"] = optional("clothoid", "curvature and cant: linear, or the cubic of Bloss")
 
 
 class Curve(LaidSegment):
     """A circular curve."""
 
-    kind: Literal["curve"] = Field(description="constant curvature and cant")
-    radius: Annotated[float, Quantity("m", 20.0, 1e7)] = Field(description="radius of the track's middle")
+    kind: Literal["curve"] = needed("constant curvature and cant")
+    radius: Annotated[float, Quantity("m", 20.0, 1e7)] = needed("radius of the track's middle")
     direction: Literal["left", "right"] = optional("left", "where it leads")
     cant: Cant = optional(0.0, "height of the outer rail over the inner one")
 
@@ -291,16 +274,14 @@ AnySegment = Annotated[Straight | Transition | Curve, Discriminator("kind")]
 class Track(WithGauge):
     """A track: the rig's limit of an infinite roller radius; straight, smooth and rigid unless it says otherwise."""
 
-    kind: Literal["track"] = Field(description="rails")
-    segment: tuple[AnySegment, ...] = Field(
-        default=(),
-        max_length=1000,
-        description="straights, transitions and curves in the order of the run, which starts where the first begins; the "
+    kind: Literal["track"] = needed("rails")
+    segment: tuple[AnySegment, ...] = optional(
+        (),
+        "straights, transitions and curves in the order of the run, which starts where the first begins; the "
         "first continues behind the start, the last beyond its end; absent: straight",
+        max_length=1000,
     )
-    smoothing: Annotated[float, Quantity("m", 1e-3, 50.0)] = optional(
-        4.0, "length over which a corner of curvature and cant is rounded by a parabola"
-    )
+    smoothing: Annotated[float, Quantity("m", 1e-3, 50.0)] = optional(4.0, "length of parabolas that round its corners")
     cant_base: Annotated[float, Quantity("m", 0.01, 5.0)] = optional(1.5, "distance over which cant is measured")
     foundation: Foundation | None = optional(None, "what the rails lie on; absent: rigid")
 

@@ -6,7 +6,7 @@ of rail.
 
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, StrictBool
+from pydantic import StrictBool
 
 from rollerrig.config.schema.base import (
     ForceOverDeflection,
@@ -18,7 +18,7 @@ from rollerrig.config.schema.base import (
     Sourced,
     Table,
     Vector,
-    instead_of,
+    needed,
     optional,
 )
 from rollerrig.config.schema.profile import AnyProfile
@@ -46,29 +46,23 @@ DIRECTIONS: tuple[Direction, ...] = ("x", "y", "z", "roll", "pitch", "yaw")
 class Wheel(Table):
     """The wheels of every wheelset of the vehicle."""
 
-    profile: AnyProfile = Field(description="profile of the left wheel: a catalogue name, a file or a table")
-    radius: WheelRadius = Field(description="radius at the tape circle")
-    back_to_back: Annotated[float, Quantity("m", 0.01, 5.0)] = Field(description="distance between the flange backs")
-    tape_circle: Annotated[float, Quantity("m", 1e-4, 0.5)] = optional(
-        0.070, "distance of the tape circle from the flange back, EN 13715"
-    )
+    profile: AnyProfile = needed("profile of the left wheel: a catalogue name, a file or a table")
+    radius: WheelRadius = needed("radius at the tape circle")
+    back_to_back: Annotated[float, Quantity("m", 0.01, 5.0)] = needed("distance between the flange backs")
+    tape_circle: Annotated[float, Quantity("m", 1e-4, 0.5)] = optional(0.070, "distance from the flange back, EN 13715")
 
 
 class Body(Table):
     """A rigid body."""
 
-    name: Name = Field(description="name, unique in the vehicle")
+    name: Name = needed("name, unique in the vehicle")
     at: dict[Name, dict[str, Any]] | None = optional(
-        None,
-        "places at which it stands, by the end of the name: at.1 = { position = [...] } of `wheelset` is "
-        "`wheelset_1`; loading makes a body of each",
+        None, "places by the end of the name: at.1 = { position = [...] } of `wheelset` is `wheelset_1`"
     )
     kind: Literal["rigid", "wheelset"] = optional("rigid", "a wheelset carries two wheels and spins")
-    mass: Mass = Field(description="mass")
-    inertia: tuple[Inertia, Inertia, Inertia] = Field(
-        description="principal moments of inertia about x, y, z through the centre of mass"
-    )
-    position: Vector = Field(description="design position of the centre of mass", json_schema_extra=instead_of("at"))
+    mass: Mass = needed("mass")
+    inertia: tuple[Inertia, Inertia, Inertia] = needed("principal moments of inertia about x, y, z")
+    position: Vector = needed("design position of the centre of mass", instead_of="at")
     locked: tuple[Direction, ...] = optional((), "directions in which the body cannot move")
 
     def _mistakes(self) -> Mistakes:
@@ -87,8 +81,8 @@ SHORTEST_RELAXATION = 1e-12
 class SeriesDamper(Table):
     """A damper in series with a spring (Maxwell)."""
 
-    damping: PositiveDamping = Field(description="damping")
-    series_stiffness: PositiveStiffness = Field(description="stiffness of the spring in series")
+    damping: PositiveDamping = needed("damping")
+    series_stiffness: PositiveStiffness = needed("stiffness of the spring in series")
 
     def _mistakes(self) -> Mistakes:
         least = SHORTEST_RELAXATION * self.series_stiffness
@@ -102,8 +96,8 @@ class SeriesDamper(Table):
 class AngularSeriesDamper(SeriesDamper):
     """A rotational damper in series with a rotational spring (Maxwell)."""
 
-    damping: PositiveAngularDamping = Field(description="damping")
-    series_stiffness: PositiveAngularStiffness = Field(description="stiffness of the spring in series")
+    damping: PositiveAngularDamping = needed("damping")
+    series_stiffness: PositiveAngularStiffness = needed("stiffness of the spring in series")
 
 
 class Law(Table):
@@ -127,13 +121,9 @@ class LinearLaw(Law):
     """
 
     stiffness: Stiffness | None = optional(None, "force per deflection")
-    table: ForceOverDeflection | None = optional(
-        None, "rows [deflection, force] in place of a stiffness: a nonlinear spring or a bumpstop"
-    )
+    table: ForceOverDeflection | None = optional(None, "rows [deflection, force] of a nonlinear spring or a bumpstop")
     damping: Damping | None = optional(None, "force per speed, in parallel with the spring")
-    damping_table: ForceOverSpeed | None = optional(
-        None, "rows [speed, force] in place of a damping: a nonlinear damper"
-    )
+    damping_table: ForceOverSpeed | None = optional(None, "rows [speed, force] of a nonlinear damper")
     damper: SeriesDamper | None = optional(None, "a damper in series with its own spring, in parallel")
     preload: Force = optional(0.0, "force at the design position, positive as a positive deflection makes it")
 
@@ -152,20 +142,16 @@ class AngularLaw(Law):
 class Element(Table):
     """A massless force element between two bodies; its axes are those of body a, if it is `clamped` those of both."""
 
-    name: Name = Field(description="name, unique in the vehicle")
+    name: Name = needed("name, unique in the vehicle")
     at: dict[Name, dict[str, Any]] | None = optional(
-        None,
-        "places at which it stands, by the end of the name: at.1 = { between = [...], point = [...] } of `primary` "
-        "is `primary_1`; loading makes an element of each",
+        None, "places by the end of the name: at.1 = { between = [...], point = [...] } of `primary` is `primary_1`"
     )
     both_sides: StrictBool | None = optional(
         None, "true: on the left as written, `NAME_left`, and mirrored on the right, `NAME_right`; loading makes both"
     )
-    between: tuple[str, str] = Field(description="the bodies a and b", json_schema_extra=instead_of("at"))
+    between: tuple[str, str] = needed("the bodies a and b", instead_of="at")
     point: Vector | None = optional(None, "design position of both ends")
-    points: tuple[Vector, Vector] | None = optional(
-        None, "design positions of the end on a and the end on b, where they differ; the force acts at b's"
-    )
+    points: tuple[Vector, Vector] | None = optional(None, "ends on a and on b where they differ; the force acts at b's")
     carries_load: StrictBool = optional(False, "its vertical preload is solved from the static equilibrium")
     clamped: StrictBool = optional(
         False,
@@ -212,7 +198,7 @@ class Element(Table):
 class Cut(Table):
     """A part of the vehicle that is run alone."""
 
-    bodies: tuple[str, ...] = Field(min_length=1, description="bodies kept and free to move")
+    bodies: tuple[str, ...] = needed("bodies kept and free to move", min_length=1)
     fixed: tuple[str, ...] = optional((), "bodies kept at their design position")
     origin_x: Position = optional(0.0, "x of the cut's own origin in the vehicle's frame")
 
@@ -220,9 +206,9 @@ class Cut(Table):
 class Vehicle(Sourced):
     """A whole vehicle; `cut` names the parts of it that are run alone."""
 
-    wheel: Wheel = Field(description="the wheels")
-    body: tuple[Body, ...] = Field(min_length=1, max_length=200, description="the bodies")
-    element: tuple[Element, ...] = Field(default=(), max_length=2000, description="the force elements")
+    wheel: Wheel = needed("the wheels")
+    body: tuple[Body, ...] = needed("the bodies", min_length=1, max_length=200)
+    element: tuple[Element, ...] = optional((), "the force elements", max_length=2000)
     cut: dict[Name, Cut] = optional({}, "parts of the vehicle that are run alone, by name")
 
     def __repr__(self) -> str:
