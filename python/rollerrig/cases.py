@@ -51,10 +51,9 @@ def leading_wheelset(case: Case) -> Body:
 
 def part_of(case: Case, cut: str) -> Case:
     """Another part of the same vehicle, restrained along the track; one with a fixed body needs no coupler rod."""
+    held = [body for body in case.vehicle.bodies if "x" in body.locked]
     changes: dict[str, object] = {
-        f"vehicle.body.{body.name}.locked": [d for d in body.locked if d != "x"]
-        for body in case.vehicle.bodies
-        if "x" in body.locked
+        f"vehicle.body.{body.name}.locked": [d for d in body.locked if d != "x"] for body in held
     }
     support = case.support.data
     if isinstance(support, Rig) and support.restraint is not None and case.vehicle.data.cut_named(cut).fixed:
@@ -147,6 +146,5 @@ def at_speed(case: Case, speed: float | None = None) -> Case:
 
 def displaced(case: Case, lateral: float) -> Case:
     """The case started with a lateral offset of its leading wheelset [m], without other disturbances and torques."""
-    return case.with_changes(
-        {"disturbance": [{"body": leading_wheelset(case).name, "lateral": lateral}], "axle_torque": []}
-    )
+    disturbance = {"body": leading_wheelset(case).name, "lateral": lateral}
+    return case.with_changes({"disturbance": [disturbance], "axle_torque": []})

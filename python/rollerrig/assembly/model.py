@@ -401,9 +401,8 @@ class Assembly:
         rails = rails_of_run(chosen, foremost_wheelset(self.case), distance)
         left_y, left_z, right_y, right_z = (rails.coefficients[rail] for rail in RAILS)
         steered = not isinstance(self.support, Rig) or self.support.steered
-        self.builder.set_irregularity(
-            rails.period, rails.step, left_y, left_z, right_y, right_z, rails.fade_in, steered
-        )
+        steps = rails.period, rails.step
+        self.builder.set_irregularity(*steps, left_y, left_z, right_y, right_z, rails.fade_in, steered)
         return line, rails
 
     def _add_motion(self) -> tuple[float, ...]:
@@ -415,10 +414,9 @@ class Assembly:
             corners += [time for time, _ in motion.torque_table]
             axle_share = 0.5 if isinstance(self.support, Rig) and self.support.coupling == "independent" else 1.0
             rows = [(time, axle_share * torque) for time, torque in motion.torque_table]
-            for name in self.rollers:
-                self.builder.add_roller_torque(
-                    _core.RollerTorque(roller=self.index(name), torque=rows, gear_ratio=1.0, rotor_inertia=0.0)
-                )
+            for index in map(self.index, self.rollers):
+                driven = _core.RollerTorque(roller=index, torque=rows, gear_ratio=1.0, rotor_inertia=0.0)
+                self.builder.add_roller_torque(driven)
         for torque in self.case.axle_torque:
             rows = [(0.0, torque.constant)] if torque.constant is not None else list(torque.table or ())
             corners += [time for time, _ in rows]

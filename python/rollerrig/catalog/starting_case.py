@@ -49,11 +49,8 @@ def starting_case(name: str, source: str | Path = START) -> str:
     if str(source) in catalog_names("case"):
         raw = tomllib.loads(catalog_file("case", str(source)).read_text("utf-8"))
     else:
-        raw = {
-            "base": str(Path(source).absolute()),
-            "description": case.description,
-            "motion": {"speed": f"{case.motion.speed!r} m/s"},
-        }
+        raw = {"base": str(Path(source).absolute()), "description": case.description}
+        raw["motion"] = {"speed": f"{case.motion.speed!r} m/s"}
     raw = {"name": name, **{key: value for key, value in raw.items() if key != _NAME}}
     heading = [
         f"#:schema {schema_uri('case')}",
@@ -101,9 +98,8 @@ def _said(place: KeyPlace) -> str:
 
 def _offered(table: Raw, above: str) -> list[str]:
     """Plain keys that a table could have beside those it has: default and meaning, one line each."""
-    places = [
-        place for place in key_places() if place.file == "case" and place.key.rpartition(".")[0] == above.rstrip(".")
-    ]
+    table_of = above.rstrip(".")
+    places = [one for one in key_places() if one.file == "case" and one.key.rpartition(".")[0] == table_of]
     if not above or not places:
         return []
     if len({place.table for place in places}) > 1:  # each has its own

@@ -43,18 +43,16 @@ def summary(results: xr.Dataset | str | Path) -> Summary:
     case, title = str(found.attrs.get("case", "")), str(found.attrs.get("title", ""))
     of_run = ATTRIBUTE in found.attrs and "energy_relative_residual" in found.attrs
     headline = f"{'Run of' if of_run else 'Results of'} {case}" if case else "Results"
-    return Summary(
-        f"{headline}: {title}" if title else headline, tuple(_of_run(found) if of_run else _of_others(found))
-    )
+    rows = _of_run(found) if of_run else _of_others(found)
+    return Summary(f"{headline}: {title}" if title else headline, tuple(rows))
 
 
 def _of_run(run: xr.Dataset) -> list[tuple[str, str]]:
     info, attributes = RunInfo.of(run), run.attrs
     on = "track" if info.roller_radius is None else f"rollers of {1e3 * info.roller_radius:g} mm"
     times, speed = run["time"].to_numpy(), 3.6 * run["speed"].to_numpy() if "speed" in run else np.empty(0)
-    rows = [
-        ("what", f"{info.part.replace('_', ' ')} on {on}: moving bodies {len(info.moving)}, wheels {len(info.wheels)}")
-    ]
+    part = info.part.replace("_", " ")
+    rows = [("what", f"{part} on {on}: moving bodies {len(info.moving)}, wheels {len(info.wheels)}")]
     length = f"{number(attributes['stopped_at_s'])} s, {number(len(times))} samples"
     every = f", one every {number(1e3 * float(np.median(np.diff(times))))} ms" if len(times) > 1 else ""
     rows.append(("time", length + every))

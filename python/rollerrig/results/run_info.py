@@ -69,9 +69,7 @@ def _case_of(what: xr.Dataset | Case | str | Path | None) -> Case | None:
     if not isinstance(what, xr.Dataset):
         return as_case(what)
     if "config_toml" not in what.attrs:
-        raise ValueError(
-            "these results do not say which case they are of; needed: a run, as simulate and load_run give it"
-        )
+        raise ValueError("these results do not say which case they are of; needed: a run, as of simulate and load_run")
     return case_from_toml(what.attrs["config_toml"], allow_code=True)
 
 

@@ -144,10 +144,8 @@ def _wheels(run: xr.Dataset) -> dict[str, dict[str, float | int | None]]:
     readings = readings_of(run)
     dense = run if readings is None else readings
     lost = {loss.wheel: loss for loss in contact_losses(run)}
-    return {
-        wheel: _wheel(run.sel(wheel=wheel), dense.sel(wheel=wheel), lost.get(wheel))
-        for wheel in map(str, run["wheel"].to_numpy())
-    }
+    wheels = map(str, run["wheel"].to_numpy())
+    return {name: _wheel(run.sel(wheel=name), dense.sel(wheel=name), lost.get(name)) for name in wheels}
 
 
 def _wheel(run: xr.Dataset, dense: xr.Dataset, loss: ContactLoss | None) -> dict[str, float | int | None]:

@@ -189,9 +189,8 @@ def check_controller(controller: Any, key: str, file: str) -> Any:
     name = type(controller).__name__
     time = getattr(controller, "sample_time", None)
     if isinstance(time, bool) or not isinstance(time, int | float) or not 0 < time < np.inf:
-        raise ConfigError.of(
-            file, key, repr(name), f"needed: an attribute sample_time, a positive number in s; it is {time!r}"
-        )
+        needed = f"needed: an attribute sample_time, a positive number in s; it is {time!r}"
+        raise ConfigError.of(file, key, repr(name), needed)
     if not callable(getattr(controller, "step", None)):
         raise ConfigError.of(file, key, repr(name), "needed: a method step(measurements) that returns commands")
     return controller

@@ -134,9 +134,8 @@ def law_of(registry: Mapping[str, Any], table: Any, without: Collection[str] = (
 def motor(table: Motor) -> _core.Motor:
     """A drive, without its rotor: that is a body of the model."""
     without = ("rotor_inertia", "gear_ratio")
-    return core_struct(
-        _core.Motor, table, without=without, envelope=table.envelope or (), bandwidth=angular(table.bandwidth)
-    )
+    own = {"envelope": table.envelope or (), "bandwidth": angular(table.bandwidth)}
+    return core_struct(_core.Motor, table, without=without, **own)
 
 
 def _actuators(model: AssembledModel, control: RigControl) -> _core.Actuators:

@@ -54,9 +54,8 @@ def drift(simulation: _core.Simulation, model: AssembledModel, state: Array) -> 
     matrix = simulation.jacobian(0.0, state)[0]
     rates = eigenvalues(matrix)
     growing = rates.real[(np.abs(rates.imag) < LEAST_RATE) & (rates.real > LEAST_RATE)]
-    return next(
-        (found for rate in -np.sort(-growing) if (found := _along_track(simulation, model, matrix, rate))), None
-    )
+    drifts = (_along_track(simulation, model, matrix, rate) for rate in -np.sort(-growing))
+    return next(filter(None, drifts), None)
 
 
 def _along_track(simulation: _core.Simulation, model: AssembledModel, matrix: Array, rate: float) -> Drift | None:

@@ -92,9 +92,8 @@ def matching_paths(holder: Any, path: list[str], key: str, file: str) -> list[li
         if isinstance(found, ConfigProblem):
             return found
         paths += [[name, *tail] for tail in found]
-    return paths or ConfigProblem(
-        file, key, f"nothing matches '{first}'", one_of(items), _nearest_pattern(first, tuple(items))
-    )
+    hint = _nearest_pattern(first, tuple(items))
+    return paths or ConfigProblem(file, key, f"nothing matches '{first}'", one_of(items), hint)
 
 
 def _nearest_pattern(pattern: str, names: tuple[str, ...]) -> str:
@@ -196,9 +195,8 @@ def changed_tables(
         if f"{part}.use" in full and short:
             full[f"{part}.changes"] = {key.removeprefix(f"{part}.data."): full.pop(key) for key in short}
     kept = [part for part in OWN_KEYS if all(key.partition(".")[0] != part or key == "vehicle.cut" for key in full)]
-    raw: dict[str, Any] = plain(
-        case.model_dump(exclude_none=True, context=AS_WRITTEN, exclude={part: {"data"} for part in kept})
-    )
+    left_out = {part: {"data"} for part in kept}
+    raw: dict[str, Any] = plain(case.model_dump(exclude_none=True, context=AS_WRITTEN, exclude=left_out))
     for part in kept:
         raw[part]["data"] = getattr(case, part).data
     return raw, problems + [problem.shortened() for problem in apply_changes(raw, full, file)]

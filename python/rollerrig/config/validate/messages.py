@@ -201,9 +201,8 @@ def _enter_list(place: _Place, annotation: Any, item: int | str) -> tuple[_Place
     if isinstance(item, int):
         is_list = isinstance(raw, list | tuple)
         label = item_labels(raw)[item] if is_list and item < len(raw) else f"[{item}]"
-        inner = (
-            arguments[0] if len(arguments) == 2 and arguments[1] is Ellipsis else dict(enumerate(arguments)).get(item)
-        )
+        many = len(arguments) == 2 and arguments[1] is Ellipsis
+        inner = arguments[0] if many else dict(enumerate(arguments)).get(item)
         raw = raw[item] if is_list and item < len(raw) else None
     elif item == "[key]":  # pydantic's mark for "the key itself is wrong"
         return place, annotation
@@ -216,9 +215,8 @@ def _enter_list(place: _Place, annotation: Any, item: int | str) -> tuple[_Place
 def _follows(error: ErrorDetails, errors: Sequence[ErrorDetails]) -> bool:
     """Whether a list is called too short only because its entries have mistakes: pydantic counts those without."""
     place = error["loc"]
-    return error["type"] == "too_short" and any(
-        len(other["loc"]) > len(place) and other["loc"][: len(place)] == place for other in errors
-    )
+    below = (other["loc"] for other in errors if len(other["loc"]) > len(place))
+    return error["type"] == "too_short" and any(other[: len(place)] == place for other in below)
 
 
 def _problem(model: type[BaseModel], raw: object, error: ErrorDetails, file: str) -> ConfigProblem | None:
@@ -247,9 +245,8 @@ def _problem(model: type[BaseModel], raw: object, error: ErrorDetails, file: str
             return ConfigProblem(file, key, value, one_of(tags), meant(kind, tags))
         case "literal_error":
             choices = [str(choice) for choice in get_args(_literal(place))]
-            return ConfigProblem(
-                file, place.key, show_value(error["input"]), one_of(choices), meant(error["input"], choices)
-            )
+            written = error["input"]
+            return ConfigProblem(file, place.key, show_value(written), one_of(choices), meant(written, choices))
     return ConfigProblem(file, place.key, show_value(error["input"]), _allowed(place, error, context))
 
 

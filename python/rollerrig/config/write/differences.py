@@ -33,9 +33,8 @@ class Differences(dict[str, tuple[Any, Any]]):
         return "\n".join(f"{key}: {a} -> {b}" for key, a, b in self.texts()) or "no difference"
 
     def _repr_html_(self) -> str:
-        rows = "".join(
-            f"<tr><th>{escape(key)}</th><td>{escape(a)}</td><td>{escape(b)}</td></tr>" for key, a, b in self.texts()
-        )
+        cells = (map(escape, row) for row in self.texts())
+        rows = "".join(f"<tr><th>{key}</th><td>{a}</td><td>{b}</td></tr>" for key, a, b in cells)
         return f"<table><tr><th>key</th><th>here</th><th>there</th></tr>{rows}</table>" if rows else "no difference"
 
     def texts(self) -> Iterator[tuple[str, str, str]]:
