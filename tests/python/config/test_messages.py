@@ -289,17 +289,6 @@ def test_a_former_word_leads_to_the_present_one(mistakes_of: MistakesOf) -> None
     assert problem.hint == "speed_controlled"
 
 
-def test_each_key_of_a_divided_table_is_told_its_place(mistakes_of: MistakesOf) -> None:
-    (problem,) = mistakes_of("[contact]", "[bench]\nstep = 1e-3\nstandstill = 1.0\n[contact]")
-    assert problem.key == "bench"
-    for place in (
-        "step is now time.sampling_step",
-        "standstill motion.stop_speed",
-        "pure_rolling contact.pure_rolling",
-    ):
-        assert place in problem.allowed
-
-
 @pytest.mark.parametrize(
     ("old", "new", "line"),
     [

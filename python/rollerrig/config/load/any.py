@@ -7,7 +7,6 @@ from collections.abc import Callable
 from pathlib import Path
 
 from rollerrig.config.load.case import (
-    Case,
     build_case,
     load_material,
     load_profile,
@@ -19,17 +18,9 @@ from rollerrig.config.load.case import (
 from rollerrig.config.load.fit import load_fit
 from rollerrig.config.load.plan import load_plan
 from rollerrig.config.read import CatalogKind
-from rollerrig.config.schema.contact import Material
-from rollerrig.config.schema.fit import FitPlan
-from rollerrig.config.schema.plan import Plan
-from rollerrig.config.schema.profile import ProfileSpec
-from rollerrig.config.schema.programme import Programme
-from rollerrig.config.schema.support import Rig
-from rollerrig.config.schema.track import Track
-from rollerrig.config.schema.vehicle import Vehicle
+from rollerrig.config.schema.base import Table
 
-Part = Vehicle | Rig | Track | Material | ProfileSpec | Programme
-LOADERS: dict[CatalogKind, Callable[[str | Path], Part]] = {
+LOADERS: dict[CatalogKind, Callable[[str | Path], Table]] = {
     "vehicle": load_vehicle,
     "support": load_support,
     "material": load_material,
@@ -38,7 +29,7 @@ LOADERS: dict[CatalogKind, Callable[[str | Path], Part]] = {
 }
 
 
-def load_any(source: str | Path, *, allow_code: bool = False) -> tuple[CatalogKind, Case | Part | Plan | FitPlan]:
+def load_any(source: str | Path, *, allow_code: bool = False) -> tuple[CatalogKind, Table]:
     """Read a catalogue entry or file of any kind and say which it is by its keys.
 
     Args:

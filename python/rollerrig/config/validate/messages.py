@@ -46,21 +46,11 @@ _RENAMED: Mapping[str, tuple[str, ...]] = {
 }
 """Former key or word, or one of other programs -> what it is called now; a dotted one is in a table of that name."""
 
-_DIVIDED: Mapping[str, str] = {
-    "bench": "its step is now time.sampling_step, its standstill motion.stop_speed, its pure_rolling contact.pure_rolling"
-}
-"""Former table -> where each of its keys went."""
-
 
 def meant(word: object, choices: Sequence[str]) -> str:
     """The present name of a renamed key or word, or the nearest of those allowed; "" if nothing is near."""
     present = (new for new in _RENAMED.get(str(word).lower(), ()) if new.split(".")[0] in choices)
     return next(present, "") or nearest(word, choices)
-
-
-def divided(word: object) -> str:
-    """Where the keys of a former table went, "" if it was none."""
-    return _DIVIDED.get(str(word), "")
 
 
 M = TypeVar("M", bound=BaseModel)
@@ -262,7 +252,7 @@ def _unknown_key(model: type[BaseModel], raw: object, error: ErrorDetails, file:
     hint = meant(key, keys)
     hint = join_key(place.key.removesuffix(key).rstrip("."), hint) if "." in hint else hint
     value = f"unknown key (= {show_value(error['input'])})"
-    return ConfigProblem(file, place.key, value, divided(key) or one_of(keys), "" if divided(key) else hint)
+    return ConfigProblem(file, place.key, value, one_of(keys), hint)
 
 
 def _literal(place: _Place) -> Any:

@@ -20,7 +20,7 @@ from rollerrig.config.read import CatalogKind, catalog_file, catalog_names
 from rollerrig.config.schema.base import INSTEAD_OF, OrShort, by_kind, quantities_in
 from rollerrig.config.schema.case import SupportChoice, VehicleChoice
 from rollerrig.config.schema.units import Quantity
-from rollerrig.config.validate.messages import divided, meant, tables_in, tag_of
+from rollerrig.config.validate.messages import meant, tables_in, tag_of
 from rollerrig.config.write.json_schema import ROOTS
 from rollerrig.config.write.toml import literal_on_one_line, plain
 
@@ -128,8 +128,6 @@ def unit_of(key: str) -> str:
 def _unknown(key: str) -> str:
     """Keys that speak of the words of what is no key; a KeyError where none does."""
     last = key.rpartition(".")[2]
-    if where := divided(key) or divided(last):
-        raise KeyError(f"{key}: {where}")
     keys = tuple(dict.fromkeys(place.key for place in key_places()))
     lasts = tuple(dict.fromkeys(name.rpartition(".")[2] for name in keys))
     words = _WORD.split(key)
