@@ -164,7 +164,7 @@ def test_what_once_ended_in_a_traceback_or_a_hang_is_refused(case: str, key: str
         ("bogie_rollers_constant", {"time.duration": 1e5, "time.step": "0.01 us", "time.output_step": 10}, "time.step",
          "steps would take days; allowed for 100000 s: at least 0.1 ms"),
         ("adhesion_recovery", {"adhesion.cell_length": "1 mm"}, "adhesion.cell_length",
-         "1024 cells are kept, and the wheelsets stand"),
+         "1024 cells are kept of wheelsets"),
     ],
 )  # fmt: skip
 def test_sizes_that_only_together_are_too_large_are_refused(

@@ -8,7 +8,6 @@ from typing import Annotated, Any, Literal
 
 from pydantic import (
     BeforeValidator,
-    Discriminator,
     Field,
     PlainValidator,
     StrictBool,
@@ -291,9 +290,7 @@ class TableSlideProtection(ReferencedProtection):
             yield "entries", f"allowed: {rows} rows of {columns} entries, one for each band between the thresholds"
 
 
-AnySlideProtection = Annotated[
-    SlideProtection | TableSlideProtection, Discriminator("kind"), by_kind("slip_and_deceleration")
-]
+AnySlideProtection = Annotated[SlideProtection | TableSlideProtection, by_kind("slip_and_deceleration")]
 
 
 def entry_numbers(table: TableSlideProtection) -> list[int]:

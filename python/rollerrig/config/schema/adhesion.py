@@ -79,12 +79,10 @@ class Adhesion(Table):
         "in `rail`; or `condition`, a name that holds from there on",
     )
     blend: Annotated[float, Quantity("m", 0.0, 1e5)] = optional(
-        0.0,
-        "length over which conditions pass into the next, like '10 m', or time where pieces begin at one; 0: a jump",
+        0.0, "length over which conditions pass into the next, like '10 m', or time where pieces have one; 0: a jump"
     )
     recovery_per: Literal["area", "length"] = optional(
-        "area",
-        "what the recovery constant goes with: energy per area, tau in m^2/J; or per metre run by a wheel, in m/J",
+        "area", "what the recovery constant goes with: energy per area, tau in m^2/J; or per metre of a wheel, in m/J"
     )
     recovery_constant: Annotated[float, Quantity("m^2/J", 0.0, 1e6)] = optional(
         0.0,
@@ -92,8 +90,7 @@ class Adhesion(Table):
         "a text's unit decides `recovery_per`; 0: no recovery",
     )
     wheel_memory: Annotated[float, Quantity("m", 0.0, 1e6)] = optional(
-        0.0,
-        "sliding cleans the wheel's tread, too: length over which that fades as it rolls; 0: only the rail is cleaned",
+        0.0, "sliding cleans the wheel's tread, too: length over which that fades; 0: only the rail is cleaned"
     )
     cell_length: Annotated[float, Quantity("m", 1e-4, 100.0)] = optional(0.05, "cells of dissipated energy on the rail")
     recovered: AnyCondition = optional(

@@ -7,6 +7,7 @@ from pydantic import (
     AfterValidator,
     BaseModel,
     ConfigDict,
+    Discriminator,
     Field,
     GetCoreSchemaHandler,
     GetJsonSchemaHandler,
@@ -95,8 +96,9 @@ class by_kind:  # noqa: N801 (stands among the annotations of pydantic)
         return {"kind": self.usual, **value} if self.usual and isinstance(value, Mapping) else value
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        """Before the validation of the union."""
-        return core_schema.no_info_before_validator_function(self.completed, handler(source))
+        """Before the validation of the union, which is told apart by `kind`."""
+        union = handler.generate_schema(Annotated[source, Discriminator("kind")])
+        return core_schema.no_info_before_validator_function(self.completed, union)
 
     def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
         """The names of the kinds beside their tables."""

@@ -4,7 +4,7 @@ import math
 from itertools import pairwise
 from typing import Annotated, Literal
 
-from pydantic import Discriminator, Field, StrictInt
+from pydantic import Field, StrictInt
 
 from rollerrig.config.schema.adhesion import ALLOWED, AnyCondition, Condition
 from rollerrig.config.schema.base import Mistakes, Rows, Table, by_kind, needed, optional
@@ -126,7 +126,7 @@ class ReservoirAir(Table):
     pipe: CylinderPipe | None = optional(None, "pipes from relay to dump valves; absent: relay valves at cylinders")
 
 
-AnyAir = Annotated[UnlimitedAir | ReservoirAir, Discriminator("kind"), by_kind("unlimited")]
+AnyAir = Annotated[UnlimitedAir | ReservoirAir, by_kind("unlimited")]
 
 
 BrakeForce = Annotated[float, Quantity("N", 0.0, 1e8)]
@@ -182,9 +182,7 @@ class ForceTableBrake(ElectrodynamicBrake):
     forces: ForceOverSpeed = needed("rows [circumferential speed, largest force of one axle]; linear, constant beyond")
 
 
-AnyElectrodynamicBrake = Annotated[
-    ConstantPowerBrake | ForceTableBrake, Discriminator("kind"), by_kind("constant_power")
-]
+AnyElectrodynamicBrake = Annotated[ConstantPowerBrake | ForceTableBrake, by_kind("constant_power")]
 
 
 Excitation = Annotated[Rows[Time, Share], Field(min_length=1)]
@@ -220,7 +218,7 @@ class EddyCurrentTrackBrake(TrackBrake):
     critical_speed: Annotated[float, Quantity("m/s", 1e-3, 1e3)] = optional(25.0, "at which the force is largest")
 
 
-AnyTrackBrake = Annotated[MagneticTrackBrake | EddyCurrentTrackBrake, Discriminator("kind"), by_kind("magnetic")]
+AnyTrackBrake = Annotated[MagneticTrackBrake | EddyCurrentTrackBrake, by_kind("magnetic")]
 
 
 Duration = Annotated[float, Quantity("s", 0.0, 1e6)]
@@ -260,7 +258,7 @@ class SandFromTime(SandBetween):
     end: Duration = optional(1e6, "end of sanding")
 
 
-AnySandingStart = Annotated[SandOnSlide | SandFromDistance | SandFromTime, Discriminator("kind"), by_kind("on_slide")]
+AnySandingStart = Annotated[SandOnSlide | SandFromDistance | SandFromTime, by_kind("on_slide")]
 
 
 class Sanding(Table):

@@ -148,8 +148,7 @@ class Motion(Table):
 
     speed: RunningSpeed = needed("running speed at the start; absent: from speed_table", instead_of="speed_table")
     drive: Literal["speed_controlled", "free", "torque"] = optional(
-        "speed_controlled",
-        "rollers (or track): controlled to speed_table or constant, free to turn, or given a torque",
+        "speed_controlled", "rollers (or track): speed constant or by speed_table, free to turn, or given a torque"
     )
     speed_table: SpeedTable | None = optional(None, "rows [time, speed], for speed_controlled, linear; constant beyond")
     torque_table: TorqueTable | None = optional(None, "rows [time, roller torque] for 'torque', positive forward")

@@ -135,7 +135,6 @@ class StripTheory(Table):
 
 AnyCreep = Annotated[
     KalkerSaturated | KalkerLinear | Coefficients | Fastsim | ModifiedFastsim | Polach | ExactTable | StripTheory,
-    Discriminator("kind"),
     by_kind(),
 ]
 CREEP_LAWS = kinds(AnyCreep)
@@ -167,7 +166,7 @@ class Strips(Table):
     kind: Literal["strips"] = needed("non-elliptical contact patches")
 
 
-AnyNormal = Annotated[Hertz | Strips, Discriminator("kind"), by_kind()]
+AnyNormal = Annotated[Hertz | Strips, by_kind()]
 NORMAL_LAWS = kinds(AnyNormal)
 
 

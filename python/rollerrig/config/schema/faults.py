@@ -2,8 +2,6 @@
 
 from typing import Annotated, Literal
 
-from pydantic import Discriminator
-
 from rollerrig.config.schema.base import Table, by_kind, needed, optional
 from rollerrig.config.schema.units import Quantity
 
@@ -67,7 +65,6 @@ OF_SENSORS = ("silent_sensor", "wheel_radius")
 
 AnyFault = Annotated[
     NoFault | IsolatedBrake | DraggingBrake | StuckFilling | OtherPads | SilentSensor | OtherWheels,
-    Discriminator("kind"),
     by_kind(),
 ]
 

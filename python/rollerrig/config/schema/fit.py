@@ -104,7 +104,7 @@ class CreepLog(Log):
     )
 
 
-AnyLog = Annotated[RunLog | BrakeUnitLog | ModesLog | CreepLog, Discriminator("kind"), by_kind("run")]
+AnyLog = Annotated[RunLog | BrakeUnitLog | ModesLog | CreepLog, by_kind("run")]
 
 
 def _one_or_more(value: Any) -> Any:

@@ -171,7 +171,6 @@ class CreepMeasure(Measure):
 
 AnyMeasure = Annotated[
     RunMeasure | StabilityMeasure | CriticalSpeedMeasure | ContactMeasure | AdhesionMeasure | WspMeasure | CreepMeasure,
-    Discriminator("kind"),
     by_kind("run"),
 ]
 

@@ -2,7 +2,7 @@
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Discriminator, Field
+from pydantic import BeforeValidator, Field
 
 from rollerrig.config.schema.actuators import (
     Controller,
@@ -54,7 +54,7 @@ class PulseFrequency(PhonicWheel):
     )
 
 
-AnySpeedSensor = Annotated[Encoder | PulsePeriod | PulseFrequency, Discriminator("kind"), by_kind("encoder")]
+AnySpeedSensor = Annotated[Encoder | PulsePeriod | PulseFrequency, by_kind("encoder")]
 
 
 class ForceSensor(Table):
@@ -146,9 +146,7 @@ class ExactEstimator(Estimator):
     kind: Literal["exact"] = needed("force and torque that really act, as on no real rig")
 
 
-AnyEstimator = Annotated[
-    Observer | FilteredDerivative | KalmanFilter | ExactEstimator, Discriminator("kind"), by_kind("observer")
-]
+AnyEstimator = Annotated[Observer | FilteredDerivative | KalmanFilter | ExactEstimator, by_kind("observer")]
 ESTIMATORS = kinds(AnyEstimator)
 
 
@@ -174,7 +172,7 @@ class ExtrapolatedTorque(Table):
     bandwidth: Frequency = optional(40.0, "bandwidth of the low-pass on its slope")
 
 
-AnyAxleTorque = Annotated[EstimatedTorque | KnownTorque | ExtrapolatedTorque, Discriminator("kind"), by_kind("known")]
+AnyAxleTorque = Annotated[EstimatedTorque | KnownTorque | ExtrapolatedTorque, by_kind("known")]
 
 
 class DirectCommand(Table):
@@ -199,7 +197,7 @@ class TorqueLoop(Table):
     )
 
 
-AnyDriveCommand = Annotated[DirectCommand | LeadCommand | TorqueLoop, Discriminator("kind"), by_kind("lead")]
+AnyDriveCommand = Annotated[DirectCommand | LeadCommand | TorqueLoop, by_kind("lead")]
 
 
 class Feedback(Table):
@@ -234,9 +232,7 @@ class NoFeedback(Feedback):
     kind: Literal["none"] = needed("feed-forward alone")
 
 
-AnyFeedback = Annotated[
-    ProportionalIntegral | SlidingMode | NoFeedback, Discriminator("kind"), by_kind("proportional_integral")
-]
+AnyFeedback = Annotated[ProportionalIntegral | SlidingMode | NoFeedback, by_kind("proportional_integral")]
 FEEDBACKS = kinds(AnyFeedback)
 
 
@@ -280,8 +276,7 @@ class RigControl(Controller):
         "say, not at all, or by [kg] for each axle, N per m/s^2 forward",
     )
     loads: Literal["computed", "measured"] = optional(
-        "computed",
-        "loads of the virtual train's axles: static loads and transfer, or what [sensors.axle_load] says",
+        "computed", "loads of the virtual train's axles: static loads and transfer, or what [sensors.axle_load] says"
     )
     locked_speed: Annotated[float, Quantity("m/s", 1e-9, 50.0)] = optional(
         0.1,

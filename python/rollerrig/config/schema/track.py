@@ -63,8 +63,7 @@ class MeasuredIrregularity(Deviation):
     kind: Literal["file"] = needed("a CSV file of measured rails, columns with units")
     path: str = needed("the file, relative to the file that names it", min_length=1)
     start: Annotated[float, Quantity("m", -1e6, 1e6)] | None = optional(
-        None,
-        "distance in the file at which the vehicle's middle starts; absent: the foremost wheelset at the first row",
+        None, "distance in the file where the vehicle's middle starts; absent: the foremost wheelset at the first row"
     )
 
 
