@@ -25,11 +25,10 @@ from rollerrig.config import Adhesion, Brake, Case, ForceSensor, Motor, Rig, Rig
 from rollerrig.config.schema.actuators import SlideProtection, TableSlideProtection, entry_numbers
 from rollerrig.config.schema.rig_control import (
     AnyAxleTorque,
+    AnyFeedback,
     KnownTorque,
     LeadCommand,
-    NoFeedback,
     ProportionalIntegral,
-    SlidingMode,
 )
 from rollerrig.simulation.controllers import UserController
 from rollerrig.simulation.virtual_train import load_transfer, rail_patch
@@ -262,7 +261,7 @@ def estimator(control: RigControl) -> Any:
     return law_of(_core.estimators, control.estimator, ("torque",))
 
 
-def feedback(table: ProportionalIntegral | SlidingMode | NoFeedback) -> Any:
+def feedback(table: AnyFeedback) -> Any:
     """A feedback on the axles' speeds."""
     return law_of(_core.feedbacks, table, ("largest",))
 

@@ -38,14 +38,7 @@ from rollerrig.config.schema.vehicle import Vehicle
 from rollerrig.config.validate.check_case import check_case, check_case_names, check_drive
 from rollerrig.config.validate.check_profile import check_profile
 from rollerrig.config.validate.messages import validate
-from rollerrig.config.write.differences import (
-    OWN_KEYS,
-    Differences,
-    differences,
-    in_words,
-    tables_of,
-    text_from_base,
-)
+from rollerrig.config.write.differences import OWN_KEYS, Differences, differences, in_words, tables_of, text_from_base
 from rollerrig.config.write.toml import plain, to_short_toml, to_toml
 
 T = TypeVar("T")

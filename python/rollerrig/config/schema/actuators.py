@@ -6,13 +6,7 @@ Wheel slide protection: dump valves by slip and acceleration, after published pr
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
-from pydantic import (
-    BeforeValidator,
-    Field,
-    PlainValidator,
-    StrictBool,
-    WithJsonSchema,
-)
+from pydantic import BeforeValidator, Field, PlainValidator, StrictBool, WithJsonSchema
 
 from rollerrig.config.schema.base import Mistakes, OrShort, Rows, Table, TorqueTable, by_kind, needed, optional
 from rollerrig.config.schema.brakes import (
@@ -24,7 +18,7 @@ from rollerrig.config.schema.brakes import (
     UnlimitedAir,
     Volume,
 )
-from rollerrig.config.schema.units import Quantity, Time
+from rollerrig.config.schema.units import Delay, Frequency, Phase, Quantity, SampleTime, Time
 
 _LARGEST = 1e18
 """Largest value of a parameter: any unit has room below it."""
@@ -67,14 +61,10 @@ AnyControllerFmu = Annotated[ControllerFmu, BeforeValidator(_from_file), OrShort
 TorqueOverSpeed = Rows[Annotated[float, Quantity("rad/s", 0.0, 1e5)], Annotated[float, Quantity("N m", 0.0, 1e9)]]
 FrictionOverSpeed = Rows[Annotated[float, Quantity("m/s", 0.0, 1e3)], Annotated[float, Quantity("1", 0.0, 1.0)]]
 PressureRate = Annotated[float, Quantity("Pa/s", 1.0, 1e10)]
-Frequency = Annotated[float, Quantity("Hz", 1e-4, 1e7)]
 Ratio = Annotated[float, Quantity("1", 1e-6, 1.0)]
 Deceleration = Annotated[float, Quantity("m/s^2", 1e-4, 1e4)]
 PositiveSpeed = Annotated[float, Quantity("m/s", 1e-6, 1e3)]
-Delay = Annotated[float, Quantity("s", 0.0, 1.0)]
-SampleTime = Annotated[float, Quantity("s", 1e-6, 1.0)]
 Pause = Annotated[float, Quantity("s", 0.0, 1e4)]
-Phase = Annotated[float, Quantity("s", 1e-6, 1e4)]
 DriveTorque = Annotated[float, Quantity("N m", 1e-3, 1e9)]
 DrivePower = Annotated[float, Quantity("W", 1e-3, 1e10)]
 DriveSpeed = Annotated[float, Quantity("rad/s", 1e-3, 1e5)]

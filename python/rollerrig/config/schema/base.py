@@ -16,19 +16,7 @@ from pydantic import (
 )
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
-from rollerrig.config.schema.units import (
-    KEY_SUFFIXES,
-    Angle,
-    AngularSpeed,
-    DamperSpeed,
-    Deflection,
-    Force,
-    Position,
-    Quantity,
-    RunningSpeed,
-    Time,
-    Torque,
-)
+from rollerrig.config.schema.units import KEY_SUFFIXES, Position, Quantity, RunningSpeed, Time, Torque
 
 INSTEAD_OF = "x-instead-of"
 
@@ -175,8 +163,4 @@ Rows = Annotated[tuple[tuple[X, Y], ...], AfterValidator(in_order)]
 """A function of its first column."""
 SpeedTable = Rows[Time, RunningSpeed]
 TorqueTable = Rows[Time, Torque]
-ForceOverDeflection = Rows[Deflection, Force]
-ForceOverSpeed = Rows[DamperSpeed, Force]
-MomentOverAngle = Rows[Angle, Torque]
-MomentOverRate = Rows[AngularSpeed, Torque]
 Vector = tuple[Position, Position, Position]

@@ -4,20 +4,19 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Field
 
-from rollerrig.config.schema.actuators import (
-    Controller,
-    Delay,
-    DrivePower,
-    DriveSpeed,
-    DriveTorque,
-    Frequency,
-    Motor,
-    Phase,
-    SampleTime,
-)
+from rollerrig.config.schema.actuators import Controller, DrivePower, DriveSpeed, DriveTorque, Motor
 from rollerrig.config.schema.base import Table, by_kind, needed, optional
 from rollerrig.config.schema.contact import kinds
-from rollerrig.config.schema.units import Inertia, Quantity, RollerRadius, WheelRadius
+from rollerrig.config.schema.units import (
+    Delay,
+    Frequency,
+    Inertia,
+    Phase,
+    Quantity,
+    RollerRadius,
+    SampleTime,
+    WheelRadius,
+)
 
 
 class Encoder(Table):

@@ -18,16 +18,7 @@ from pydantic import Discriminator, RootModel, StrictBool
 
 from rollerrig.config.schema.base import Mistakes, Table, needed, optional
 from rollerrig.config.schema.profile import AnyProfile
-from rollerrig.config.schema.track import (
-    Curve,
-    Mounting,
-    Restraint,
-    Straight,
-    Track,
-    WithGauge,
-    at_ends,
-    layout,
-)
+from rollerrig.config.schema.track import Curve, Mounting, Restraint, Straight, Track, WithGauge, at_ends, layout
 from rollerrig.config.schema.units import Inertia, Mass, Quantity, RollerRadius
 from rollerrig.profiles import ProfileTable, gauge_point, profile_from_spec, tabulate
 from rollerrig.track import PiecewiseCubic, ramps

@@ -8,24 +8,16 @@ from typing import Annotated, Any, Literal
 
 from pydantic import StrictBool
 
-from rollerrig.config.schema.base import (
-    ForceOverDeflection,
-    ForceOverSpeed,
-    Mistakes,
-    MomentOverAngle,
-    MomentOverRate,
-    Name,
-    Sourced,
-    Table,
-    Vector,
-    needed,
-    optional,
-)
+from rollerrig.config.schema.base import Mistakes, Name, Rows, Sourced, Table, Vector, needed, optional
 from rollerrig.config.schema.profile import AnyProfile
 from rollerrig.config.schema.units import (
+    Angle,
     AngularDamping,
+    AngularSpeed,
     AngularStiffness,
+    DamperSpeed,
     Damping,
+    Deflection,
     Force,
     Inertia,
     Mass,
@@ -36,9 +28,14 @@ from rollerrig.config.schema.units import (
     PositiveStiffness,
     Quantity,
     Stiffness,
+    Torque,
     WheelRadius,
 )
 
+ForceOverDeflection = Rows[Deflection, Force]
+ForceOverSpeed = Rows[DamperSpeed, Force]
+MomentOverAngle = Rows[Angle, Torque]
+MomentOverRate = Rows[AngularSpeed, Torque]
 Direction = Literal["x", "y", "z", "roll", "pitch", "yaw"]
 DIRECTIONS: tuple[Direction, ...] = ("x", "y", "z", "roll", "pitch", "yaw")
 
