@@ -9,21 +9,9 @@ raises ConfigError.
 from pathlib import Path
 
 from rollerrig.config import Body, Case, Rig, Track, load_case, load_support
+from rollerrig.config.schema.case import ACTUATORS
 from rollerrig.config.schema.contact import Polach
 from rollerrig.config.write.toml import plain
-
-ACTUATORS = (
-    "adhesion",
-    "brake",
-    "track_brake",
-    "sanding",
-    "traction",
-    "slide_protection",
-    "wheel_slip_control",
-    "brake_unit",
-    "rig_control",
-)
-"""Tables of a case beside vehicle, support and contact: what acts on the vehicle, and degraded adhesion."""
 
 _NO_ACTUATORS: dict[str, object] = {**dict.fromkeys(ACTUATORS), "fault": None, "contact.pure_rolling": False}
 

@@ -428,6 +428,5 @@ class Assembly:
 
 def axle_torque(wheelset: int, reaction: int, table: Rows) -> _core.AxleTorque:
     """A torque about an axle over time [N m], of no motor; its opposite acts on the body `reaction`, or on nothing."""
-    return _core.AxleTorque(
-        wheelset=wheelset, reaction=reaction, torque=table, link=0.0, gear_ratio=1.0, rotor_inertia=0.0
-    )
+    rotor = {"link": 0.0, "gear_ratio": 1.0, "rotor_inertia": 0.0}
+    return _core.AxleTorque(wheelset=wheelset, reaction=reaction, torque=table, **rotor)

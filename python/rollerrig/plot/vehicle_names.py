@@ -14,8 +14,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from rollerrig.cases import ACTUATORS, wheelsets
+from rollerrig.cases import wheelsets
 from rollerrig.config import Element, Rig
+from rollerrig.config.schema.case import ACTUATORS
 from rollerrig.plot.style import colour
 from rollerrig.plot.vehicle_scene import BODY, HELD, INK, STEEL, WHEELSET, Scene, bodies, box
 

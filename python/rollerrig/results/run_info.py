@@ -20,9 +20,10 @@ from pydantic import TypeAdapter, ValidationError
 
 from rollerrig import __version__
 from rollerrig.assembly.model import AssembledModel
-from rollerrig.cases import ACTUATORS, as_case
+from rollerrig.cases import as_case
 from rollerrig.config import Case, Rig, ScaledFrom, case_from_toml
 from rollerrig.config.read import CATALOG_FOLDER
+from rollerrig.config.schema.case import ACTUATORS
 from rollerrig.profiles import flange_angle
 from rollerrig.track import Segment
 

@@ -281,9 +281,8 @@ def build_case(
         mistakes = [mistake for mistake in mistakes if mistake.value != "missing"]
     unresolved = {f"{key}.data" for key, part in (("vehicle", vehicle), ("support", support)) if part is None}
     problems += (drive := check_drive(raw, file))
-    known = {problem.key for problem in problems if problem.file == file} | (
-        {"motion.torque_table"} if drive else set()
-    )
+    known = {problem.key for problem in problems if problem.file == file}
+    known |= {"motion.torque_table"} if drive else set()
     problems += [m for m in mistakes if m.key not in known and not (m.key in unresolved and problems)]
     if vehicle is not None:
         problems += [ConfigProblem(file, *mistake) for mistake in check_case_names(raw, vehicle)]

@@ -83,9 +83,8 @@ def matching_paths(holder: Any, path: list[str], key: str, file: str) -> list[li
         first = list(items)[int(first)]
     matching = [name for name in items if fnmatchcase(name, first)]
     if isinstance(holder, dict) and "*" in first and rest:  # of a table's keys, those below which the next one exists
-        matching = [
-            name for name in matching if isinstance(items[name], dict) and ("*" in rest[0] or rest[0] in items[name])
-        ]
+        tables = {name: item for name, item in items.items() if isinstance(item, dict)}
+        matching = [n for n in matching if n in tables and ("*" in rest[0] or rest[0] in tables[n])]
     paths: list[list[str]] = []
     for name in matching:
         found = matching_paths(items[name], rest, key, file)

@@ -54,9 +54,8 @@ def check_new_code(
     Values are absolute paths; code may lie in the file's own folder, if it has one, and elsewhere where `allow` says so.
     """
     found = _code_in(dict(leaves(changes)))
-    return found, [] if allow else [
-        _elsewhere(file, f"{at}.", code, own_folder) for code in _foreign(found, own_folder)
-    ]
+    foreign = [] if allow else _foreign(found, own_folder)
+    return found, [_elsewhere(file, f"{at}.", code, own_folder) for code in foreign]
 
 
 def place_code(

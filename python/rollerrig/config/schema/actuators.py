@@ -130,10 +130,7 @@ class Traction(Table):
     def _mistakes(self) -> Mistakes:
         needed = self.suspension == "axle"
         if needed != (self.link is not None):
-            yield (
-                "link",
-                "needed for suspension = 'axle', about 1 m" if needed else "allowed only with suspension = 'axle'",
-            )
+            yield "link", "needed for suspension = 'axle'" if needed else "allowed only with suspension = 'axle'"
 
 
 class Controller(Table):

@@ -135,10 +135,7 @@ class Contact(Table):
 
     def _mistakes(self) -> Mistakes:
         if self.creep.kind == "strip_theory" and self.normal.kind != "strips":
-            yield (
-                "creep",
-                "allowed: strip_theory with contact.normal = 'strips', whose strips it follows; else take 'table'",
-            )
+            yield "creep", "allowed: strip_theory with normal = 'strips', whose strips it follows; else take 'table'"
         if self.creep.kind == "coefficients" and self.kalker_factor != 1.0:
             yield "kalker_factor", "allowed with contact.creep = 'coefficients': 1; its coefficients are final"
 
@@ -260,6 +257,13 @@ class TimeSettings(Table):
         for key, value in (("output_step", self.output_step), ("step", self.step), ("maximum_step", self.maximum_step)):
             if value is not None and value > self.duration:
                 yield key, f"allowed: at most the duration, {self.duration:g} s"
+
+
+ACTUATORS = (
+    "adhesion", "brake", "track_brake", "sanding", "traction", "slide_protection", "wheel_slip_control", "brake_unit",
+    "rig_control",
+)  # fmt: skip
+"""Tables of a case beside vehicle, support and contact: what acts on the vehicle, and degraded adhesion."""
 
 
 class CaseTables(Named):

@@ -154,9 +154,8 @@ def is_quantity(value: object) -> bool:
 
 def quantity_text(value: Any) -> str:
     """A scalar quantity of pint as a file would write it; of an array it is no number with a unit, and refused as such."""
-    number = (
-        value.magnitude.item() if hasattr(value.magnitude, "item") and not value.magnitude.shape else value.magnitude
-    )
+    scalar = hasattr(value.magnitude, "item") and not value.magnitude.shape
+    number = value.magnitude.item() if scalar else value.magnitude
     return f"{number!r} {value.units:D}"
 
 

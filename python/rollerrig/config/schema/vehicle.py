@@ -84,9 +84,7 @@ class SeriesDamper(Table):
     def _mistakes(self) -> Mistakes:
         least = SHORTEST_RELAXATION * self.series_stiffness
         if self.damping < least:
-            allowed = (
-                f"allowed: at least {least:g} beside that stiffness; a damper that gives way so fast carries nothing"
-            )
+            allowed = f"allowed: at least {least:g} beside that stiffness; what gives way so fast carries nothing"
             yield "damping", allowed
 
 

@@ -102,10 +102,8 @@ def item_labels(items: Sequence[object]) -> list[str]:
 
     names = [name(item) for item in items] if len(items) <= _MOST else [""] * len(items)
     count = Counter(names)
-    return [
-        own if count[own] == 1 and own.replace("_", "").replace("-", "").isalnum() else f"[{index}]"
-        for index, own in enumerate(names)
-    ]
+    plain = [own.replace("_", "").replace("-", "").isalnum() and count[own] == 1 for own in names]
+    return [own if plain[index] else f"[{index}]" for index, own in enumerate(names)]
 
 
 def named_items(items: Sequence[object]) -> dict[str, Any]:

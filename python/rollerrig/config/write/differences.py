@@ -13,7 +13,7 @@ from typing import Any
 
 from rollerrig.common.formatting import Summary, number
 from rollerrig.config.errors import show_value
-from rollerrig.config.schema.case import CaseTables, Contact, SupportChoice, VehicleChoice
+from rollerrig.config.schema.case import ACTUATORS, CaseTables, Contact, SupportChoice, VehicleChoice
 from rollerrig.config.schema.support import Rig
 from rollerrig.config.schema.units import AS_WRITTEN
 from rollerrig.config.validate.messages import named_items
@@ -110,19 +110,13 @@ def _put(tables: Raw, path: list[str], value: Any) -> None:
     tables[path[-1]] = value
 
 
-ACTING = (
-    "adhesion", "brake", "track_brake", "sanding", "traction", "slide_protection", "wheel_slip_control", "brake_unit",
-    "rig_control", "axle_torque", "disturbance",
-)  # fmt: skip
-
-
 def in_words(case: CaseTables) -> Summary:
     """What the case is made of, a row each."""
     vehicle, support, contact, time = case.vehicle, case.support.data, case.contact, case.time
     part = "" if vehicle.cut == "vehicle" else f", {vehicle.cut}"
     bodies = [body.name for body in vehicle.bodies]
     method, step = case.integration
-    acting = [name for name in ACTING if getattr(case, name)]
+    acting = [name for name in (*ACTUATORS, "axle_torque", "disturbance") if getattr(case, name)]
     names = ", ".join(bodies if len(bodies) <= 4 else [*bodies[:2], f"{bodies[2]} and {len(bodies) - 3} more"])
     found = [
         ("vehicle", f"{vehicle.data.name}{part}: {names}"),
