@@ -37,18 +37,8 @@ Field = tuple[str, str, str]
 
 _DIRECTION_WORDS = {"x": "longitudinal", "y": "lateral", "z": "vertical"}
 
-_RUN_NAMES = {
-    "kinetic_energy": "energy_kinetic",
-    "gravity_energy": "energy_gravity",
-    "element_energy": "energy_elements",
-    "work_of_drive": "energy_work_of_drive",
-    "work_of_torque": "energy_work_of_torque",
-    "dissipated_elements": "energy_dissipated_elements",
-    "dissipated_normal": "energy_dissipated_normal",
-    "dissipated_creep": "energy_dissipated_creep",
-    "dissipated_brakes": "energy_dissipated_brakes",
-    "stored_contacts": "energy_stored_contacts",
-}
+_ENERGIES = {"kinetic_energy": "kinetic", "gravity_energy": "gravity", "element_energy": "elements"}
+_RUN_NAMES = {name: f"energy_{_ENERGIES.get(name, name)}" for name, unit, _ in _core.run_fields if unit == "J"}
 
 COMPLETED = ("ok", "stopped")
 """Statuses of a run that ended as asked: at its duration, or where the train had stopped."""

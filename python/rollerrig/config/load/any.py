@@ -6,26 +6,18 @@ name or path -> [load_any] -> what kind it is, and what it describes
 from collections.abc import Callable
 from pathlib import Path
 
-from rollerrig.config.load.case import (
-    build_case,
-    load_material,
-    load_profile,
-    load_programme,
-    load_support,
-    load_vehicle,
-    read_known,
-)
+from rollerrig.config.load import case
 from rollerrig.config.load.fit import load_fit
 from rollerrig.config.load.plan import load_plan
 from rollerrig.config.read import CatalogKind
 from rollerrig.config.schema.base import Table
 
 LOADERS: dict[CatalogKind, Callable[[str | Path], Table]] = {
-    "vehicle": load_vehicle,
-    "support": load_support,
-    "material": load_material,
-    "profile": load_profile,
-    "programme": load_programme,
+    "vehicle": case.load_vehicle,
+    "support": case.load_support,
+    "material": case.load_material,
+    "profile": case.load_profile,
+    "programme": case.load_programme,
 }
 
 
@@ -39,11 +31,11 @@ def load_any(source: str | Path, *, allow_code: bool = False) -> tuple[CatalogKi
     Raises:
         ConfigError: all mistakes found.
     """
-    kind, document = read_known(source)
+    kind, document = case.read_known(source)
     if kind in LOADERS:
         return kind, LOADERS[kind](source)
     if kind == "plan":
         return kind, load_plan(document, allow_code=allow_code).plan
     if kind == "fit":
         return kind, load_fit(document, allow_code=allow_code).plan
-    return kind, build_case(document, own_folder=document.folder, allow_code=allow_code)
+    return kind, case.build_case(document, own_folder=document.folder, allow_code=allow_code)
