@@ -84,7 +84,7 @@ class by_kind:  # noqa: N801 (stands among the annotations of pydantic)
         return {"kind": self.usual, **value} if self.usual and isinstance(value, Mapping) else value
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        """Before the validation of the union, which is told apart by `kind`."""
+        """Before the validation of the union, of which `kind` names the table."""
         union = handler.generate_schema(Annotated[source, Discriminator("kind")])
         return core_schema.no_info_before_validator_function(self.completed, union)
 

@@ -148,7 +148,7 @@ def _rail_masses(case: CaseTables, foundation: Foundation) -> Iterator[Mistake]:
     for key, mass in masses.items():
         if not lightest <= mass <= heaviest:
             allowed = (
-                f"allowed under the wheel load, {load / 1e3:.3g} kN: {lightest:.2g} to {heaviest:.2g} kg, {TYPICAL}"
+                f"allowed under the wheel load, {load / 1e3:.3g} kN: {lightest:.2g} to {heaviest:.2g} kg; {TYPICAL}"
             )
             yield f"support.data.foundation.{key}", f"{mass:g} kg", allowed
 
