@@ -65,7 +65,9 @@ def place_code(
 
     Relative paths start at `folder`; `own_folder` is that of the case, None: it has none.
     """
-    found = {key: relative_to(folder, key, value) for key, value in leaves(raw) if _code_in({key: value})}
+    tables = {key: table for key, table in raw.items() if isinstance(table, Mapping)}
+    named = {key: {one: table[one] for one in ("user", "fmu") if one in table} for key, table in tables.items()}
+    found = {key: relative_to(folder, key, value) for key, value in leaves(named) if _code_in({key: value})}
     for key, value in found.items():
         *path, last = key.split(".")
         if isinstance(holder := value_in(raw, path), dict) and last in holder:
@@ -77,9 +79,9 @@ def _code_in(values: Mapping[str, object]) -> tuple[Code, ...]:
     """Code that values name at dotted keys; a part of a key may have `*` in it."""
     found = []
     for key, value in values.items():
-        table, *rest = parts_of(key)
         if not isinstance(value, str) or not value:
             continue
+        table, *rest = parts_of(key)
         if ":" in value and _match(["user"], rest):
             source, _, name = value.rpartition(":")
             found.append(Code(f"{table}.user", source, name))
