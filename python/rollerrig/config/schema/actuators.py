@@ -130,7 +130,8 @@ class Traction(Table):
     def _mistakes(self) -> Mistakes:
         needed = self.suspension == "axle"
         if needed != (self.link is not None):
-            yield "link", "needed for suspension = 'axle'" if needed else "allowed only with suspension = 'axle'"
+            word = "needed, about 1 m, for" if needed else "allowed only with"
+            yield "link", f"{word} suspension = 'axle'"
 
 
 class Controller(Table):

@@ -2,7 +2,7 @@
 
 import math
 from itertools import pairwise
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
 from pydantic import Field, StrictInt
 
@@ -234,12 +234,13 @@ class SandOnSlide(Table):
 class SandBetween(Table):
     """Sand from a begin to an end."""
 
+    unit: ClassVar[str] = "m"
     begin: Place = needed("begin of sanding")
     end: Place = needed("end of sanding")
 
     def _mistakes(self) -> Mistakes:
         if not self.begin < self.end:
-            yield "end", f"allowed: beyond begin, {self.begin:g}"
+            yield "end", f"allowed: beyond begin, {self.begin:g} {self.unit}"
 
 
 class SandFromDistance(SandBetween):
@@ -253,6 +254,7 @@ class SandFromDistance(SandBetween):
 class SandFromTime(SandBetween):
     """Sand from a time on, as a driver switches it."""
 
+    unit: ClassVar[str] = "s"
     kind: Literal["from_time"] = needed("sand from a time on, as a driver switches it")
     begin: Duration = needed("time of the run")
     end: Duration = optional(1e6, "end of sanding")
