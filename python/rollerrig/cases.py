@@ -9,22 +9,10 @@ raises ConfigError.
 from pathlib import Path
 
 from rollerrig.config import Body, Case, ConfigError, Rig, Track, load_case, load_support
+from rollerrig.config.schema.case import ACTUATORS
 from rollerrig.config.schema.contact import Polach
 from rollerrig.config.schema.rig_control import RigControl
 from rollerrig.config.write.toml import plain
-
-ACTUATORS = (
-    "adhesion",
-    "brake",
-    "track_brake",
-    "sanding",
-    "traction",
-    "slide_protection",
-    "wheel_slip_control",
-    "brake_unit",
-    "rig_control",
-)
-"""Tables of a case beside vehicle, support and contact: what acts on the vehicle, and degraded adhesion."""
 
 _NO_ACTUATORS: dict[str, object] = {**dict.fromkeys(ACTUATORS), "fault": None, "contact.pure_rolling": False}
 
@@ -52,10 +40,9 @@ def leading_wheelset(case: Case) -> Body:
 
 def part_of(case: Case, cut: str) -> Case:
     """Another part of the same vehicle, restrained along the track; one with a fixed body needs no coupler rod."""
+    held = [body for body in case.vehicle.bodies if "x" in body.locked]
     changes: dict[str, object] = {
-        f"vehicle.body.{body.name}.locked": [d for d in body.locked if d != "x"]
-        for body in case.vehicle.bodies
-        if "x" in body.locked
+        f"vehicle.body.{body.name}.locked": [d for d in body.locked if d != "x"] for body in held
     }
     support = case.support.data
     if isinstance(support, Rig) and support.restraint is not None and case.vehicle.data.cut_named(cut).fixed:
@@ -158,6 +145,5 @@ def at_speed(case: Case, speed: float | None = None) -> Case:
 
 def displaced(case: Case, lateral: float) -> Case:
     """The case started with a lateral offset of its leading wheelset [m], without other disturbances and torques."""
-    return case.with_changes(
-        {"disturbance": [{"body": leading_wheelset(case).name, "lateral": lateral}], "axle_torque": []}
-    )
+    disturbance = {"body": leading_wheelset(case).name, "lateral": lateral}
+    return case.with_changes({"disturbance": [disturbance], "axle_torque": []})

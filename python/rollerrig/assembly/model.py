@@ -39,43 +39,33 @@ class AssembledModel:
 
     case: Case
     core: _core.Model
+    # the model whose equilibrium a run starts from: `core` itself but for a train, which starts on level track, coasting
     start_core: _core.Model
-    """The model whose equilibrium a run starts from: `core` itself but for a train, which starts on level track, coasting."""
     bodies: tuple[str, ...]
     elements: tuple[str, ...]
     wheels: tuple[WheelInfo, ...]
     wheelsets: tuple[str, ...]
     rollers: tuple[str, ...]
-    rails: tuple[str, ...]
-    """Pieces of rail on an elastic foundation, and of sleepers; none where the rails are rigid."""
+    rails: tuple[str, ...]  # pieces of rail on an elastic foundation, and of sleepers; none where the rails are rigid
     fixed: tuple[str, ...]
     masses: dict[str, float]
-    inertias: dict[str, tuple[float, float, float]]
-    """Principal moments of inertia of each body [kg m^2]."""
-    positions: dict[str, tuple[float, float, float]]
+    inertias: dict[str, Point]  # principal moments of inertia of each body [kg m^2]
+    positions: dict[str, Point]
+    # static load of each axle: its own weight and what its springs carry in the design position [N]
     axle_loads: dict[str, float]
-    """Static load of each axle: its own weight and what its springs carry in the design position [N]."""
-    preloads: dict[str, float]
-    """Vertical preload of each element that carries load, force on its second body [N]."""
+    preloads: dict[str, float]  # vertical preload of each element that carries load, force on its second body [N]
     wheel_profile: ProfileTable
     rail_profile: ProfileTable
     right_rail_profile: ProfileTable
-    rail_origin_y: float
-    """Lateral position of the highest point of the left rail or roller [m]."""
-    right_rail_origin_y: float
-    """The same of the right one, to the right [m]."""
-    line: Line | None
-    """Curvature and cant of the track; None where it is straight, and on a rig."""
-    irregularity: RailIrregularity | None
-    """Displacements of the rails, or of the rollers that stand for them; None where there are none."""
-    breakpoints: tuple[float, ...]
-    """Times at which an input has a corner [s]."""
-    axles: tuple[_core.AxleParts, ...] = ()
-    """Actuators of each axle; empty where the model was assembled without."""
+    rail_origin_y: float  # lateral position of the highest point of the left rail or roller [m]
+    right_rail_origin_y: float  # the same of the right one, to the right [m]
+    line: Line | None  # curvature and cant of the track; None where it is straight, and on a rig
+    irregularity: RailIrregularity | None  # displacements of the rails, or of the rollers that stand for them
+    breakpoints: tuple[float, ...]  # times at which an input has a corner [s]
+    axles: tuple[_core.AxleParts, ...] = ()  # actuators of each axle; empty where the model was assembled without
+    # adhesion of the case's rails; None without [adhesion], and where the model was assembled without actuators
     adhesion: _core.AdhesionMap | None = None
-    """Adhesion of the case's rails; None without [adhesion], and where the model was assembled without actuators."""
-    bogies: int = 0
-    """That carry the magnets of a track brake, where the case has one."""
+    bogies: int = 0  # that carry the magnets of a track brake, where the case has one
 
     def body_index(self, name: str) -> int:
         """Index of a body in the core.
@@ -136,9 +126,9 @@ class Assembly:
         self.rollers: list[str] = []
         self.rails: list[str] = []
         self.wheels: list[WheelInfo] = []
-        self.positions: dict[str, tuple[float, float, float]] = {}
+        self.positions: dict[str, Point] = {}
         self.masses: dict[str, float] = {}
-        self.inertias: dict[str, tuple[float, float, float]] = {}
+        self.inertias: dict[str, Point] = {}
         self.profile_index: dict[ProfileTable, int] = {}
         self.roller_of: dict[tuple[str, str], int] = {}
         self.preloads, self.axle_loads = static_loads(self.vehicle, case.gravity)
@@ -238,8 +228,8 @@ class Assembly:
         self,
         name: str,
         mass: float,
-        inertia: tuple[float, float, float],
-        position: tuple[float, float, float],
+        inertia: Point,
+        position: Point,
         locked: list[bool],
         **more: Any,
     ) -> int:
@@ -411,9 +401,8 @@ class Assembly:
         rails = rails_of_run(chosen, foremost_wheelset(self.case), distance)
         left_y, left_z, right_y, right_z = (rails.coefficients[rail] for rail in RAILS)
         steered = not isinstance(self.support, Rig) or self.support.steered
-        self.builder.set_irregularity(
-            rails.period, rails.step, left_y, left_z, right_y, right_z, rails.fade_in, steered
-        )
+        steps = rails.period, rails.step
+        self.builder.set_irregularity(*steps, left_y, left_z, right_y, right_z, rails.fade_in, steered)
         return line, rails
 
     def _add_motion(self) -> tuple[float, ...]:
@@ -425,10 +414,9 @@ class Assembly:
             corners += [time for time, _ in motion.torque_table]
             axle_share = 0.5 if isinstance(self.support, Rig) and self.support.coupling == "independent" else 1.0
             rows = [(time, axle_share * torque) for time, torque in motion.torque_table]
-            for name in self.rollers:
-                self.builder.add_roller_torque(
-                    _core.RollerTorque(roller=self.index(name), torque=rows, gear_ratio=1.0, rotor_inertia=0.0)
-                )
+            for index in map(self.index, self.rollers):
+                driven = _core.RollerTorque(roller=index, torque=rows, gear_ratio=1.0, rotor_inertia=0.0)
+                self.builder.add_roller_torque(driven)
         for torque in self.case.axle_torque:
             rows = [(0.0, torque.constant)] if torque.constant is not None else list(torque.table or ())
             corners += [time for time, _ in rows]
@@ -440,6 +428,5 @@ class Assembly:
 
 def axle_torque(wheelset: int, reaction: int, table: Rows) -> _core.AxleTorque:
     """A torque about an axle over time [N m], of no motor; its opposite acts on the body `reaction`, or on nothing."""
-    return _core.AxleTorque(
-        wheelset=wheelset, reaction=reaction, torque=table, link=0.0, gear_ratio=1.0, rotor_inertia=0.0
-    )
+    rotor = {"link": 0.0, "gear_ratio": 1.0, "rotor_inertia": 0.0}
+    return _core.AxleTorque(wheelset=wheelset, reaction=reaction, torque=table, **rotor)

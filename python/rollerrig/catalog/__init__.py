@@ -20,11 +20,9 @@ def catalog_entries() -> list[tuple[CatalogKind, str, str]]:
         >>> sorted({kind for kind, _, _ in catalog_entries()})
         ['case', 'fit', 'material', 'plan', 'profile', 'programme', 'support', 'vehicle']
     """
-    return [
-        (kind, name, str(tomllib.loads(catalog_file(kind, name).read_text("utf-8"))["description"]))
-        for kind in KINDS
-        for name in catalog_names(kind)
-    ]
+    names = [(kind, name) for kind in KINDS for name in catalog_names(kind)]
+    tables = (tomllib.loads(catalog_file(*one).read_text("utf-8")) for one in names)
+    return [(*one, str(table["description"])) for one, table in zip(names, tables, strict=True)]
 
 
 def catalog_text(name: str) -> str:

@@ -15,7 +15,7 @@ from rollerrig.config.errors import ConfigError, ConfigProblem, show_value
 from rollerrig.config.read import catalog_file, catalog_names, schema_uri
 from rollerrig.config.schema.vehicle import Vehicle
 from rollerrig.config.write.explain import KeyPlace, key_places, unit_text
-from rollerrig.config.write.toml import is_table, key_text, literal, plain
+from rollerrig.config.write.toml import is_table, key_text, literal, literal_on_one_line, plain
 
 Raw = dict[str, Any]
 
@@ -38,7 +38,7 @@ def starting_case(name: str, source: str | Path = START) -> str:
 
     Example:
         >>> starting_case("mine").splitlines()[5:7]
-        ['# name of the case', 'name = "mine"']
+        ['# its name, in results and messages', 'name = "mine"']
     """
     case = load_case(source)
     try:
@@ -49,11 +49,8 @@ def starting_case(name: str, source: str | Path = START) -> str:
     if str(source) in catalog_names("case"):
         raw = tomllib.loads(catalog_file("case", str(source)).read_text("utf-8"))
     else:
-        raw = {
-            "base": str(Path(source).absolute()),
-            "description": case.description,
-            "motion": {"speed": f"{case.motion.speed!r} m/s"},
-        }
+        raw = {"base": str(Path(source).absolute()), "description": case.description}
+        raw["motion"] = {"speed": f"{case.motion.speed!r} m/s"}
     raw = {"name": name, **{key: value for key, value in raw.items() if key != _NAME}}
     heading = [
         f"#:schema {schema_uri('case')}",
@@ -101,9 +98,8 @@ def _said(place: KeyPlace) -> str:
 
 def _offered(table: Raw, above: str) -> list[str]:
     """Plain keys that a table could have beside those it has: default and meaning, one line each."""
-    places = [
-        place for place in key_places() if place.file == "case" and place.key.rpartition(".")[0] == above.rstrip(".")
-    ]
+    table_of = above.rstrip(".")
+    places = [one for one in key_places() if one.file == "case" and one.key.rpartition(".")[0] == table_of]
     if not above or not places:
         return []
     if len({place.table for place in places}) > 1:  # each has its own
@@ -112,6 +108,5 @@ def _offered(table: Raw, above: str) -> list[str]:
     for place in places:
         key, default = place.key.rpartition(".")[2], place.field.default
         if key not in table and isinstance(default, str | float | int | tuple) and default not in ("", ()):
-            value = literal(plain(default)).replace(",\n", ", ").replace("\n", "")
-            lines.append(f"# {key} = {value}  # {_said(place)}".rstrip(" #"))
+            lines.append(f"# {key} = {literal_on_one_line(plain(default))}  # {_said(place)}".rstrip(" #"))
     return ["# what it has by default:", *lines] if lines else []

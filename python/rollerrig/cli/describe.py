@@ -12,8 +12,9 @@ from rollerrig.analysis.equivalent_dead_time import lags
 from rollerrig.analysis.slide_statistics import idle_valves
 from rollerrig.assembly.actuators import assemble_with_actuators
 from rollerrig.assembly.model import AssembledModel, assemble
-from rollerrig.config import GRAVITY, Case, Element, Material, ProfileSpec, Programme, Rig, Track, Vehicle, code_of
+from rollerrig.config import GRAVITY, Case, Element, Material, Programme, Rig, Track, Vehicle, code_of
 from rollerrig.config.errors import ConfigError
+from rollerrig.config.schema.base import Table
 from rollerrig.config.schema.faults import fault_text
 from rollerrig.config.schema.rig_control import BandwidthEstimator
 from rollerrig.config.schema.track import SpectrumIrregularity, rails_of_run
@@ -246,8 +247,6 @@ def _rig_control(model: AssembledModel) -> str:
 _CLOSED = 1e-6
 """Part of the weight: a larger difference to the wheel loads has a reason."""
 
-Part = Vehicle | Rig | Track | Material | ProfileSpec | Programme
-
 
 def describe_case(case: Case, *, run_code: bool = False) -> list[str]:
     """The assembled model, static wheel loads and masses.
@@ -286,7 +285,7 @@ def _across(part: Rig | Track) -> str:
     return f"contacts {1e3 * part.contact_distance:g} mm apart"
 
 
-def describe_part(part: Part) -> list[str]:
+def describe_part(part: Table) -> list[str]:
     """A line or two about a vehicle, a support, a material, a profile or a test programme."""
     match part:
         case Vehicle():
@@ -310,7 +309,7 @@ def describe_part(part: Part) -> list[str]:
             stops = ", ".join(f"{kinds.count(kind)} {kind}" for kind in dict.fromkeys(kinds))
             return [f"{part.name}: {len(kinds)} stops ({stops}) of {part.starts} starts, {len(part.limit)} limits"]
         case _:
-            return [f"profile of kind {part.arguments()['kind']}"]
+            return [f"profile of kind {part.model_dump()['kind']}"]
 
 
 def _way(model: AssembledModel) -> list[str]:

@@ -4,7 +4,7 @@ number, unit -> [this file] -> text without exponents of computers, negative zer
 """
 
 import math
-from collections.abc import Iterable
+from dataclasses import dataclass
 from html import escape
 
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
@@ -81,10 +81,18 @@ def percent(value: float | None, digits: int = 2, *, signed: bool = False) -> st
     return f"{'+' if signed and value > 0.0 else ''}{text} %"
 
 
-def html_rows(headline: str, rows: Iterable[tuple[str, str]]) -> str:
-    """A headline and a table of what and words, as notebooks show it."""
-    cells = "".join(
-        f"<tr><th style='text-align:left'>{escape(what)}</th><td style='text-align:left'>{escape(words)}</td></tr>"
-        for what, words in rows
-    )
-    return f"<p>{escape(headline)}</p><table>{cells}</table>"
+@dataclass(frozen=True)
+class Summary:
+    """What something is in a few lines: a headline, rows of what and the words; it prints them."""
+
+    headline: str
+    rows: tuple[tuple[str, str], ...]
+
+    def __repr__(self) -> str:
+        width = max((len(what) for what, _ in self.rows), default=0)
+        return "\n".join([self.headline, *(f"  {what:{width}}  {words}" for what, words in self.rows)])
+
+    def _repr_html_(self) -> str:
+        left = "style='text-align:left'"
+        cells = (f"<tr><th {left}>{escape(a)}</th><td {left}>{escape(b)}</td></tr>" for a, b in self.rows)
+        return f"<p>{escape(self.headline)}</p><table>{''.join(cells)}</table>"

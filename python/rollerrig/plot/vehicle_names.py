@@ -13,8 +13,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
-from rollerrig.cases import ACTUATORS
 from rollerrig.config import Element, Rig
+from rollerrig.config.schema.case import ACTUATORS
 from rollerrig.plot.style import colour
 from rollerrig.plot.vehicle_scene import INK, STEEL, Scene, bodies, box
 

@@ -108,9 +108,8 @@ def _empty(layout: _Layout, times: _Layout, names: Names | None) -> xr.Dataset:
         name: xr.Variable(dims, np.broadcast_to(np.nan, shape), dict(attributes), fastpath=True)
         for name, dims, shape, attributes in layout
     }
-    given = xr.Coordinates(
-        {name: (dims, np.frombuffer(values), dict(attributes)) for name, dims, values, attributes in times}
-    )
+    own = {name: (dims, np.frombuffer(values), dict(attributes)) for name, dims, values, attributes in times}
+    given = xr.Coordinates(own)
     parts = _parts(*names) if names else xr.Coordinates()
     coordinates = xr.Coordinates({**given.variables, **parts.variables}, {**given.xindexes, **parts.xindexes})
     return xr.Dataset(variables, coordinates)
@@ -258,12 +257,7 @@ WORK_IN = ("energy_work_of_drive", "energy_work_of_torque")
 STORED = ("energy_kinetic", "energy_gravity", "energy_elements", "energy_stored_contacts")
 """Accounts of stored energy; only their change counts [J]."""
 
-DISSIPATED = (
-    "energy_dissipated_elements",
-    "energy_dissipated_normal",
-    "energy_dissipated_creep",
-    "energy_dissipated_brakes",
-)
+DISSIPATED = tuple(f"energy_dissipated_{name}" for name in ("elements", "normal", "creep", "brakes"))
 """Accounts of heat since the start [J]."""
 
 _SIGNS = ((WORK_IN, 1.0), (STORED, -1.0), (DISSIPATED, -1.0))

@@ -73,9 +73,8 @@ class OutputError(Exception):
 
     def __init__(self, path: Path, cause: OSError | str) -> None:
         if isinstance(cause, OSError):
-            cause = "cannot be written: " + _REMEDIES.get(
-                cause.errno or 0, f"{cause.strerror or cause}; choose another folder"
-            )
+            remedy = _REMEDIES.get(cause.errno or 0, f"{cause.strerror or cause}; choose another folder")
+            cause = f"cannot be written: {remedy}"
         super().__init__(f"{path}: {cause}")
         self.path = path
 

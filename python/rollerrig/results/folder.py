@@ -163,9 +163,7 @@ def locked(path: str | Path) -> Iterator[bool]:
         _LOCKED.add(folder)
     except BlockingIOError:
         os.close(handle)
-        raise OutputError(
-            folder, "another command is writing there; wait for its end, or choose another --out"
-        ) from None
+        raise OutputError(folder, "another command is writing there; wait, or choose another --out") from None
     except OSError:  # a file system without locks
         pass
     try:

@@ -5,13 +5,12 @@
 Of a run: what ran, how long, how it ended, its energy residual. Of anything else: what it is over, and what it holds.
 """
 
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 import xarray as xr
 
-from rollerrig.common.formatting import html_rows, number, quantity
+from rollerrig.common.formatting import Summary, number, quantity
 from rollerrig.results.files import load_run
 from rollerrig.results.run_info import ATTRIBUTE, RunInfo
 
@@ -22,21 +21,6 @@ _NAMED = 8
 """Variables, of results that are no run."""
 _UNITS = {"kmh": "km/h", "hz": "Hz", "s": "s", "m": "m", "n": "N", "rad": "rad", "nm": "N m"}
 """In which the names of attributes end."""
-
-
-@dataclass(frozen=True)
-class Summary:
-    """What results say in a few lines: a headline, rows of what and the words; it prints them."""
-
-    headline: str
-    rows: tuple[tuple[str, str], ...]
-
-    def __repr__(self) -> str:
-        width = max((len(what) for what, _ in self.rows), default=0)
-        return "\n".join([self.headline, *(f"  {what:{width}}  {words}" for what, words in self.rows)])
-
-    def _repr_html_(self) -> str:
-        return html_rows(self.headline, self.rows)
 
 
 def summary(results: xr.Dataset | str | Path) -> Summary:
@@ -59,18 +43,16 @@ def summary(results: xr.Dataset | str | Path) -> Summary:
     case, title = str(found.attrs.get("case", "")), str(found.attrs.get("title", ""))
     of_run = ATTRIBUTE in found.attrs and "energy_relative_residual" in found.attrs
     headline = f"{'Run of' if of_run else 'Results of'} {case}" if case else "Results"
-    return Summary(
-        f"{headline}: {title}" if title else headline, tuple(_of_run(found) if of_run else _of_others(found))
-    )
+    rows = _of_run(found) if of_run else _of_others(found)
+    return Summary(f"{headline}: {title}" if title else headline, tuple(rows))
 
 
 def _of_run(run: xr.Dataset) -> list[tuple[str, str]]:
     info, attributes = RunInfo.of(run), run.attrs
     on = "track" if info.roller_radius is None else f"rollers of {1e3 * info.roller_radius:g} mm"
     times, speed = run["time"].to_numpy(), 3.6 * run["speed"].to_numpy() if "speed" in run else np.empty(0)
-    rows = [
-        ("what", f"{info.part.replace('_', ' ')} on {on}: moving bodies {len(info.moving)}, wheels {len(info.wheels)}")
-    ]
+    part = info.part.replace("_", " ")
+    rows = [("what", f"{part} on {on}: moving bodies {len(info.moving)}, wheels {len(info.wheels)}")]
     length = f"{number(attributes['stopped_at_s'])} s, {number(len(times))} samples"
     every = f", one every {number(1e3 * float(np.median(np.diff(times))))} ms" if len(times) > 1 else ""
     rows.append(("time", length + every))

@@ -60,9 +60,7 @@ def read_log(path: str | Path) -> Log:
         raise FileNotFoundError(f"{path}: no such file") from None
     except ImportError:
         library, extra = _OPTIONAL[kind]
-        raise ResultsError(
-            f'{path}: needs {library}, which is not installed: pip install "rollerrig[{extra}]"'
-        ) from None
+        raise ResultsError(f'{path}: needs {library}, not installed: pip install "rollerrig[{extra}]"') from None
     except Exception as error:  # whatever the libraries meet in a damaged file
         reason = (str(error).splitlines() or [""])[0]
         raise (

@@ -51,9 +51,8 @@ def export(
     found = run if isinstance(run, xr.Dataset) else load_run(run)
     if kind != "mat" and over not in found.dims:
         there = [str(name) for name in found.dims if str(name).endswith("time")]
-        raise ResultsError(
-            f"--over {over}: not in these results; allowed: {', '.join(there) or 'they have no time: --to mat'}"
-        )
+        shown = ", ".join(there) or "they have no time: --to mat"
+        raise ResultsError(f"--over {over}: not in these results; allowed: {shown}")
     tables = [_head_line(found, over)] if kind == "csv" else []
     output_file(path, tables=tables, force=force)
     return write_bytes(path, KINDS[kind](found, over), tables=tables, force=force)
@@ -93,10 +92,8 @@ def _csv(run: xr.Dataset, over: str) -> bytes:
 def _parquet(run: xr.Dataset, over: str) -> bytes:
     from pyarrow import parquet, table
 
-    about = {
-        "program": PROGRAM,
-        **{key: str(run.attrs.get(key, "")) for key in ("case", "rollerrig_version", "config_toml")},
-    }
+    kept = {key: str(run.attrs.get(key, "")) for key in ("case", "rollerrig_version", "config_toml")}
+    about = {"program": PROGRAM, **kept}
     columns = table(table_columns(run, over)).replace_schema_metadata(about)
     buffer = io.BytesIO()
     parquet.write_table(columns, buffer, compression="zstd")

@@ -25,34 +25,30 @@ LEAST_SPEED, LEAST_FRICTION = 0.01, 1e-3
 COARSE_STEPS, LARGEST_ERROR = 0.01, 10.0
 """Part of the steps that may exceed the tolerance, and by how many times one of them may."""
 
+_UNITS = "units may not be what is meant"
+
 
 def plausibility_warnings(draft: Draft, model: AssembledModel) -> Iterator[str]:
     """What is out of proportion in the draft of a run's results, a line each."""
     low, high = WHEEL_LOADS
     for wheelset, load in model.axle_loads.items():
         if not low <= 0.5 * load <= high:
-            yield (
-                f"{wheelset} stands on its rails with {0.5e-3 * load:.3g} kN a wheel; usual are {low / 1e3:g} to {high / 1e3:g} "
-                "kN: masses, gravity or their units may not be what is meant"
-            )
+            usual = f"usual are {low / 1e3:g} to {high / 1e3:g} kN"
+            yield f"{wheelset} stands on its rails with {0.5e-3 * load:.3g} kN a wheel; {usual}: masses, gravity or {_UNITS}"
             break
     yield from _absurdly_small(draft, model)
     time = model.case.time
     lateral, moving = draft.values("lateral"), [model.body_index(body) for body in model.lateral_bodies]
     largest = float(np.ptp(lateral[:, moving], axis=0).max()) if len(lateral) and moving else 0.0
     if not model.case.integration.fixed and time.absolute_tolerance > max(largest, LEAST_TOLERANCE):
-        yield (
-            f"the absolute tolerance, {1e3 * time.absolute_tolerance:.3g} mm, is larger than the largest lateral motion, "
-            f"{1e3 * largest:.3g} mm: the run resolves nothing of it; its unit may not be what is meant"
-        )
+        tolerance = f"the absolute tolerance, {1e3 * time.absolute_tolerance:.3g} mm,"
+        yield f"{tolerance} is larger than the largest lateral motion, {1e3 * largest:.3g} mm, which is lost: it or {_UNITS}"
     yield from _coarse(json.loads(draft.attributes["solver_statistics"]))
     name, frequency = _fastest(model)
     step = model.case.integration.step
     if model.case.integration.fixed and step and 2.0 * math.pi * frequency * step > math.pi:
-        yield (
-            f"{name} has a mode of {frequency:.3g} Hz, faster than the step of {1e3 * step:.3g} ms resolves: stiffness or masses "
-            "may not be what is meant"
-        )
+        mode = f"{name} has a mode of {frequency:.3g} Hz, faster than the step of {1e3 * step:.3g} ms resolves"
+        yield f"{mode}: stiffness, masses or {_UNITS}"
 
 
 def _absurdly_small(draft: Draft, model: AssembledModel) -> Iterator[str]:
@@ -60,14 +56,12 @@ def _absurdly_small(draft: Draft, model: AssembledModel) -> Iterator[str]:
     case, distance = model.case, draft.values("distance")
     covered = float(np.ptp(distance)) if len(distance) else 0.0
     if 0.0 < abs(case.motion.speed) < LEAST_SPEED and covered < 2.0 * math.pi * case.vehicle.data.wheel.radius:
-        yield (
-            f"at {case.motion.speed:.3g} m/s the run covers {covered:.3g} m, less than a turn of a wheel: the speed or its unit "
-            "may not be what is meant"
-        )
+        way = f"at {case.motion.speed:.3g} m/s the run covers {covered:.3g} m, less than a turn of a wheel"
+        yield f"{way}: the speed or {_UNITS}"
     rails = [case.adhesion.rail, *(piece.rail for piece in case.adhesion.piece)] if case.adhesion else [case.contact]
     least = min(rail.friction.mu_0 for rail in rails)
     if 0.0 < least < LEAST_FRICTION:
-        yield f"a coefficient of friction of {least:.3g} is less than that of any rail: it may not be what is meant"
+        yield f"a coefficient of friction of {least:.3g} is less than that of any rail: it or {_UNITS}"
 
 
 def _coarse(counted: Mapping[str, float]) -> Iterator[str]:

@@ -20,9 +20,10 @@ from pydantic import TypeAdapter, ValidationError
 
 from rollerrig import __version__
 from rollerrig.assembly.model import AssembledModel
-from rollerrig.cases import ACTUATORS, as_case
+from rollerrig.cases import as_case
 from rollerrig.config import Case, Rig, ScaledFrom, case_from_toml
 from rollerrig.config.read import CATALOG_FOLDER
+from rollerrig.config.schema.case import ACTUATORS
 from rollerrig.config.schema.contact import FallingFriction
 from rollerrig.profiles import flange_angle
 from rollerrig.track import Segment
@@ -56,9 +57,7 @@ def _case_of(what: xr.Dataset | Case | str | Path | None) -> Case | None:
     if not isinstance(what, xr.Dataset):
         return as_case(what)
     if "config_toml" not in what.attrs:
-        raise ValueError(
-            "these results do not say which case they are of; needed: a run, as simulate and load_run give it"
-        )
+        raise ValueError("these results do not say which case they are of; needed: a run, as of simulate and load_run")
     return case_from_toml(what.attrs["config_toml"], allow_code=True)
 
 

@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike
 
 from rollerrig.common.arrays import Array
 from rollerrig.results.dataset import Draft, readings_of
+from rollerrig.results.other_formats import table_columns
 from rollerrig.results.run_info import RunInfo
 
 RESOLUTION = {"m": 1e-10, "rad": 1e-10, "m/s": 1e-9, "m/s^2": 1e-7, "N": 1e-3, "1": 1e-8}
@@ -143,10 +144,8 @@ def _wheels(run: xr.Dataset) -> dict[str, dict[str, float | int | None]]:
     readings = readings_of(run)
     dense = run if readings is None else readings
     lost = {loss.wheel: loss for loss in contact_losses(run)}
-    return {
-        wheel: _wheel(run.sel(wheel=wheel), dense.sel(wheel=wheel), lost.get(wheel))
-        for wheel in map(str, run["wheel"].to_numpy())
-    }
+    wheels = map(str, run["wheel"].to_numpy())
+    return {name: _wheel(run.sel(wheel=name), dense.sel(wheel=name), lost.get(name)) for name in wheels}
 
 
 def _wheel(run: xr.Dataset, dense: xr.Dataset, loss: ContactLoss | None) -> dict[str, float | int | None]:
@@ -189,34 +188,20 @@ WHEEL = (
     "contact_abscissa",
     "patch_count",
 )
-_UNIT_SUFFIX = {"m": "_m", "rad": "_rad", "m/s": "_mps", "N": "_n", "1": "", "s": "_s"}
-
 Table = tuple[list[str], Array]
-"""Column names and rows."""
+"""Headings as `table_columns` has them, and rows."""
 
 
 def motion_table(run: xr.Dataset) -> Table:
     """Displacements and angles of the vehicle's bodies over time, and the running speed."""
-    bodies = RunInfo.of(run).moving
-    columns = {"time_s": run["time"], "speed_mps": run["speed"]}
-    for body in bodies:
-        for name in MOTION:
-            columns[f"{body}.{name}{_suffix(run[name])}"] = run[name].sel(body=body)
-    return _table(columns)
+    return _table(run[["speed", *MOTION]].sel(body=RunInfo.of(run).moving))
 
 
 def wheel_table(run: xr.Dataset) -> Table:
     """Contact forces, sliding and position on the profile of each wheel over time."""
-    columns = {"time_s": run["time"]}
-    for wheel in run["wheel"].to_numpy():
-        for name in WHEEL:
-            columns[f"{wheel}.{name}{_suffix(run[name])}"] = run[name].sel(wheel=wheel)
-    return _table(columns)
+    return _table(run[[*WHEEL]])
 
 
-def _suffix(variable: xr.DataArray) -> str:
-    return _UNIT_SUFFIX[str(variable.attrs["units"])]
-
-
-def _table(columns: dict[str, xr.DataArray]) -> Table:
-    return list(columns), np.column_stack([column.to_numpy() for column in columns.values()])
+def _table(run: xr.Dataset) -> Table:
+    columns = table_columns(run)
+    return list(columns), np.column_stack([*columns.values()])

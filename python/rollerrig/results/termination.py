@@ -49,12 +49,12 @@ def add_termination(draft: Draft, model: AssembledModel) -> None:
         when, _, rest = message.partition(", ")
         if isinstance(model.case.support.data, Track):
             message = f"{when}, {place}, {rest}"
-        draft.attributes["status_message"] = (
-            f"{message} Largest unfiltered |Y|/Q of its wheelset in the {LAST_SECONDS:g} s before: {quotient:.2f} at {wheel}."
+        largest = (
+            f"Largest unfiltered |Y|/Q of its wheelset in the {LAST_SECONDS:g} s before: {quotient:.2f} at {wheel}."
         )
-    draft.attributes.update(
-        stopped_at_m=distance, stopped_segment=segment, stopped_quotient=quotient, stopped_quotient_wheel=wheel
-    )
+        draft.attributes["status_message"] = f"{message} {largest}"
+    draft.attributes.update({"stopped_at_m": distance, "stopped_segment": segment})
+    draft.attributes.update({"stopped_quotient": quotient, "stopped_quotient_wheel": wheel})
 
 
 def contact_in_words(model: AssembledModel, wheel: str, status: str, last: xr.Dataset) -> str:

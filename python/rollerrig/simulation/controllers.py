@@ -87,9 +87,8 @@ def users_controllers(case: Case, given: Mapping[str, Any]) -> dict[str, UserCon
         if round(steps) < 1 or abs(steps - round(steps)) > 1e-6 * steps:
             name = f"{role}, {type(controller).__name__}.sample_time"
             near = max(1, round(steps)) * case.time.sampling_step
-            allowed = (
-                f"allowed: a multiple of time.sampling_step, {case.time.sampling_step:g} s; the nearest is {near:g} s"
-            )
+            step = f"{case.time.sampling_step:g} s"
+            allowed = f"allowed: a multiple of time.sampling_step, {step}; the nearest is {near:g} s"
             raise ConfigError.of(case.name, name, f"{controller.sample_time:g}", allowed)
     return found
 
@@ -189,9 +188,8 @@ def check_controller(controller: Any, key: str, file: str) -> Any:
     name = type(controller).__name__
     time = getattr(controller, "sample_time", None)
     if isinstance(time, bool) or not isinstance(time, int | float) or not 0 < time < np.inf:
-        raise ConfigError.of(
-            file, key, repr(name), f"needed: an attribute sample_time, a positive number in s; it is {time!r}"
-        )
+        needed = f"needed: an attribute sample_time, a positive number in s; it is {time!r}"
+        raise ConfigError.of(file, key, repr(name), needed)
     if not callable(getattr(controller, "step", None)):
         raise ConfigError.of(file, key, repr(name), "needed: a method step(measurements) that returns commands")
     return controller

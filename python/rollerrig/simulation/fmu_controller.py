@@ -184,9 +184,8 @@ def _in_process_of_its_own(folder: str, file: FmuFile, sample_time: float) -> No
     code = f"import sys; sys.path[:] = {sys.path}; from {__name__} import first_step; first_step()"
     given = pickle.dumps((library, folder, replace(file, content=b""), sample_time))
     try:
-        ended = subprocess.run(
-            [sys.executable, "-I", "-c", code], input=given, capture_output=True, check=False, timeout=_PATIENCE
-        )
+        command = [sys.executable, "-I", "-c", code]
+        ended = subprocess.run(command, input=given, capture_output=True, check=False, timeout=_PATIENCE)
     except subprocess.TimeoutExpired:
         raise FmuError(f"tried in a process of its own, its first step had not ended after {_PATIENCE:g} s") from None
     if ended.stdout.endswith(_THROUGH):

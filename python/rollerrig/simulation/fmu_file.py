@@ -68,9 +68,8 @@ class FmuFile:
         """Inputs of the FMU that nothing drives: they keep their start values."""
         driven = {reference for link in self.inputs for reference in link.references}
         driven |= {reference for link, _ in self.parameters for reference in link.references}
-        return [
-            v.name for v in self.description.modelVariables if v.causality == "input" and v.valueReference not in driven
-        ]
+        variables = self.description.modelVariables
+        return [v.name for v in variables if v.causality == "input" and v.valueReference not in driven]
 
 
 def open_fmu(table: ControllerFmu, key: str, file: str, axles: Sequence[str], command: str) -> FmuFile:
@@ -137,9 +136,7 @@ def _read(path: str, key: str, file: str) -> tuple[bytes, Any]:
     except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError) as error:
         raise refused(f"{library} in it cannot be unpacked: {_first_line(error)}") from None
     if missing:
-        raise refused(
-            f"{library} in it is cut: {_size(missing)} are missing at its end, the loader of the system would crash"
-        )
+        raise refused(f"{library} in it is cut: {_size(missing)} are missing at its end, its loading would crash")
     return content, description
 
 
@@ -191,9 +188,7 @@ class _Matcher:
                 found.append(link)
         if not found and not self.problems:
             takes = self._offers(lambda v: v.causality == "input")
-            self._refuse(
-                "names", "missing", f"none of its inputs is driven: {takes}; measured are {', '.join(MEASURED)}"
-            )
+            self._refuse("names", "missing", f"no input is driven: {takes}; measured are {', '.join(MEASURED)}")
         return tuple(found)
 
     def command(self, command: str) -> Link | None:
@@ -235,10 +230,8 @@ class _Matcher:
         """A name for each axle; one alone where the text has no place for them."""
         if "{axle}" not in written and "{number}" not in written:
             return [written]
-        return [
-            written.replace("{axle}", axle).replace("{number}", str(number))
-            for number, axle in enumerate(self._axles, start=1)
-        ]
+        numbered = enumerate(self._axles, start=1)
+        return [written.replace("{axle}", axle).replace("{number}", str(number)) for number, axle in numbered]
 
     def _link(self, signal: str, written: str | tuple[str, ...], causality: str, kinds: tuple[str, ...]) -> Link | None:
         names = list(written) if isinstance(written, tuple) else self._expanded(written)

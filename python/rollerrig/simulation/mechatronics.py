@@ -25,11 +25,10 @@ from rollerrig.config import Adhesion, Brake, Case, ForceSensor, Motor, Rig, Rig
 from rollerrig.config.schema.actuators import SlideProtection, TableSlideProtection, entry_numbers
 from rollerrig.config.schema.rig_control import (
     AnyAxleTorque,
+    AnyFeedback,
     KnownTorque,
     LeadCommand,
-    NoFeedback,
     ProportionalIntegral,
-    SlidingMode,
 )
 from rollerrig.simulation.controllers import UserController
 from rollerrig.simulation.virtual_train import load_transfer, rail_patch
@@ -134,9 +133,8 @@ def law_of(registry: Mapping[str, Any], table: Any, without: Collection[str] = (
 def motor(table: Motor) -> _core.Motor:
     """A drive, without its rotor: that is a body of the model."""
     without = ("rotor_inertia", "gear_ratio")
-    return core_struct(
-        _core.Motor, table, without=without, envelope=table.envelope or (), bandwidth=angular(table.bandwidth)
-    )
+    own = {"envelope": table.envelope or (), "bandwidth": angular(table.bandwidth)}
+    return core_struct(_core.Motor, table, without=without, **own)
 
 
 def _actuators(model: AssembledModel, control: RigControl) -> _core.Actuators:
@@ -263,7 +261,7 @@ def estimator(control: RigControl) -> Any:
     return law_of(_core.estimators, control.estimator, ("torque",))
 
 
-def feedback(table: ProportionalIntegral | SlidingMode | NoFeedback) -> Any:
+def feedback(table: AnyFeedback) -> Any:
     """A feedback on the axles' speeds."""
     return law_of(_core.feedbacks, table, ("largest",))
 

@@ -187,9 +187,8 @@ def require_smooth(case: Case) -> None:
     allowed = "allowed: a case without it: what switches or counts has no derivative"
     problems = [ConfigProblem(case.name, name, "switches, or counts", allowed) for name in switching]
     if case.rig_control is not None and (case.rig_control.user or case.rig_control.fmu):
-        problems.append(
-            ConfigProblem(case.name, "rig_control", "is another program", "allowed: a controller of the core")
-        )
+        allowed = "allowed: a controller of the core"
+        problems.append(ConfigProblem(case.name, "rig_control", "is another program", allowed))
     if problems:
         raise ConfigError(problems)
 

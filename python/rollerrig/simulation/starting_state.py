@@ -54,9 +54,8 @@ def drift(simulation: _core.Simulation, model: AssembledModel, state: Array) -> 
     matrix = simulation.jacobian(0.0, state)[0]
     rates = eigenvalues(matrix)
     growing = rates.real[(np.abs(rates.imag) < LEAST_RATE) & (rates.real > LEAST_RATE)]
-    return next(
-        (found for rate in -np.sort(-growing) if (found := _along_track(simulation, model, matrix, rate))), None
-    )
+    drifts = (_along_track(simulation, model, matrix, rate) for rate in -np.sort(-growing))
+    return next(filter(None, drifts), None)
 
 
 def _along_track(simulation: _core.Simulation, model: AssembledModel, matrix: Array, rate: float) -> Drift | None:
@@ -104,9 +103,8 @@ def rolled_off(simulation: _core.Simulation, model: AssembledModel) -> str:
     if not isinstance(support, Rig):
         return ""
     state, indices = simulation.state, simulation.coordinate_index
-    offsets = {
-        name: float(state[index]) for name in model.wheelsets if (index := indices[model.body_index(name)][0]) >= 0
-    }
+    places = {name: indices[model.body_index(name)][0] for name in model.wheelsets}
+    offsets = {name: float(state[index]) for name, index in places.items() if index >= 0}
     name = max(offsets, key=lambda one: abs(offsets[one]), default="")
     reach = LARGEST_OFFSET * (support.roller_radius + model.case.vehicle.data.wheel.radius)
     if not name or not abs(offsets[name]) > reach:

@@ -53,7 +53,7 @@ def test_friction_passes_from_point_to_point(tmp_path: Path) -> None:
             "distance [m];friction\n0;0,1\n10;0,2\n",
             "cells are separated by ';'; needed: commas between cells, and points",
         ),
-        ("distance [m],mu\n0,0.1\n10,0.1\n", "columns distance [m], mu; needed: 'distance [m]', and one of 'friction'"),
+        ("distance [m],mu\n0,0.1\n10,0.1\n", "columns distance [m], mu; needed: 'distance [m]', and 'friction'"),
         ("place,friction\n0,0.1\n10,0.1\n", "columns place, friction; needed: 'distance [m]'"),
         ("distance [m],condition\n0,low\n10,wett\n", "row 2: 'wett'; allowed: dry, eurosprinter, wet, low, very_low"),
         ("", "no table: needed is a heading"),

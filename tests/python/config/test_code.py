@@ -93,7 +93,7 @@ def test_code_from_elsewhere_is_refused(folder: Path, tmp_path: Path, user: str)
         assert code == 2, command
         assert "rig_control.user: '" in text, command
         assert "code from elsewhere: a" in text
-        assert "outside the case's own folder" in text
+        assert "outside the file's own folder" in text
         assert "--allow-code" in text
     assert not (elsewhere / TRACE).exists()
     assert not (tmp_path / "out").exists()
@@ -127,7 +127,7 @@ def test_the_python_interface_asks_by_a_keyword(folder: Path, tmp_path: Path) ->
 def test_a_text_has_no_own_folder_unless_it_is_given_one(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     text = (folder / "case.toml").read_text()
     monkeypatch.chdir(folder)
-    with pytest.raises(ConfigError, match="outside the case's own folder; runs only"):
+    with pytest.raises(ConfigError, match="outside the file's own folder; runs only"):
         case_from_toml(text)
     assert code_of(case_from_toml(text, folder=folder))
     assert code_of(case_from_toml(text, allow_code=True))

@@ -26,11 +26,12 @@ def test_every_key_is_explained() -> None:
         ("stiffness", ["15 keys end in 'stiffness'", "vehicle.element.yaw.stiffness "]),
         ("stop.speed", ["of a programme", "slide_protection_stops"]),
         ("slide_protection.fmu", ["a text or a table", "of kind 'slip_and_deceleration' or 'threshold_table' of a case"]),
-        ("support.mounting.misalignment", ["list of numbers, each a number in rad", "none: empty"]),
-        ("vehicle.body.position", ["list of 3 values, each a number in m"]),
+        ("support.mounting.misalignment", ["a list, each a number in rad", "none: empty"]),
+        ("vehicle.body.position", ["a list of 3, each a number in m"]),
         ("contact.friction", ["a number or a table of a kind: constant, falling"]),
         ("adhesion.rail", ["dry, eurosprinter, wet, low, very_low or a table"]),
         ("vehicle.element.at", ["tables by name"]),
+        ("motion.speed_table", ["a list, each a list of 2, each a number in s", "; then a number in m/s", "unit       s, m/s"]),
     ],
 )  # fmt: skip
 def test_a_key_is_explained(key: str, words: list[str]) -> None:

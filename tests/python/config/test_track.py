@@ -126,8 +126,8 @@ S = 'segment = [{ kind = "straight", length = 50 }'
          "line.toml: irregularity.longest_wavelength: 2; allowed: at least shortest_wavelength, 3 m"),
         ('irregularity = { kind = "file", path = "no.csv" }', None),
         ("foundation = { rail_mass = 60 }",
-         "line.toml: foundation.lateral: missing; needed: a support along y, z or about the foot, as flexible_track has them; "
-         "without any leave it out"),
+         "line.toml: foundation.lateral: missing; needed: a support along y, z or about the foot, as in flexible_track; else "
+         "leave it out"),
         ("foundation = { lateral = { stiffness = 0 } }",
          "line.toml: foundation.lateral.stiffness: 0; allowed: a number in N/m or a text with a unit like '3.9 MN/m', from "
          "1e-06 to 1e+13 N/m"),

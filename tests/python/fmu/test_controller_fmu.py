@@ -169,7 +169,7 @@ def test_names_are_mapped(protection: Path, tmp_path: Path) -> None:
         ({"names": NAMES | {"valve": "u_1"}}, r"it has 1 numbers for 2 axles \(wheelset_1, wheelset_2\)"),
         (
             {"names": {"valve": "u_{number}"}},
-            r"none of its inputs is driven: omega\[1\], omega\[2\]; measured are axle_sp",
+            r"no input is driven: omega\[1\], omega\[2\]; measured are axle_sp",
         ),
         (
             {"names": NAMES, "parameters": {"train.speed": 1.0}},

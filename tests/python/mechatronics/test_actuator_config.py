@@ -55,7 +55,7 @@ from rollerrig.simulation.controllers import COMMANDS
         ),
         (
             {"traction": {"suspension": "axle"}},
-            "traction.link: missing; needed for suspension = 'axle', about 1 m",
+            "traction.link: missing; needed, about 1 m, for suspension = 'axle'",
         ),
         ({"traction": {"link": "1 m"}}, "allowed only with suspension = 'axle'"),
         ({"rig_control.estimator.kind": "oracle"}, "rig_control.estimator.kind: 'oracle'; allowed: "),

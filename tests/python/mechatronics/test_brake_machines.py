@@ -186,7 +186,7 @@ def test_unhindered_drives_are_not_worth_a_word(blended: dict[str, xr.Dataset]) 
         ),
         (
             {"brake.electrodynamic": {"largest_power": "20 kW"}},
-            "the curve of constant power crosses the fading at 1.33 m/s",
+            "this curve crosses the fading at 1.33 m/s",
         ),
         (
             {"brake.electrodynamic": {"kind": "table", "forces": [[10.0, 1e4], [5.0, 1e4]]}},

@@ -367,7 +367,7 @@ def test_the_second_of_two_commands_in_a_folder_is_refused_before_it_begins(
     finally:
         os.close(handle)
     assert code == 2
-    assert f"{tmp_path}: another command is writing there; wait for its end" in text
+    assert f"{tmp_path}: another command is writing there; wait" in text
     assert names(tmp_path) == set()
     (tmp_path / ".rollerrig-left").mkdir()  # by a killed program, whose lock ended with it
     with locked(tmp_path):

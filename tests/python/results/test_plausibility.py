@@ -24,7 +24,7 @@ SHORT = {"time.duration": "0.02 s"}
         ({"vehicle.element.primary_1_left.y.stiffness": 1e12}, "primary_1_left has a mode of "),
         (
             {"motion.speed": "4e-14 m/s"},
-            "at 4e-14 m/s the run covers 8e-16 m, less than a turn of a wheel: the speed or its unit",
+            "at 4e-14 m/s the run covers 8e-16 m, less than a turn of a wheel: the speed or units",
         ),
         (
             {"contact.friction.mu_0": 3e-4, "disturbance": []},

@@ -67,7 +67,7 @@ def test_tables_hold_the_signals_of_the_run(outcome: Outcome[Results], folder: P
         rows = list(csv.DictReader(file))
     run = rr.load_run(folder / "run.nc")
     assert len(rows) == run.sizes["time"]
-    lateral = [float(row["front_frame.lateral_m"]) for row in rows]
+    lateral = [float(row["front_frame.lateral [m]"]) for row in rows]
     assert lateral == pytest.approx(run["lateral"].sel(body="front_frame").to_numpy(), rel=1e-8, abs=1e-18)
 
 

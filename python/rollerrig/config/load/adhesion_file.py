@@ -80,9 +80,7 @@ def _pieces(table: Mapping[str, Any], rows: list[dict[str, str]]) -> dict[str, A
     at = next((name for name in _DISTANCES if name in rows[0]), None)
     kinds = [name for name in ("friction", "condition") if name in rows[0]]
     if at is None or len(kinds) != 1:
-        raise ValueError(
-            f"columns {', '.join(rows[0])}; needed: '{_DISTANCES[0]}', and one of 'friction' and 'condition'"
-        )
+        raise ValueError(f"columns {', '.join(rows[0])}; needed: '{_DISTANCES[0]}', and 'friction' or 'condition'")
     places = _numbers(rows, at)
     for number, (a, b) in enumerate(zip(places, places[1:], strict=False), 2):
         if not b > a:

@@ -6,39 +6,22 @@ name or path -> [load_any] -> what kind it is, and what it describes
 from collections.abc import Callable
 from pathlib import Path
 
-from rollerrig.config.load.case import (
-    Case,
-    build_case,
-    load_material,
-    load_profile,
-    load_programme,
-    load_support,
-    load_vehicle,
-    read_known,
-)
+from rollerrig.config.load import case
 from rollerrig.config.load.fit import load_fit
 from rollerrig.config.load.plan import load_plan
 from rollerrig.config.read import CatalogKind
-from rollerrig.config.schema.contact import Material
-from rollerrig.config.schema.fit import FitPlan
-from rollerrig.config.schema.plan import Plan
-from rollerrig.config.schema.profile import ProfileSpec
-from rollerrig.config.schema.programme import Programme
-from rollerrig.config.schema.support import Rig
-from rollerrig.config.schema.track import Track
-from rollerrig.config.schema.vehicle import Vehicle
+from rollerrig.config.schema.base import Table
 
-Part = Vehicle | Rig | Track | Material | ProfileSpec | Programme
-LOADERS: dict[CatalogKind, Callable[[str | Path], Part]] = {
-    "vehicle": load_vehicle,
-    "support": load_support,
-    "material": load_material,
-    "profile": load_profile,
-    "programme": load_programme,
+LOADERS: dict[CatalogKind, Callable[[str | Path], Table]] = {
+    "vehicle": case.load_vehicle,
+    "support": case.load_support,
+    "material": case.load_material,
+    "profile": case.load_profile,
+    "programme": case.load_programme,
 }
 
 
-def load_any(source: str | Path, *, allow_code: bool = False) -> tuple[CatalogKind, Case | Part | Plan | FitPlan]:
+def load_any(source: str | Path, *, allow_code: bool = False) -> tuple[CatalogKind, Table]:
     """Read a catalogue entry or file of any kind and say which it is by its keys.
 
     Args:
@@ -48,11 +31,11 @@ def load_any(source: str | Path, *, allow_code: bool = False) -> tuple[CatalogKi
     Raises:
         ConfigError: all mistakes found.
     """
-    kind, document = read_known(source)
+    kind, document = case.read_known(source)
     if kind in LOADERS:
         return kind, LOADERS[kind](source)
     if kind == "plan":
         return kind, load_plan(document, allow_code=allow_code).plan
     if kind == "fit":
         return kind, load_fit(document, allow_code=allow_code).plan
-    return kind, build_case(document, own_folder=document.folder, allow_code=allow_code)
+    return kind, case.build_case(document, own_folder=document.folder, allow_code=allow_code)

@@ -38,15 +38,7 @@ from rollerrig.config.schema.vehicle import Vehicle
 from rollerrig.config.validate.check_case import check_case, check_case_names, check_drive
 from rollerrig.config.validate.check_profile import check_profile
 from rollerrig.config.validate.messages import validate
-from rollerrig.config.write.differences import (
-    OWN_KEYS,
-    Differences,
-    differences,
-    in_html,
-    in_words,
-    tables_of,
-    text_from_base,
-)
+from rollerrig.config.write.differences import OWN_KEYS, Differences, differences, in_words, tables_of, text_from_base
 from rollerrig.config.write.toml import plain, to_short_toml, to_toml
 
 T = TypeVar("T")
@@ -67,12 +59,12 @@ class Case(CaseTables):
     """
 
     def __repr__(self) -> str:
-        return in_words(self)
+        return repr(in_words(self))
 
     __str__ = __repr__
 
     def _repr_html_(self) -> str:
-        return in_html(self)
+        return in_words(self)._repr_html_()
 
     def with_changes(self, changes: Mapping[str, object]) -> "Case":
         """A copy with some values replaced, checked like a file.
@@ -289,9 +281,8 @@ def build_case(
         mistakes = [mistake for mistake in mistakes if mistake.value != "missing"]
     unresolved = {f"{key}.data" for key, part in (("vehicle", vehicle), ("support", support)) if part is None}
     problems += (drive := check_drive(raw, file))
-    known = {problem.key for problem in problems if problem.file == file} | (
-        {"motion.torque_table"} if drive else set()
-    )
+    known = {problem.key for problem in problems if problem.file == file}
+    known |= {"motion.torque_table"} if drive else set()
     problems += [m for m in mistakes if m.key not in known and not (m.key in unresolved and problems)]
     if vehicle is not None:
         problems += [ConfigProblem(file, *mistake) for mistake in check_case_names(raw, vehicle)]

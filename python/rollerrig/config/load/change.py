@@ -83,18 +83,16 @@ def matching_paths(holder: Any, path: list[str], key: str, file: str) -> list[li
         first = list(items)[int(first)]
     matching = [name for name in items if fnmatchcase(name, first)]
     if isinstance(holder, dict) and "*" in first and rest:  # of a table's keys, those below which the next one exists
-        matching = [
-            name for name in matching if isinstance(items[name], dict) and ("*" in rest[0] or rest[0] in items[name])
-        ]
+        tables = {name: item for name, item in items.items() if isinstance(item, dict)}
+        matching = [n for n in matching if n in tables and ("*" in rest[0] or rest[0] in tables[n])]
     paths: list[list[str]] = []
     for name in matching:
         found = matching_paths(items[name], rest, key, file)
         if isinstance(found, ConfigProblem):
             return found
         paths += [[name, *tail] for tail in found]
-    return paths or ConfigProblem(
-        file, key, f"nothing matches '{first}'", one_of(items), _nearest_pattern(first, tuple(items))
-    )
+    hint = _nearest_pattern(first, tuple(items))
+    return paths or ConfigProblem(file, key, f"nothing matches '{first}'", one_of(items), hint)
 
 
 def _nearest_pattern(pattern: str, names: tuple[str, ...]) -> str:
@@ -196,9 +194,8 @@ def changed_tables(
         if f"{part}.use" in full and short:
             full[f"{part}.changes"] = {key.removeprefix(f"{part}.data."): full.pop(key) for key in short}
     kept = [part for part in OWN_KEYS if all(key.partition(".")[0] != part or key == "vehicle.cut" for key in full)]
-    raw: dict[str, Any] = plain(
-        case.model_dump(exclude_none=True, context=AS_WRITTEN, exclude={part: {"data"} for part in kept})
-    )
+    left_out = {part: {"data"} for part in kept}
+    raw: dict[str, Any] = plain(case.model_dump(exclude_none=True, context=AS_WRITTEN, exclude=left_out))
     for part in kept:
         raw[part]["data"] = getattr(case, part).data
     return raw, problems + [problem.shortened() for problem in apply_changes(raw, full, file)]

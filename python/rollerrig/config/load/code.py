@@ -13,10 +13,9 @@ from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any
 
-from pydantic import BaseModel
-
 from rollerrig.config.errors import ConfigProblem
-from rollerrig.config.load.change import leaves, parts_of
+from rollerrig.config.load.change import leaves, parts_of, value_in
+from rollerrig.config.load.resolve import relative_to
 from rollerrig.config.schema.case import CaseTables
 
 
@@ -42,11 +41,9 @@ class Code:
 def code_of(case: CaseTables) -> tuple[Code, ...]:
     """All code that runs with a case, in the order of its tables."""
     tables = {key: getattr(case, key) for key in type(case).model_fields}
-    found = [_code(key, user) for key, table in tables.items() if isinstance(user := _user(table), str)]
-    return (
-        *found,
-        *(Code(f"{key}.fmu", table.fmu.file, "") for key, table in tables.items() if getattr(table, "fmu", None)),
-    )
+    named = {f"{key}.user": getattr(table, "user", None) for key, table in tables.items()}
+    named |= {f"{key}.fmu": getattr(getattr(table, "fmu", None), "file", None) for key, table in tables.items()}
+    return _code_in(named)
 
 
 def check_new_code(
@@ -56,22 +53,9 @@ def check_new_code(
 
     Values are absolute paths; code may lie in the file's own folder, if it has one, and elsewhere where `allow` says so.
     """
-    found = []
-    for key, value in leaves(changes):
-        table, *rest = parts_of(key)
-        if isinstance(value, str) and ":" in value and _match(["user"], rest):
-            found.append(_code(table, value))
-        elif isinstance(value, str) and (_match(["fmu"], rest) or _match(["fmu", "file"], rest)):
-            found.append(Code(f"{table}.fmu", value, ""))
-    return tuple(found), [
-        _elsewhere(file, f"{at}.{code.key}", repr(code.source), code, own_folder, "file")
-        for code in found
-        if not (allow or _is_below(own_folder, code))
-    ]
-
-
-def _match(names: list[str], patterns: list[str]) -> bool:
-    return len(names) == len(patterns) and all(map(fnmatchcase, names, patterns))
+    found = _code_in(dict(leaves(changes)))
+    foreign = [] if allow else _foreign(found, own_folder)
+    return found, [_elsewhere(file, f"{at}.", code, own_folder) for code in foreign]
 
 
 def place_code(
@@ -81,60 +65,49 @@ def place_code(
 
     Relative paths start at `folder`; `own_folder` is that of the case, None: it has none.
     """
-    found = _placed_fmus(raw, folder)
-    for key, table in raw.items():
-        if isinstance(user := _user(table), str) and "\0" not in user:
-            code = _code(key, user)
-            if code.is_file:
-                table["user"] = f"{(folder / code.source).absolute()}:{code.name}"
-                code = _code(key, table["user"])
-            if ":" in user:
-                found.append((code, table["user"]))
-    return [
-        _elsewhere(file, code.key, repr(written), code, own_folder)
-        for code, written in found
-        if not (allow or _is_below(own_folder, code))
-    ]
+    tables = {key: table for key, table in raw.items() if isinstance(table, Mapping)}
+    named = {key: {one: table[one] for one in ("user", "fmu") if one in table} for key, table in tables.items()}
+    found = {key: relative_to(folder, key, value) for key, value in leaves(named) if _code_in({key: value})}
+    for key, value in found.items():
+        *path, last = key.split(".")
+        if isinstance(holder := value_in(raw, path), dict) and last in holder:
+            holder[last] = value
+    return [] if allow else [_elsewhere(file, "", code, own_folder) for code in _foreign(_code_in(found), own_folder)]
 
 
-def _placed_fmus(raw: dict[str, Any], folder: Path) -> list[tuple[Code, str]]:
-    """FMUs in the tables of a case, a table `fmu` or the file alone: their paths made absolute."""
+def _code_in(values: Mapping[str, object]) -> tuple[Code, ...]:
+    """Code that values name at dotted keys; a part of a key may have `*` in it."""
     found = []
-    for key, table in raw.items():
-        fmu = table.get("fmu") if isinstance(table, Mapping) else getattr(table, "fmu", None)
-        if isinstance(fmu, BaseModel) or not isinstance(table, dict):  # of a checked case: placed before
-            path = getattr(fmu, "file", None)
-        else:
-            path = fmu.get("file") if isinstance(fmu, Mapping) else fmu
-            if isinstance(path, str) and path and "\0" not in path:
-                path = str((folder / path).absolute())
-                table["fmu"] = {**fmu, "file": path} if isinstance(fmu, Mapping) else path
-        if isinstance(path, str) and path:
-            found.append((Code(f"{key}.fmu", path, ""), path))
-    return found
+    for key, value in values.items():
+        if not isinstance(value, str) or not value:
+            continue
+        table, *rest = parts_of(key)
+        if ":" in value and _match(["user"], rest):
+            source, _, name = value.rpartition(":")
+            found.append(Code(f"{table}.user", source, name))
+        elif _match(["fmu"], rest) or _match(["fmu", "file"], rest):
+            found.append(Code(f"{table}.fmu", value, ""))
+    return tuple(found)
 
 
-def _elsewhere(
-    file: str, key: str, value: str, code: Code, own_folder: Path | None, whose: str = "case"
-) -> ConfigProblem:
+def _match(names: list[str], patterns: list[str]) -> bool:
+    return len(names) == len(patterns) and all(map(fnmatchcase, names, patterns))
+
+
+def _foreign(found: tuple[Code, ...], folder: Path | None) -> list[Code]:
+    """What is no file that really lies in a folder: links are followed."""
+
+    def is_below(code: Code) -> bool:
+        try:
+            return folder is not None and code.is_file and Path(code.source).resolve().is_relative_to(folder.resolve())
+        except (OSError, RuntimeError, ValueError):  # links in a circle, a null byte
+            return False
+
+    return [code for code in found if not is_below(code)]
+
+
+def _elsewhere(file: str, at: str, code: Code, own_folder: Path | None) -> ConfigProblem:
     what = "a file" if code.is_file else "a module of Python,"
-    where = f"the {whose}'s own folder" + ("" if own_folder is None else f", {own_folder.absolute()}")
+    where = "the file's own folder" + ("" if own_folder is None else f", {own_folder.absolute()}")
     allowed = f"code from elsewhere: {what} outside {where}; runs only with --allow-code, or allow_code=True"
-    return ConfigProblem(file, key, value, allowed)
-
-
-def _user(table: object) -> object:
-    return table.get("user") if isinstance(table, Mapping) else getattr(table, "user", None)
-
-
-def _code(key: str, user: str) -> Code:
-    source, _, name = user.rpartition(":")
-    return Code(f"{key}.user", source, name)
-
-
-def _is_below(folder: Path | None, code: Code) -> bool:
-    """Whether code is a file that really lies in a folder: links are followed."""
-    try:
-        return folder is not None and code.is_file and Path(code.source).resolve().is_relative_to(folder.resolve())
-    except (OSError, RuntimeError):  # links in a circle
-        return False
+    return ConfigProblem(file, f"{at}{code.key}", repr(code.source), allowed)

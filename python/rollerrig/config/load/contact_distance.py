@@ -33,9 +33,8 @@ def with_gauge(support: Rig | Track, wheel: Wheel, file: str) -> tuple[Rig | Tra
     if any(abs(contact - asked) > CLOSE for contact in contacts):
         near = " or ".join(f"{2e3 * (tape_circle + s):.2f} mm" for s in contacts if math.isfinite(s))
         allowed = f"no gauge has contacts of these profiles so far apart; allowed nearest to it: {near or 'none'}"
-        return support, [
-            ConfigProblem(file, "support.data.contact_distance", show_value(support.contact_distance), allowed)
-        ]
+        written = show_value(support.contact_distance)
+        return support, [ConfigProblem(file, "support.data.contact_distance", written, allowed)]
     gauge = 2 * (tape_circle + place + gauge_point(head, support.gauge_depth))
     if gauge != support.gauge:
         support = support.model_copy(update={"gauge": gauge})

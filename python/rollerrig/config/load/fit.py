@@ -98,9 +98,8 @@ def _number(one: FreeKey, case: Case, file: str, at: str) -> FreeKeyNumber:
     quantity, value = there
     if quantity is None or not isinstance(value, int | float):
         below = numbers_below(case, one.key)
-        refuse(
-            "key", one.key, "needed: the key of a number" + (f"; its numbers are {', '.join(below)}" if below else "")
-        )
+        numbers = f"; its numbers are {', '.join(below)}" if below else ""
+        refuse("key", one.key, f"needed: the key of a number{numbers}")
 
     def parsed(key: str, text: object, within: Quantity) -> float:
         try:
@@ -115,9 +114,7 @@ def _number(one: FreeKey, case: Case, file: str, at: str) -> FreeKeyNumber:
     if logarithmic and not least > 0.0:
         refuse("scale", one.scale, "allowed: with a positive `least`")
     if not least <= value <= most:
-        refuse(
-            "least", one.least, f"allowed: a range with the start in it, {value:g} {quantity.unit}; or another `start`"
-        )
+        refuse("least", one.least, f"allowed: a range with the start, {value:g} {quantity.unit}; or another `start`")
     if spread is not None:
         if (spread.kind == "lognormal") != logarithmic:
             refuse("prior.kind", spread.kind, "allowed: normal with a linear scale, lognormal with a logarithmic one")

@@ -6,19 +6,19 @@ Wheel slide protection: dump valves by slip and acceleration, after published pr
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal
 
-from pydantic import (
-    BeforeValidator,
-    Discriminator,
-    Field,
-    PlainValidator,
-    StrictBool,
-    WithJsonSchema,
-    model_validator,
-)
+from pydantic import BeforeValidator, Field, PlainValidator, StrictBool, WithJsonSchema
 
-from rollerrig.config.schema.base import OrShort, Rows, Table, TorqueTable, by_kind, optional, refused
-from rollerrig.config.schema.brakes import AnyAir, AnyElectrodynamicBrake, Pressure, Rate, UnlimitedAir, Volume
-from rollerrig.config.schema.units import Quantity, Time
+from rollerrig.config.schema.base import Mistakes, OrShort, Rows, Table, TorqueTable, by_kind, needed, optional
+from rollerrig.config.schema.brakes import (
+    AnyAir,
+    AnyElectrodynamicBrake,
+    PositivePressure,
+    Pressure,
+    Rate,
+    UnlimitedAir,
+    Volume,
+)
+from rollerrig.config.schema.units import Delay, Frequency, Phase, Quantity, SampleTime, Time
 
 _LARGEST = 1e18
 """Largest value of a parameter: any unit has room below it."""
@@ -40,7 +40,7 @@ Parameter = Annotated[
 class ControllerFmu(Table):
     """An FMU for co-simulation, version 2.0 or 3.0, in place of our own controller."""
 
-    file: Annotated[str, Field(min_length=1)] = Field(description="FMU file, relative to the file that names it")
+    file: Annotated[str, Field(min_length=1)] = needed("FMU file, relative to the file that names it")
     names: dict[str, str | tuple[str, ...]] = optional(
         {},
         "measured quantity or command -> variable of the FMU: a name in which `{axle}` stands for the axle's name "
@@ -55,20 +55,19 @@ def _from_file(value: Any) -> Any:
     return {"file": value} if isinstance(value, str) else dict(value) if isinstance(value, Mapping) else value
 
 
-AnyControllerFmu = Annotated[ControllerFmu, BeforeValidator(_from_file), OrShort({"type": "string"})]
+AnyControllerFmu = Annotated[ControllerFmu, BeforeValidator(_from_file), OrShort({"type": "string"}, words="a text")]
 
 
 TorqueOverSpeed = Rows[Annotated[float, Quantity("rad/s", 0.0, 1e5)], Annotated[float, Quantity("N m", 0.0, 1e9)]]
 FrictionOverSpeed = Rows[Annotated[float, Quantity("m/s", 0.0, 1e3)], Annotated[float, Quantity("1", 0.0, 1.0)]]
 PressureRate = Annotated[float, Quantity("Pa/s", 1.0, 1e10)]
-Frequency = Annotated[float, Quantity("Hz", 1e-4, 1e7)]
 Ratio = Annotated[float, Quantity("1", 1e-6, 1.0)]
 Deceleration = Annotated[float, Quantity("m/s^2", 1e-4, 1e4)]
 PositiveSpeed = Annotated[float, Quantity("m/s", 1e-6, 1e3)]
-Delay = Annotated[float, Quantity("s", 0.0, 1.0)]
-SampleTime = Annotated[float, Quantity("s", 1e-6, 1.0)]
 Pause = Annotated[float, Quantity("s", 0.0, 1e4)]
-Phase = Annotated[float, Quantity("s", 1e-6, 1e4)]
+DriveTorque = Annotated[float, Quantity("N m", 1e-3, 1e9)]
+DrivePower = Annotated[float, Quantity("W", 1e-3, 1e10)]
+DriveSpeed = Annotated[float, Quantity("rad/s", 1e-3, 1e5)]
 
 
 class Motor(Table):
@@ -78,18 +77,10 @@ class Motor(Table):
         None, "rows [speed of the driven axle, largest torque], a torque-speed table: each speed once; absent: no limit"
     )
     bandwidth: Frequency = optional(50.0, "bandwidth of the torque loop")
-    damping_ratio: Annotated[float, Quantity("1", 0.0, 5.0)] = optional(
-        0.0, "damping ratio of a torque loop of second order; 0: first order"
-    )
-    largest_torque: Annotated[float, Quantity("N m", 1e-3, 1e9)] | None = optional(
-        None, "on the driven axle, either way; absent: no limit"
-    )
-    largest_power: Annotated[float, Quantity("W", 1e-3, 1e10)] | None = optional(
-        None, "torque times speed of the driven axle, either way; absent: no limit"
-    )
-    largest_speed: Annotated[float, Quantity("rad/s", 1e-3, 1e5)] | None = optional(
-        None, "largest speed of the driven axle: beyond it there is no torque; absent: no limit"
-    )
+    damping_ratio: Annotated[float, Quantity("1", 0.0, 5.0)] = optional(0.0, "damping of second order; 0: first order")
+    largest_torque: DriveTorque | None = optional(None, "on the driven axle, either way; absent: no limit")
+    largest_power: DrivePower | None = optional(None, "torque times speed of the axle, either way; absent: no limit")
+    largest_speed: DriveSpeed | None = optional(None, "speed beyond which there is no torque; absent: no limit")
     rotor_inertia: Annotated[float, Quantity("kg m^2", 0.0, 1e8)] = optional(
         0.0, "inertia of the rotor about its shaft; on the driven axle it counts times gear_ratio squared"
     )
@@ -103,30 +94,20 @@ class Motor(Table):
 class Brake(Table):
     """Friction brake of each axle, filled by a control valve; the defaults are those of a coach with two discs an axle."""
 
-    demand: Rows[Time, Pressure] = Field(description="rows [time, cylinder pressure over the ambient]; linear between")
+    demand: Rows[Time, Pressure] = needed("rows [time, cylinder pressure over the ambient]; linear between")
     application_rate: PressureRate = optional(1.2e5, "rise of the control valve's pressure")
     release_rate: PressureRate = optional(1.2e5, "its fall")
     follow_rate: Rate = optional(20.0, "how fast the control valve closes in on the demand")
     air: AnyAir = optional(UnlimitedAir(), "what fills and vents the cylinders: its kind, or a table")
-    ambient_pressure: Annotated[float, Quantity("Pa", 1.0, 1e8)] = optional(
-        101325.0, "pressure of the air around: valves choke by ratios of absolute pressures"
-    )
+    ambient_pressure: PositivePressure = optional(101325.0, "that of the air: valves choke by absolute pressures")
     volume: Volume = optional(5e-3, "volume of one axle's cylinders, and of its pipes where brake.air has none")
-    piston_area: Annotated[float, Quantity("m^2", 1e-8, 10.0)] = optional(
-        0.085, "times ratio and efficiency of the rigging, one axle"
-    )
+    piston_area: Annotated[float, Quantity("m^2", 1e-8, 10.0)] = optional(0.085, "times ratio, efficiency of rigging")
     spring_force: Annotated[float, Quantity("N", 0.0, 1e7)] = optional(500.0, "spring force of the retracting spring")
-    friction: FrictionOverSpeed = optional(
-        ((0.0, 0.38), (50.0, 0.30)), "rows [sliding speed at the friction radius, friction of the pads]"
-    )
-    friction_radius: Annotated[float, Quantity("m", 1e-4, 2.0)] = optional(
-        0.247, "effective radius of the disc; of a tread brake the wheel radius"
-    )
+    friction: FrictionOverSpeed = optional(((0.0, 0.38), (50.0, 0.30)), "rows [sliding speed of the pads, friction]")
+    friction_radius: Annotated[float, Quantity("m", 1e-4, 2.0)] = optional(0.247, "effective radius of disc or wheel")
     faces: Annotated[float, Quantity("1", 0.01, 100.0)] = optional(2.0, "friction faces that the force presses on")
-    friction_regularisation_speed: PositiveSpeed = optional(0.05, "below it friction turns into viscous drag")
-    motors_stand_in: StrictBool = optional(
-        False, "the traction motors exert the brake's torque, within what they can do, as on the scaled bogie"
-    )
+    friction_regularisation_speed: PositiveSpeed = optional(0.05, "below it friction is viscous")
+    motors_stand_in: StrictBool = optional(False, "the traction motors exert the brake's torque, as far as they can")
     electrodynamic: AnyElectrodynamicBrake | None = optional(
         None, "traction motors brake first, the friction brake gives the rest: their kind, or a table; absent: none do"
     )
@@ -135,9 +116,7 @@ class Brake(Table):
 class Traction(Table):
     """Traction drive of each axle."""
 
-    demand: TorqueTable = optional(
-        ((0.0, 0.0), (1.0, 0.0)), "rows [time, torque per axle], positive forward; linear between"
-    )
+    demand: TorqueTable = optional(((0.0, 0.0), (1.0, 0.0)), "rows [time, torque per axle], positive forward; linear")
     motor: Motor = optional(Motor(), "the motor and its gear, seen from the axle")
     suspension: Literal["frame", "ground", "axle"] = optional(
         "frame",
@@ -148,13 +127,11 @@ class Traction(Table):
         None, "distance of the link from the axle for suspension = 'axle', towards the frame's middle"
     )
 
-    @model_validator(mode="after")
-    def _link_of_an_axle_hung_motor(self) -> "Traction":
+    def _mistakes(self) -> Mistakes:
         needed = self.suspension == "axle"
         if needed != (self.link is not None):
-            allowed = "needed for suspension = 'axle', about 1 m" if needed else "allowed only with suspension = 'axle'"
-            raise refused("link", allowed)
-        return self
+            word = "needed, about 1 m, for" if needed else "allowed only with"
+            yield "link", f"{word} suspension = 'axle'"
 
 
 class Controller(Table):
@@ -176,11 +153,9 @@ class Controller(Table):
         """Whether our own controller runs, none of the user's."""
         return self.user is None and self.fmu is None
 
-    @model_validator(mode="after")
-    def _one_of_two(self) -> "Controller":
+    def _mistakes(self) -> Mistakes:
         if self.user is not None and self.fmu is not None:
-            raise refused("fmu", "allowed: one of user and fmu")
-        return self
+            yield "fmu", "allowed: one of user and fmu"
 
 
 class BrakeUnit(Controller):
@@ -197,9 +172,7 @@ class BrakeUnit(Controller):
 class SlipSearch(Table):
     """Search for the slip at which an axle transmits most: perturb and observe. All numbers are ours."""
 
-    interval: Pause = optional(
-        0.0, "interval between two changes of the slip above which an axle loses torque, about 2 s; 0: no search"
-    )
+    interval: Pause = optional(0.0, "interval between changes of the slip that costs torque, about 2 s; 0: no search")
     ratio: Annotated[float, Quantity("1", 1.001, 10.0)] = optional(1.15, "ratio of a change, up or down")
     least: Annotated[float, Quantity("1", 1e-3, 1.0)] = optional(0.1, "least slip tried, over slip and slip_speed")
     largest: Annotated[float, Quantity("1", 1.0, 1e3)] = optional(8.0, "largest slip tried, over slip and slip_speed")
@@ -216,14 +189,10 @@ class WheelSlipControl(Controller):
     reduction_rate: Rate = optional(4.0, "reduction rate of the factor on the torque")
     restoring_rate: Rate = optional(0.35, "restoring rate of the factor on the torque")
     least_factor: Ratio = optional(0.05, "what is always left of the torque")
-    release_interval: Pause = optional(
-        3.0, "while axles slip one is released this often for the reference speed; 0: never"
-    )
+    release_interval: Pause = optional(3.0, "while axles slip one is released so often, for the reference; 0: never")
     shortest_release: Pause = optional(0.4, "shortest duration of such a release: the torque needs some time to go")
     longest_release: Phase = optional(1.2, "longest duration of such a release")
-    release_deceleration: Deceleration = optional(
-        0.5, "a released axle that slows less has run down to the train's speed"
-    )
+    release_deceleration: Deceleration = optional(0.5, "a released axle that slows less has the train's speed")
     least_acceleration: Deceleration = optional(0.05, "least acceleration of the reference speed between releases")
     regained_after: Phase = optional(3.0, "without slip for so long the axles count as gripping")
     search: SlipSearch = optional(SlipSearch(), "search for the slip at which each axle transmits most")
@@ -235,17 +204,11 @@ Entry = Literal["fill", "hold", "vent", "vent_in_steps"]
 class ReferencedProtection(Controller):
     """What every law of slide protection has: reference speed, stepwise filling, watchdog."""
 
-    reference_deceleration: Deceleration = optional(
-        1.6, "the reference speed falls at most this fast: no train brakes harder"
-    )
-    release_interval: Pause = optional(
-        3.0, "while all axles slide one is released this often for the reference speed; 0: never"
-    )
+    reference_deceleration: Deceleration = optional(1.6, "the reference speed falls no faster: no train brakes harder")
+    release_interval: Pause = optional(3.0, "while all slide one axle is released so often for a reference; 0: never")
     shortest_release: Pause = optional(0.3, "shortest duration of such a release: valve and cylinder need some time")
     longest_release: Phase = optional(1.2, "longest duration of such a release")
-    least_deceleration: Deceleration = optional(
-        0.2, "least deceleration of the reference speed between releases: a braked train slows at least so"
-    )
+    least_deceleration: Deceleration = optional(0.2, "least deceleration of the reference speed between releases")
     regained_after: Phase = optional(2.0, "an axle without slip for so long counts as gripping")
     filter_time: Phase = optional(0.04, "filter time of the axles' deceleration")
     recovery_acceleration: Deceleration = optional(0.5, "an axle that gains speed faster is left alone")
@@ -257,19 +220,16 @@ class ReferencedProtection(Controller):
         None, "a protection that is off is on again once its reference speed has passed this; absent: least_speed"
     )
 
-    @model_validator(mode="after")
-    def _returns_above(self) -> "ReferencedProtection":
+    def _mistakes(self) -> Mistakes:
+        yield from super()._mistakes()
         if self.return_speed is not None and self.return_speed < self.least_speed:
-            raise refused("return_speed", f"allowed: at least least_speed, {self.least_speed:g} m/s")
-        return self
+            yield "return_speed", f"allowed: at least least_speed, {self.least_speed:g} m/s"
 
 
 class SlideProtection(ReferencedProtection):
     """Our law: two slips, a deceleration, written after EN 15595's principles."""
 
-    kind: Literal["slip_and_deceleration"] = optional(
-        "slip_and_deceleration", "two slips and a deceleration; written after EN 15595's principles"
-    )
+    kind: Literal["slip_and_deceleration"] = optional("slip_and_deceleration", "slips and deceleration, after EN 15595")
     vent_slip: Ratio = optional(0.12, "relative slip above which a cylinder is vented")
     vent_slip_speed: PositiveSpeed = optional(1.0, "lower limit of that slip as a speed")
     vent_deceleration: Deceleration = optional(4.0, "a slipping axle that slows faster is vented")
@@ -280,15 +240,9 @@ class SlideProtection(ReferencedProtection):
 class TableSlideProtection(ReferencedProtection):
     """Bands of slip and acceleration, an entry for each: the phases of an anti-lock cycle (Kiencke and Nielsen); numbers ours."""
 
-    kind: Literal["threshold_table"] = Field(
-        description="a table over bands of slip and acceleration: the phases of an anti-lock cycle"
-    )
-    least_slip_reference: PositiveSpeed = optional(
-        30.0 / 3.6, "below this reference speed slip is over it, not over the reference"
-    )
-    slip_thresholds: tuple[Ratio, ...] = optional(
-        (0.05, 0.1, 0.2), "relative slips between the rows of `entries`, ascending"
-    )
+    kind: Literal["threshold_table"] = needed("a table over bands of slip and acceleration: phases of anti-lock")
+    least_slip_reference: PositiveSpeed = optional(30.0 / 3.6, "at lower reference speeds slip is over this one")
+    slip_thresholds: tuple[Ratio, ...] = optional((0.05, 0.1, 0.2), "slips between the rows of `entries`, ascending")
     acceleration_thresholds: tuple[Annotated[float, Quantity("m/s^2", -1e3, 1e3)], ...] = optional(
         (-4.0, -1.5, 0.5), "limits of the axle's acceleration, between the columns of `entries`, ascending"
     )
@@ -313,24 +267,18 @@ class TableSlideProtection(ReferencedProtection):
         """Relative slip above which a cylinder is vented that does not regain speed."""
         return self.slip_thresholds[-1] if self.slip_thresholds else 1.0
 
-    @model_validator(mode="after")
-    def _an_entry_for_each_band(self) -> "TableSlideProtection":
+    def _mistakes(self) -> Mistakes:
+        yield from super()._mistakes()
         for key in ("slip_thresholds", "acceleration_thresholds"):
             values = getattr(self, key)
             if list(values) != sorted(set(values)):
-                raise refused(key, "allowed: ascending thresholds, each once")
+                yield key, "allowed: ascending thresholds, each once"
         rows, columns = len(self.slip_thresholds) + 1, len(self.acceleration_thresholds) + 1
         if len(self.entries) != rows or any(len(row) != columns for row in self.entries):
-            allowed = (
-                f"allowed: {rows} rows of {columns} entries, one for each band between slip_thresholds and between "
-            )
-            raise refused("entries", f"{allowed}acceleration_thresholds")
-        return self
+            yield "entries", f"allowed: {rows} rows of {columns} entries, one for each band between the thresholds"
 
 
-AnySlideProtection = Annotated[
-    SlideProtection | TableSlideProtection, Discriminator("kind"), by_kind("slip_and_deceleration")
-]
+AnySlideProtection = Annotated[SlideProtection | TableSlideProtection, by_kind("slip_and_deceleration")]
 
 
 def entry_numbers(table: TableSlideProtection) -> list[int]:

@@ -4,10 +4,10 @@ from collections.abc import Mapping
 from contextlib import suppress
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Field, ValidationInfo, field_validator, model_validator
+from pydantic import BeforeValidator, ValidationInfo, field_validator, model_validator
 
 from rollerrig.config.errors import nearest, show_value
-from rollerrig.config.schema.base import OrShort, Table, optional, refused
+from rollerrig.config.schema.base import Mistakes, OrShort, Table, needed, optional
 from rollerrig.config.schema.contact import AnyFriction, FallingFriction, Share
 from rollerrig.config.schema.units import Quantity
 
@@ -29,21 +29,13 @@ ALLOWED = f"{', '.join(CONDITIONS)}, or a table"
 class Condition(Table):
     """A rail's surface: friction, and what is left of the creep curve's stiffness."""
 
-    friction: AnyFriction = Field(description="a number, or a law over slip velocity")
-    k_A: Share = optional(
-        1.0, "reduction factor of the creep curve's stiffness on the area of adhesion, in place of polach's own"
-    )
-    k_S: Share = optional(
-        1.0,
-        "on the area of slip, at most k_A; the stiffness of laws without k_A and k_S is times their mean, beside k_0 "
-        "of modified_fastsim",
-    )
+    friction: AnyFriction = needed("a number, or a law over slip velocity")
+    k_A: Share = optional(1.0, "reduction factor of the creep stiffness on the area of adhesion, not polach's own")
+    k_S: Share = optional(1.0, "on the area of slip, at most k_A; laws without both: times their mean, beside k_0")
 
-    @model_validator(mode="after")
-    def _no_stiffer_in_slip(self) -> "Condition":
+    def _mistakes(self) -> Mistakes:
         if self.k_S > self.k_A:
-            raise refused("k_S", f"allowed: at most k_A, {self.k_A:g}")
-        return self
+            yield "k_S", f"allowed: at most k_A, {self.k_A:g}"
 
 
 def _by_name(value: Any) -> Any:
@@ -60,7 +52,9 @@ def _by_name(value: Any) -> Any:
 _RECOVERY = {"area": Quantity("m^2/J", 0.0, 1e6), "length": Quantity("m/J", 0.0, 1e6)}
 
 
-AnyCondition = Annotated[Condition, BeforeValidator(_by_name), OrShort({"enum": list(CONDITIONS)})]
+AnyCondition = Annotated[
+    Condition, BeforeValidator(_by_name), OrShort({"enum": list(CONDITIONS)}, words=", ".join(CONDITIONS))
+]
 
 
 class Piece(Table):
@@ -70,16 +64,14 @@ class Piece(Table):
         None, "distance of the wheel from the vehicle's place at the start, where the piece begins"
     )
     time: Annotated[float, Quantity("s", 1e-6, 1e6)] | None = optional(None, "when it begins, in its place")
-    rail: AnyCondition = Field(description=ALLOWED)
+    rail: AnyCondition = needed(ALLOWED)
 
 
 class Adhesion(Table):
     """Adhesion of the rail: on track of the rail itself, on a rig of the virtual rail that the rollers reproduce."""
 
-    rail: AnyCondition = Field(description=f"condition at the start: {ALLOWED}")
-    piece: tuple[Piece, ...] = Field(
-        default=(), max_length=10_000, description="where or when it changes, in ascending order"
-    )
+    rail: AnyCondition = needed(f"condition at the start: {ALLOWED}")
+    piece: tuple[Piece, ...] = optional((), "where or when it changes, ascending", max_length=10_000)
     file: str | None = optional(
         None,
         "CSV file in place of `piece`, relative to the file that names it: columns `distance [m]` and `friction`, of "
@@ -87,14 +79,10 @@ class Adhesion(Table):
         "in `rail`; or `condition`, a name that holds from there on",
     )
     blend: Annotated[float, Quantity("m", 0.0, 1e5)] = optional(
-        0.0,
-        "length over which one condition passes into the next, like '10 m'; where pieces begin at a time the "
-        "time, like '0.1 s'; 0: a jump",
+        0.0, "length over which conditions pass into the next, like '10 m', or time where pieces have one; 0: a jump"
     )
     recovery_per: Literal["area", "length"] = optional(
-        "area",
-        "what the recovery constant goes with: energy per area of the running surface, tau in m^2/J; or per metre "
-        "run by a wheel, tau in m/J",
+        "area", "what the recovery constant goes with: energy per area, tau in m^2/J; or per metre of a wheel, in m/J"
     )
     recovery_constant: Annotated[float, Quantity("m^2/J", 0.0, 1e6)] = optional(
         0.0,
@@ -102,13 +90,9 @@ class Adhesion(Table):
         "a text's unit decides `recovery_per`; 0: no recovery",
     )
     wheel_memory: Annotated[float, Quantity("m", 0.0, 1e6)] = optional(
-        0.0,
-        "sliding cleans the wheel's tread too, and it takes up a film again as it rolls: length over which its "
-        "cleaning fades; 0: only the rail is cleaned",
+        0.0, "sliding cleans the wheel's tread, too: length over which that fades; 0: only the rail is cleaned"
     )
-    cell_length: Annotated[float, Quantity("m", 1e-4, 100.0)] = optional(
-        0.05, "dissipated energy is kept along the rail in cells of this length"
-    )
+    cell_length: Annotated[float, Quantity("m", 1e-4, 100.0)] = optional(0.05, "cells of dissipated energy on the rail")
     recovered: AnyCondition = optional(
         Condition(friction=FallingFriction(kind="falling", mu_0=0.70, A=0.40, B=0.60)),
         "condition of the rail once it has recovered",
@@ -152,16 +136,13 @@ class Adhesion(Table):
         if value is not None:
             raise ValueError("allowed in a case, with which it is read")
 
-    @model_validator(mode="after")
-    def _pieces_in_order(self) -> "Adhesion":
+    def _mistakes(self) -> Mistakes:
         last = -1.0
         for number, piece in enumerate(self.piece):
             place = piece.time if self.over_time else piece.distance
             if place is None or (piece.time is None) == (piece.distance is None):
-                raise refused("piece", "allowed: each piece with `distance`, or each with `time`")
+                yield "piece", "allowed: each piece with `distance`, or each with `time`"
+                return
             if not place > last:
-                raise refused(
-                    "piece", f"allowed: pieces in ascending order; piece[{number}] begins at {place:g} after {last:g}"
-                )
+                yield "piece", f"allowed: pieces in ascending order; piece[{number}] begins at {place:g} after {last:g}"
             last = place
-        return self

@@ -1,12 +1,13 @@
 """The model all configuration tables derive from, and the tables of numbers inside them."""
 
-from collections.abc import Mapping
-from typing import Annotated, Any, TypeVar, get_args
+from collections.abc import Iterable, Iterator, Mapping
+from typing import Annotated, Any, Self, TypeVar, get_args
 
 from pydantic import (
     AfterValidator,
     BaseModel,
     ConfigDict,
+    Discriminator,
     Field,
     GetCoreSchemaHandler,
     GetJsonSchemaHandler,
@@ -15,36 +16,34 @@ from pydantic import (
 )
 from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
-from rollerrig.config.schema.units import (
-    KEY_SUFFIXES,
-    Angle,
-    AngularSpeed,
-    DamperSpeed,
-    Deflection,
-    Force,
-    Position,
-    Quantity,
-    RunningSpeed,
-    Time,
-    Torque,
-)
+from rollerrig.config.schema.units import KEY_SUFFIXES, Position, Quantity, RunningSpeed, Time, Torque
+
+INSTEAD_OF = "x-instead-of"
 
 
-def optional(default: Any, description: str) -> Any:
-    """A key that a file may leave out: its default, and what it means."""
-    return Field(default=default, description=description)
+def optional(default: Any, description: str, **limits: Any) -> Any:
+    """A key that a file may leave out: its default, what it means, and limits of pydantic's."""
+    return Field(default=default, description=description, **limits)
 
 
-def quantity_of(annotation: object, metadata: object = ()) -> Quantity | None:
-    """The Quantity of a field that is one number or a list of such numbers; None if it has none."""
-    for item in metadata if isinstance(metadata, list | tuple) else ():
+def needed(description: str, *, instead_of: str = "", **limits: Any) -> Any:
+    """A key that a file must give; but for that of ``instead_of``, with which it has a value once the file is read."""
+    extra: dict[str, JsonValue] | None = {INSTEAD_OF: instead_of} if instead_of else None
+    return Field(description=description, json_schema_extra=extra, **limits)
+
+
+def quantities_in(annotation: object, metadata: Iterable[object] = ()) -> Iterator[Quantity]:
+    """The quantities of a field that is one number, or of the numbers of a list."""
+    for item in (*metadata, *getattr(annotation, "__metadata__", ()), *get_args(annotation)):
         if isinstance(item, Quantity):
-            return item
-    for inner in (*getattr(annotation, "__metadata__", ()), *get_args(annotation)):
-        found = inner if isinstance(inner, Quantity) else quantity_of(inner)
-        if found:
-            return found
-    return None
+            yield item
+        else:
+            yield from quantities_in(item)
+
+
+def quantity_of(annotation: object, metadata: Iterable[object] = ()) -> Quantity | None:
+    """The first of them; None if there is none."""
+    return next(quantities_in(annotation, metadata), None)
 
 
 def refused(key: str, allowed: str) -> PydanticCustomError:
@@ -52,22 +51,18 @@ def refused(key: str, allowed: str) -> PydanticCustomError:
     return PydanticCustomError("at_key", "{allowed}", {"allowed": allowed, "key": key})
 
 
-INSTEAD_OF = "x-instead-of"
-
-
-def instead_of(key: str) -> dict[str, JsonValue]:
-    """Mark of a field that a file may leave out where it gives ``key``; it has a value once the file is read."""
-    return {INSTEAD_OF: key}
+Mistakes = Iterator[tuple[str, str]]
+"""Keys of a table, and what may stand there."""
 
 
 USUAL_KIND = "x-usual-kind"
 
 
 class OrShort:
-    """Mark of a table in place of which a file may write something shorter, for the JSON Schema."""
+    """Mark of a table in place of which a file may write something shorter: in words, and for the JSON Schema."""
 
-    def __init__(self, *alternatives: dict[str, Any]) -> None:
-        self.alternatives = alternatives
+    def __init__(self, *alternatives: dict[str, Any], words: str) -> None:
+        self.alternatives, self.words = alternatives, words
 
     def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
         """The alternatives beside the table."""
@@ -76,6 +71,8 @@ class OrShort:
 
 class by_kind:  # noqa: N801 (stands among the annotations of pydantic)
     """A name alone asks for that kind with its defaults, a table without `kind` for the usual one; "": none is usual."""
+
+    words = "the name of a kind"
 
     def __init__(self, usual: str = "") -> None:
         self.usual = usual
@@ -87,8 +84,9 @@ class by_kind:  # noqa: N801 (stands among the annotations of pydantic)
         return {"kind": self.usual, **value} if self.usual and isinstance(value, Mapping) else value
 
     def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
-        """Before the validation of the union."""
-        return core_schema.no_info_before_validator_function(self.completed, handler(source))
+        """Before the validation of the union, of which `kind` names the table."""
+        union = handler.generate_schema(Annotated[source, Discriminator("kind")])
+        return core_schema.no_info_before_validator_function(self.completed, union)
 
     def __get_pydantic_json_schema__(self, schema: CoreSchema, handler: GetJsonSchemaHandler) -> dict[str, Any]:
         """The names of the kinds beside their tables."""
@@ -100,6 +98,16 @@ class Table(BaseModel):
     """A TOML table: unknown keys are mistakes, and nothing changes once it is read."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, hide_input_in_errors=True)
+
+    def _mistakes(self) -> Mistakes:
+        """What only a look across its keys can tell; the first one is reported."""
+        yield from ()
+
+    @model_validator(mode="after")
+    def _first_mistake(self) -> Self:
+        for key, allowed in self._mistakes():
+            raise refused(key, allowed)
+        return self
 
     @model_validator(mode="before")
     @classmethod
@@ -122,6 +130,22 @@ class Table(BaseModel):
         return translated
 
 
+Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9_\-]{1,60}$")]
+
+
+class Named(Table):
+    """A table that stands for itself: a file of its own, or a part of one."""
+
+    name: Name = needed("its name, in results and messages")
+    description: str = optional("", "one line about it")
+
+
+class Sourced(Named):
+    """A table of data that somebody else published or measured."""
+
+    source: str = optional("", "where the data come from")
+
+
 def in_order(rows: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
     """Rows of a function of their first column: at least two, in ascending order."""
     if len(rows) < 2:
@@ -139,8 +163,4 @@ Rows = Annotated[tuple[tuple[X, Y], ...], AfterValidator(in_order)]
 """A function of its first column."""
 SpeedTable = Rows[Time, RunningSpeed]
 TorqueTable = Rows[Time, Torque]
-ForceOverDeflection = Rows[Deflection, Force]
-ForceOverSpeed = Rows[DamperSpeed, Force]
-MomentOverAngle = Rows[Angle, Torque]
-MomentOverRate = Rows[AngularSpeed, Torque]
 Vector = tuple[Position, Position, Position]

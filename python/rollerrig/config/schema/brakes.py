@@ -2,12 +2,12 @@
 
 import math
 from itertools import pairwise
-from typing import Annotated, Literal
+from typing import Annotated, ClassVar, Literal
 
-from pydantic import Discriminator, Field, StrictInt, model_validator
+from pydantic import Field, StrictInt
 
 from rollerrig.config.schema.adhesion import ALLOWED, AnyCondition, Condition
-from rollerrig.config.schema.base import Rows, Table, by_kind, optional, refused
+from rollerrig.config.schema.base import Mistakes, Rows, Table, by_kind, needed, optional
 from rollerrig.config.schema.contact import AnyFriction, FallingFriction
 from rollerrig.config.schema.units import Mass, Quantity, Time
 
@@ -18,11 +18,9 @@ MOST_AXLES = 32
 class TrainAxles(Table):
     """All axles of the train. Those that are not under test are simulated: same wheels, creep law, brake, slide protection."""
 
-    positions: tuple[Annotated[float, Quantity("m", 0.0, 1e4)], ...] = Field(
-        description="distance of each axle behind the first one, in order"
-    )
-    under_test: tuple[Annotated[StrictInt, Field(ge=1, le=MOST_AXLES)], ...] = Field(
-        description="which of them are those of [vehicle]: on rollers, or on track in the 3-D model; the first axle is 1"
+    positions: tuple[Annotated[float, Quantity("m", 0.0, 1e4)], ...] = needed("distances behind the first axle, rising")
+    under_test: tuple[Annotated[StrictInt, Field(ge=1, le=MOST_AXLES)], ...] = needed(
+        "which of them are those of [vehicle]: on rollers, or on track in the 3-D model; the first axle is 1"
     )
     loads: tuple[Annotated[float, Quantity("N", 1.0, 1e7)], ...] | None = optional(
         None, "loads of each simulated axle, in order; absent: the mean of the axles under test"
@@ -31,22 +29,20 @@ class TrainAxles(Table):
         None, "change of each simulated axle's load per acceleration of the train, forward; absent: none"
     )
 
-    @model_validator(mode="after")
-    def _in_order(self) -> "TrainAxles":
+    def _mistakes(self) -> Mistakes:
         n, m = len(self.positions), len(self.under_test)
         if not 1 <= n <= MOST_AXLES:
-            raise refused("positions", f"allowed: 1 to {MOST_AXLES} axles; given are {n}")
+            yield "positions", f"allowed: 1 to {MOST_AXLES} axles; given are {n}"
         if self.positions[0] != 0.0 or any(not a < b for a, b in pairwise(self.positions)):
-            raise refused("positions", "allowed: distances behind the first axle, which begin at 0 and increase")
+            yield "positions", "allowed: distances behind the first axle, which begin at 0 and increase"
         if not 1 <= m <= n:
-            raise refused("under_test", f"allowed: 1 to {n} axles, no more than the train has; given are {m}")
+            yield "under_test", f"allowed: 1 to {n} axles, no more than the train has; given are {m}"
         if any(not 1 <= k <= n for k in self.under_test) or any(not a < b for a, b in pairwise(self.under_test)):
-            raise refused("under_test", f"allowed: numbers from 1 to {n} that increase, each axle once")
+            yield "under_test", f"allowed: numbers from 1 to {n} that increase, each axle once"
         for key in ("loads", "load_transfer"):
             given = getattr(self, key)
             if given is not None and len(given) != n - m:
-                raise refused(key, f"allowed: one number for each simulated axle, {n - m}; given are {len(given)}")
-        return self
+                yield key, f"allowed: one number for each simulated axle, {n - m}; given are {len(given)}"
 
     @property
     def simulated(self) -> tuple[int, ...]:
@@ -64,16 +60,14 @@ class Train(Table):
     resistance_linear: Annotated[float, Quantity("N s/m", 0.0, 1e6)] = optional(0.0, "B")
     resistance_quadratic: Annotated[float, Quantity("N s^2/m^2", 0.0, 1e6)] = optional(0.0, "C")
     gradient: Annotated[float, Quantity("1", -0.1, 0.1)] = optional(0.0, "positive uphill")
-    axles: TrainAxles | None = optional(
-        None, "the train's axles, of which some are under test; absent: all of them are"
-    )
+    axles: TrainAxles | None = optional(None, "the train's axles, of which some are under test; absent: all are")
     brake_signal_speed: Annotated[float, Quantity("m/s", 10.0, 1e4)] | None = optional(
-        None,
-        "at which the brake demand runs along the main pipe, from the train's first axle; absent: everywhere at once",
+        None, "at which the brake demand runs along the main pipe, from the train's first axle; absent: at once"
     )
 
 
 Pressure = Annotated[float, Quantity("Pa", 0.0, 1e8)]
+PositivePressure = Annotated[float, Quantity("Pa", 1.0, 1e8)]
 Rate = Annotated[float, Quantity("1/s", 1e-4, 1e5)]
 Conductance = Annotated[float, Quantity("m^3/(s Pa)", 1e-13, 1e-2)]
 Volume = Annotated[float, Quantity("m^3", 1e-10, 10.0)]
@@ -83,9 +77,7 @@ DeadTime = Annotated[float, Quantity("s", 0.0, 1.0)]
 class UnlimitedAir(Table):
     """A supply that never runs out, behind dump valves that switch at once."""
 
-    kind: Literal["unlimited"] = optional(
-        "unlimited", "a supply that never runs out, behind dump valves that switch at once"
-    )
+    kind: Literal["unlimited"] = optional("unlimited", "an endless supply, behind dump valves that switch at once")
     fill_rate: Rate = optional(6.0, "choked filling of the cylinder, p'/p_supply, absolute")
     vent_rate: Rate = optional(5.0, "choked venting of the cylinder, -p'/p, absolute")
 
@@ -93,9 +85,7 @@ class UnlimitedAir(Table):
 class CylinderPipe(Table):
     """A relay valve for some axles, and the pipes from it to their dump valves. The numbers are ours, of usual size."""
 
-    length: Annotated[float, Quantity("m", 0.01, 1e3)] = Field(
-        description="length from the relay valve to the dump valve of an axle"
-    )
+    length: Annotated[float, Quantity("m", 0.01, 1e3)] = needed("length from relay valve to dump valve of an axle")
     diameter: Annotated[float, Quantity("m", 5e-4, 0.1)] = optional(0.02, "inner diameter")
     axles_per_relay_valve: Annotated[StrictInt, Field(ge=1, le=MOST_AXLES)] = optional(
         2, "axles in a row behind one relay valve, counted from the front: 2 of a bogie; each has such a pipe"
@@ -114,49 +104,29 @@ class ReservoirAir(Table):
     The defaults are ours: of the size of a dump valve of 12 mm nominal width that switches in 20 ms, and of half a coach.
     """
 
-    kind: Literal["reservoir"] = Field(
-        description="an auxiliary reservoir fed by the main pipe, behind dump valves with dead times, orifices after ISO 6358"
-    )
-    fill_conductance: Conductance = optional(
-        2.5e-7, "sonic conductance C from reservoir or pipe to one axle's cylinders"
-    )
+    kind: Literal["reservoir"] = needed("a reservoir fed by the main pipe, behind dump valves as ISO 6358 has them")
+    fill_conductance: Conductance = optional(2.5e-7, "sonic conductance C, reservoir or pipe to one axle's cylinders")
     vent_conductance: Conductance = optional(2.5e-7, "sonic conductance C from one axle's cylinders to the ambient")
-    critical_ratio: Annotated[float, Quantity("1", 0.0, 0.9)] = optional(
-        0.3, "critical pressure ratio b of all orifices"
-    )
-    relay_band: Annotated[float, Quantity("Pa", 1.0, 1e7)] = optional(
-        1e4, "missing cylinder pressure from which the relay valve is wide open"
-    )
-    opening_time: DeadTime = optional(
-        0.02, "dead time of a dump valve's magnet valves, a multiple of time.sampling_step"
-    )
+    critical_ratio: Annotated[float, Quantity("1", 0.0, 0.9)] = optional(0.3, "critical pressure ratio b of orifices")
+    relay_band: Annotated[float, Quantity("Pa", 1.0, 1e7)] = optional(1e4, "missing pressure that opens the relay wide")
+    opening_time: DeadTime = optional(0.02, "dead time of dump valves' magnets, a multiple of time.sampling_step")
     closing_time: DeadTime = optional(0.02, "the same for closing")
-    least_pulse: DeadTime = optional(
-        0.02, "a magnet valve's command stays at least so long: a shorter one is prolonged"
-    )
+    least_pulse: DeadTime = optional(0.02, "a magnet's command stays at least so long: a shorter one is prolonged")
     reservoir_volume: Volume = optional(0.1, "volume of each auxiliary reservoir")
     axles_per_reservoir: Annotated[StrictInt, Field(ge=1, le=MOST_AXLES)] | None = optional(
         None, "axles in a row that share a reservoir, counted from the front: 4 of a coach, 2 of a bogie; absent: all"
     )
-    reservoir_pressure: Pressure | None = optional(
-        None, "over the ambient, at the start; absent: that of the main pipe"
-    )
+    reservoir_pressure: Pressure | None = optional(None, "over the ambient, at the start; absent: as the main pipe")
     main_pipe_pressure: Pressure = optional(8.5e5, "over the ambient")
     charging_conductance: Annotated[float, Quantity("m^3/(s Pa)", 0.0, 1e-2)] = optional(
         2e-8, "conductance of the choke between main pipe and reservoir; 0: the reservoir is not fed"
     )
-    reference_pressure: Annotated[float, Quantity("Pa", 1.0, 1e8)] = optional(
-        1e5, "at which conductances are stated, with 20 degrees C (ISO 8778)"
-    )
-    temperature: Annotated[float, Quantity("K", 200.0, 400.0)] = optional(
-        293.15, "temperature of all air, which it keeps"
-    )
-    pipe: CylinderPipe | None = optional(
-        None, "pipes from a relay valve to the dump valves of its axles; absent: a relay valve at each cylinder"
-    )
+    reference_pressure: PositivePressure = optional(1e5, "at which conductances hold, with 20 degrees C (ISO 8778)")
+    temperature: Annotated[float, Quantity("K", 200.0, 400.0)] = optional(293.15, "constant temperature of all air")
+    pipe: CylinderPipe | None = optional(None, "pipes from relay to dump valves; absent: relay valves at cylinders")
 
 
-AnyAir = Annotated[UnlimitedAir | ReservoirAir, Discriminator("kind"), by_kind("unlimited")]
+AnyAir = Annotated[UnlimitedAir | ReservoirAir, by_kind("unlimited")]
 
 
 BrakeForce = Annotated[float, Quantity("N", 0.0, 1e8)]
@@ -169,9 +139,7 @@ ForceOverSpeed = Annotated[Rows[BrakeSpeed, BrakeForce], Field(min_length=2)]
 class ElectrodynamicBrake(Table):
     """What every electrodynamic brake has: its axles, its lag, and its place beside friction brake and slide protection."""
 
-    axles: tuple[str, ...] | None = Field(
-        default=None, min_length=1, description="wheelsets with a motor that brakes, by name; absent: all"
-    )
+    axles: tuple[str, ...] | None = optional(None, "wheelsets that brake; absent: all", min_length=1)
     share: Share = optional(1.0, "share of the torque asked of the axle, at most; friction gives the rest")
     time_constant: Annotated[float, Quantity("s", 1e-4, 100.0)] = optional(0.1, "time constant of the torque")
     blending_delay: Annotated[float, Quantity("s", 0.0, 10.0)] = optional(
@@ -185,9 +153,7 @@ class ElectrodynamicBrake(Table):
         "friction brake does not fill the gap; or switch off until the brake is released, and the friction brake takes over; "
         "slip_control: whatever the valve does, the torque is what [wheel_slip_control] admits, the gap is not filled",
     )
-    reduction_rate: FactorRate = optional(
-        5.0, "reduction rate of the factor on the torque while the cylinder is vented"
-    )
+    reduction_rate: FactorRate = optional(5.0, "reduction rate of the factor on the torque while a cylinder is vented")
     restoring_rate: FactorRate = optional(1.0, "restoring rate of the factor on the torque while it is filled")
 
 
@@ -200,29 +166,23 @@ class ConstantPowerBrake(ElectrodynamicBrake):
     fade_from: BrakeSpeed = optional(10.0 / 3.6, "below this speed the force fades ...")
     fade_to: BrakeSpeed = optional(3.0 / 3.6, "... along a straight line, to nothing here")
 
-    @model_validator(mode="after")
-    def _does_not_cross(self) -> "ConstantPowerBrake":
+    def _mistakes(self) -> Mistakes:
         if not self.fade_to < self.fade_from:
-            raise refused("fade_to", f"allowed: below fade_from, {self.fade_from:g} m/s")
+            yield "fade_to", f"allowed: below fade_from, {self.fade_from:g} m/s"
         corner = self.largest_power / self.largest_force if self.largest_force > 0.0 else self.fade_from
         if corner < self.fade_from:
-            allowed = f"allowed: at least largest_force times fade_from, {self.largest_force * self.fade_from:g} W: at less the "
-            raise refused("largest_power", f"{allowed}curve of constant power crosses the fading at {corner:.3g} m/s")
-        return self
+            least = self.largest_force * self.fade_from
+            yield "largest_power", f"allowed: at least {least:g} W; this curve crosses the fading at {corner:.3g} m/s"
 
 
 class ForceTableBrake(ElectrodynamicBrake):
     """Points of the diagram of force over speed."""
 
-    kind: Literal["table"] = Field(description="points of the diagram of force over speed")
-    forces: ForceOverSpeed = Field(
-        description="rows [speed of the wheels' circumference, largest force of one axle]; linear between, constant beyond"
-    )
+    kind: Literal["table"] = needed("points of the diagram of force over speed")
+    forces: ForceOverSpeed = needed("rows [circumferential speed, largest force of one axle]; linear, constant beyond")
 
 
-AnyElectrodynamicBrake = Annotated[
-    ConstantPowerBrake | ForceTableBrake, Discriminator("kind"), by_kind("constant_power")
-]
+AnyElectrodynamicBrake = Annotated[ConstantPowerBrake | ForceTableBrake, by_kind("constant_power")]
 
 
 Excitation = Annotated[Rows[Time, Share], Field(min_length=1)]
@@ -232,13 +192,9 @@ MagnetForce = Annotated[float, Quantity("N", 0.0, 1e8)]
 class TrackBrake(Table):
     """What every track brake has: when it is on."""
 
-    demand: Excitation = Field(description="rows [time, excitation asked for, 0 to 1]; linear between")
-    delay: Annotated[float, Quantity("s", 0.0, 1e3)] = optional(
-        0.5, "delay from the demand to the first force: the magnets are lowered"
-    )
-    rise_time: Annotated[float, Quantity("s", 1e-4, 1e3)] = optional(
-        0.5, "rise time of the excitation, from none to full"
-    )
+    demand: Excitation = needed("rows [time, excitation asked for, 0 to 1]; linear between")
+    delay: Annotated[float, Quantity("s", 0.0, 1e3)] = optional(0.5, "delay of the first force: magnets are lowered")
+    rise_time: Annotated[float, Quantity("s", 1e-4, 1e3)] = optional(0.5, "rise time of the excitation, none to full")
     release_speed: Annotated[float, Quantity("m/s", 0.0, 1e3)] = optional(0.0, "a slower train has the magnets lifted")
 
 
@@ -246,27 +202,23 @@ class MagneticTrackBrake(TrackBrake):
     """Magnets that rub on the rail; the numbers are ours, of the size of two magnets of 1 m on each bogie."""
 
     kind: Literal["magnetic"] = optional("magnetic", "magnets that are lowered and rub on the rail")
-    attraction: MagnetForce = optional(
-        160e3, "attraction of all magnets of one bogie together; between magnet and rail, it loads no wheel"
-    )
+    attraction: MagnetForce = optional(160e3, "attraction of all magnets of a bogie together, which loads no wheel")
     friction: AnyFriction = optional(
         FallingFriction(kind="falling", mu_0=0.20, A=0.35, B=0.1),
         "friction coefficient of pole shoes over speed: a number, or a law; the state of the rail is not part of it",
     )
-    regularisation_speed: Annotated[float, Quantity("m/s", 1e-6, 10.0)] = optional(
-        0.05, "below it friction turns into viscous drag"
-    )
+    regularisation_speed: Annotated[float, Quantity("m/s", 1e-6, 10.0)] = optional(0.05, "below it friction is viscous")
 
 
 class EddyCurrentTrackBrake(TrackBrake):
     """Magnets over the rail that do not touch it; the curve over a critical speed is Wouterse's, the numbers are ours."""
 
-    kind: Literal["eddy_current"] = Field(description="magnets over the rail that do not touch it: eddy currents brake")
+    kind: Literal["eddy_current"] = needed("magnets over the rail that do not touch it: eddy currents brake")
     largest_force: MagnetForce = optional(15e3, "largest force of one bogie, at the critical speed")
     critical_speed: Annotated[float, Quantity("m/s", 1e-3, 1e3)] = optional(25.0, "at which the force is largest")
 
 
-AnyTrackBrake = Annotated[MagneticTrackBrake | EddyCurrentTrackBrake, Discriminator("kind"), by_kind("magnetic")]
+AnyTrackBrake = Annotated[MagneticTrackBrake | EddyCurrentTrackBrake, by_kind("magnetic")]
 
 
 Duration = Annotated[float, Quantity("s", 0.0, 1e6)]
@@ -276,51 +228,46 @@ Place = Annotated[float, Quantity("m", 0.0, 1e6)]
 class SandOnSlide(Table):
     """While slide protection vents an axle, or wheel-slip control takes torque off one."""
 
-    kind: Literal["on_slide"] = optional(
-        "on_slide", "while slide protection vents an axle or wheel-slip control takes torque off one"
-    )
+    kind: Literal["on_slide"] = optional("on_slide", "while slide protection or wheel-slip control acts on an axle")
 
 
-class SandFromDistance(Table):
+class SandBetween(Table):
+    """Sand from a begin to an end."""
+
+    unit: ClassVar[str] = "m"
+    begin: Place = needed("begin of sanding")
+    end: Place = needed("end of sanding")
+
+    def _mistakes(self) -> Mistakes:
+        if not self.begin < self.end:
+            yield "end", f"allowed: beyond begin, {self.begin:g} {self.unit}"
+
+
+class SandFromDistance(SandBetween):
     """Sand from a place on."""
 
-    kind: Literal["from_distance"] = Field(description="sand from a place on")
-    begin: Place = Field(description="distance of the train since the start")
+    kind: Literal["from_distance"] = needed("sand from a place on")
+    begin: Place = needed("distance of the train since the start")
     end: Place = optional(1e6, "end of sanding")
 
-    @model_validator(mode="after")
-    def _in_order(self) -> "SandFromDistance":
-        if not self.begin < self.end:
-            raise refused("end", f"allowed: beyond begin, {self.begin:g} m")
-        return self
 
-
-class SandFromTime(Table):
+class SandFromTime(SandBetween):
     """Sand from a time on, as a driver switches it."""
 
-    kind: Literal["from_time"] = Field(description="sand from a time on, as a driver switches it")
-    begin: Duration = Field(description="time of the run")
+    unit: ClassVar[str] = "s"
+    kind: Literal["from_time"] = needed("sand from a time on, as a driver switches it")
+    begin: Duration = needed("time of the run")
     end: Duration = optional(1e6, "end of sanding")
 
-    @model_validator(mode="after")
-    def _in_order(self) -> "SandFromTime":
-        if not self.begin < self.end:
-            raise refused("end", f"allowed: after begin, {self.begin:g} s")
-        return self
 
-
-AnySandingStart = Annotated[SandOnSlide | SandFromDistance | SandFromTime, Discriminator("kind"), by_kind("on_slide")]
+AnySandingStart = Annotated[SandOnSlide | SandFromDistance | SandFromTime, by_kind("on_slide")]
 
 
 class Sanding(Table):
     """Sand in front of some axles: they and all axles behind them find it on the rail. All numbers are ours."""
 
     start: AnySandingStart = optional(SandOnSlide(), "when sand is wanted: its kind, or a table")
-    axles: tuple[str, ...] | None = Field(
-        default=None,
-        min_length=1,
-        description="wheelsets in front of which sand falls, by name; absent: the leading one",
-    )
+    axles: tuple[str, ...] | None = optional(None, "wheelsets that have sand; absent: the leading one", min_length=1)
     delay: Annotated[float, Quantity("s", 0.0, 10.0)] = optional(
         0.5, "delay from the wish to the sand on the rail, and back, a multiple of time.sampling_step"
     )
@@ -330,9 +277,7 @@ class Sanding(Table):
     saturation: Annotated[float, Quantity("kg/m", 1e-9, 100.0)] = optional(
         5e-4, "mass per length of rail that brings 63 % of the effect, q_0 in 1 - exp(-q/q_0)"
     )
-    kept: Annotated[float, Quantity("1", 0.0, 1.0)] = optional(
-        0.7, "share of the sand under it that a wheel leaves on the rail"
-    )
+    kept: Annotated[float, Quantity("1", 0.0, 1.0)] = optional(0.7, "share of the sand that a wheel leaves on the rail")
     rail: AnyCondition = optional(
         Condition(friction=FallingFriction(kind="falling", mu_0=0.25, A=0.6, B=0.2), k_A=0.3, k_S=0.1),
         f"condition of a rail with much sand: {ALLOWED}",

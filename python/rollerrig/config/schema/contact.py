@@ -8,30 +8,22 @@ A new law is a class here, a member of its union and, in the core, a header: doc
 from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Literal, get_args
 
-from pydantic import BeforeValidator, Discriminator, Field, RootModel, StrictBool, model_validator
+from pydantic import BeforeValidator, Discriminator, RootModel, StrictBool, model_validator
 
-from rollerrig.config.schema.base import OrShort, Table, by_kind, instead_of, optional, refused
+from rollerrig.config.schema.base import Mistakes, OrShort, Sourced, Table, by_kind, needed, optional, refused
 from rollerrig.config.schema.units import Quantity
-from rollerrig.config.schema.vehicle import Name
 
 _MODULUS = Quantity("Pa", 1e5, 1e14)
 _POISSON = Quantity("1", 0.0, 0.5)
 _MODULI = ("young_modulus", "shear_modulus")
 
 
-class Material(Table):
+class Material(Sourced):
     """An isotropic elastic material; one of the two moduli may be left out and follows from E = 2 G (1 + nu)."""
 
-    name: Name = Field(description="name of the material")
-    description: str = optional("", "one line about the material")
-    source: str = optional("", "where the data come from")
-    poisson_ratio: Annotated[float, _POISSON] = Field(description="Poisson's ratio nu")
-    young_modulus: Annotated[float, _MODULUS] = Field(
-        description="Young's modulus E", json_schema_extra=instead_of("shear_modulus")
-    )
-    shear_modulus: Annotated[float, _MODULUS] = Field(
-        description="shear modulus G", json_schema_extra=instead_of("young_modulus")
-    )
+    poisson_ratio: Annotated[float, _POISSON] = needed("Poisson's ratio nu")
+    young_modulus: Annotated[float, _MODULUS] = needed("Young's modulus E", instead_of="shear_modulus")
+    shear_modulus: Annotated[float, _MODULUS] = needed("shear modulus G", instead_of="young_modulus")
 
     @model_validator(mode="before")
     @classmethod
@@ -49,15 +41,10 @@ class Material(Table):
             raise refused(given, f"allowed: such that {other}, here {follows:g} Pa, is {_MODULUS.bounds}")
         return {**data, other: follows}
 
-    @model_validator(mode="after")
-    def _consistent(self) -> "Material":
+    def _mistakes(self) -> Mistakes:
         expected = 2 * self.shear_modulus * (1 + self.poisson_ratio)
         if abs(self.young_modulus - expected) > 1e-3 * expected:
-            raise refused(
-                "young_modulus",
-                f"allowed: 2 G (1 + nu) = {expected:g} Pa, or leave out one of young_modulus and shear_modulus",
-            )
-        return self
+            yield "young_modulus", f"allowed: 2 G (1 + nu) = {expected:g} Pa, or leave out one of the two moduli"
 
 
 Share = Annotated[float, Quantity("1", 1e-6, 1.0)]
@@ -89,7 +76,7 @@ class KalkerSaturated(Law):
 
     limitation = "The creep force follows Kalker's linear theory, saturated by friction with a heuristic law."
     sources = ("kalker1990", "vermeulen1964")
-    kind: Literal["kalker_saturated"] = Field(description="the paper's law, (20), (23), (24)")
+    kind: Literal["kalker_saturated"] = needed("the paper's law, (20), (23), (24)")
     saturate_spin_moment: StrictBool = optional(False, "scale the spin moment like the force; the paper does not")
 
 
@@ -100,7 +87,7 @@ class KalkerLinear(Law):
         "The creep force follows Kalker's linear theory without a friction limit: it is valid for small creepage."
     )
     sources = ("kalker1990",)
-    kind: Literal["kalker_linear"] = Field(description="Kalker's linear theory, (20)")
+    kind: Literal["kalker_linear"] = needed("Kalker's linear theory, (20)")
 
 
 class Coefficients(Law):
@@ -111,14 +98,13 @@ class Coefficients(Law):
         "by a heuristic law."
     )
     sources = ("kalker1990", "vermeulen1964")
-    kind: Literal["coefficients"] = Field(description="coefficients as given, of one wheel")
-    f11: Annotated[float, Quantity("N", 0.0, 1e12)] = Field(description="longitudinal coefficient")
-    f22: Annotated[float, Quantity("N", 0.0, 1e12)] = Field(description="lateral coefficient")
+    kind: Literal["coefficients"] = needed("coefficients as given, of one wheel")
+    f11: Annotated[float, Quantity("N", 0.0, 1e12)] = needed("longitudinal coefficient")
+    f22: Annotated[float, Quantity("N", 0.0, 1e12)] = needed("lateral coefficient")
     f23: Annotated[float, Quantity("N m", 0.0, 1e9)] = optional(0.0, "coefficient of lateral creepage and spin")
     f33: Annotated[float, Quantity("N m^2", 0.0, 1e9)] = optional(0.0, "spin coefficient")
     saturation: StrictBool = optional(
-        True,
-        "limit of friction by the cubic of Johnson and Vermeulen, (23), forces and moment alike; false: linear, without limit",
+        True, "limit of friction by the cubic of Johnson and Vermeulen, (23), forces and moment alike; false: none"
     )
 
 
@@ -127,7 +113,7 @@ class Fastsim(Law):
 
     limitation = "The creep force follows Kalker's simplified theory (FASTSIM) on an elliptical patch."
     sources = ("kalker1982",)
-    kind: Literal["fastsim"] = Field(description="Kalker's simplified theory, three flexibilities")
+    kind: Literal["fastsim"] = needed("Kalker's simplified theory, three flexibilities")
 
 
 class ModifiedFastsim(Law):
@@ -135,7 +121,7 @@ class ModifiedFastsim(Law):
 
     limitation = "The creep force follows the modified FASTSIM, with an empirical reduction of the initial stiffness."
     sources = ("kalker1982", "spiryagin2013")
-    kind: Literal["modified_fastsim"] = Field(description="FASTSIM for clean, wet and contaminated surfaces")
+    kind: Literal["modified_fastsim"] = needed("FASTSIM for clean, wet and contaminated surfaces")
     k_0: Share = optional(1.0, "what is left of Kalker's stiffness at small creepage")
     k_inf: Share = optional(1.0, "what is left of k_0 at large creepage")
     beta: Annotated[float, Quantity("1", 0.0, 1e3)] = optional(
@@ -148,9 +134,9 @@ class Polach(Law):
 
     limitation = "The creep force follows Polach's law: an elliptical patch, and spin by an approximate closed form."
     sources = ("polach1999", "polach2005")
-    kind: Literal["polach"] = Field(description="Polach's closed form")
-    k_A: Share = Field(description="what is left of the stiffness on the area of adhesion")
-    k_S: Share = Field(description="what is left of it on the area of slip; at most k_A")
+    kind: Literal["polach"] = needed("Polach's closed form")
+    k_A: Share = needed("what is left of the stiffness on the area of adhesion")
+    k_S: Share = needed("what is left of it on the area of slip; at most k_A")
 
 
 class ExactTable(Law):
@@ -158,7 +144,7 @@ class ExactTable(Law):
 
     limitation = "The creep force is interpolated in a table of Kalker's exact theory for elliptical patches."
     sources = ("kalker1990",)
-    kind: Literal["table"] = Field(description="the exact theory as a smooth function")
+    kind: Literal["table"] = needed("the exact theory as a smooth function")
 
 
 class StripTheory(Law):
@@ -169,14 +155,11 @@ class StripTheory(Law):
         "corrected by Kalker's exact theory of an ellipse."
     )
     sources = ("kalker1990", "sichani2016")
-    kind: Literal["strip_theory"] = Field(
-        description='each strip of the patch with its own normal, creepage and spin; asks for `contact.normal = "strips"`'
-    )
+    kind: Literal["strip_theory"] = needed("each strip with its own normal, creepage and spin; with normal = 'strips'")
 
 
 AnyCreep = Annotated[
     KalkerSaturated | KalkerLinear | Coefficients | Fastsim | ModifiedFastsim | Polach | ExactTable | StripTheory,
-    Discriminator("kind"),
     by_kind(),
 ]
 CREEP_LAWS = kinds(AnyCreep)
@@ -195,7 +178,7 @@ class Hertz(Law):
         "changes within a patch."
     )
     sources = ("hertz1882",)
-    kind: Literal["hertz"] = Field(description="one ellipse per indented minimum")
+    kind: Literal["hertz"] = needed("one ellipse per indented minimum")
     merging_criterion: Annotated[float, Quantity("1", 0.0, 1.0)] = optional(
         0.01,
         "two patches merge smoothly once the rise between them is below this fraction of the approach; 0: the "
@@ -210,10 +193,10 @@ class Strips(Law):
         "The normal contact is that of elastic strips: non-elliptical patches, whose pressures are approximate."
     )
     sources = ("johnson1985", "piotrowski2008")
-    kind: Literal["strips"] = Field(description="non-elliptical contact patches")
+    kind: Literal["strips"] = needed("non-elliptical contact patches")
 
 
-AnyNormal = Annotated[Hertz | Strips, Discriminator("kind"), by_kind()]
+AnyNormal = Annotated[Hertz | Strips, by_kind()]
 NORMAL_LAWS = kinds(AnyNormal)
 
 
@@ -222,8 +205,8 @@ class ConstantFriction(Law):
     """Coulomb's friction."""
 
     limitation = "The coefficient of friction is constant."
-    kind: Literal["constant"] = Field(description="one coefficient")
-    mu_0: Friction = Field(description="coefficient of friction")
+    kind: Literal["constant"] = needed("one coefficient")
+    mu_0: Friction = needed("coefficient of friction")
 
 
 class FallingFriction(Law):
@@ -231,8 +214,8 @@ class FallingFriction(Law):
 
     limitation = "Friction depends on the slip velocity alone, not on temperature or contamination."
     sources = ("polach2005",)
-    kind: Literal["falling"] = Field(description="Polach's friction")
-    mu_0: Friction = Field(description="coefficient of friction at no slip")
+    kind: Literal["falling"] = needed("Polach's friction")
+    mu_0: Friction = needed("coefficient of friction at no slip")
     A: Fraction = optional(1.0, "friction at large slip over mu_0; 1: Coulomb's law")
     B: Annotated[float, Quantity("s/m", 0.0, 1e4)] = optional(0.0, "how fast it falls with slip")
 
@@ -247,6 +230,6 @@ AnyFriction = Annotated[
     ConstantFriction | FallingFriction,
     Discriminator("kind"),
     BeforeValidator(_friction),
-    OrShort({"type": ["number", "string"]}),
+    OrShort({"type": ["number", "string"]}, words="a number"),
 ]
 FRICTION_LAWS = kinds(AnyFriction)

@@ -17,9 +17,7 @@ class Ensemble(Table):
     """
 
     distribution: Literal["uniform", "normal"] = optional(
-        "uniform",
-        "distribution of each of them within plus and minus its spread; normal: the spread is two standard "
-        "deviations, beyond which nothing is drawn",
+        "uniform", "distribution of each within plus and minus its spread; normal: two standard deviations, cut off"
     )
     adhesion: Spread = optional(0.02, "relative spread of the friction of every rail of [adhesion]")
     pad_friction: Spread = optional(0.02, "relative spread of the friction of the brake pads")

@@ -2,9 +2,9 @@
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Discriminator, Field, RootModel, StrictBool
+from pydantic import BeforeValidator, Discriminator, RootModel, StrictBool
 
-from rollerrig.config.schema.base import Table, optional
+from rollerrig.config.schema.base import Table, needed, optional
 from rollerrig.config.schema.units import Quantity
 
 KnotSpacing = Annotated[float, Quantity("m", 2e-6, 1e-3)]
@@ -47,27 +47,23 @@ class ProfileSpec(Table):
 class S1002(ProfileSpec):
     """The wheel profile S1002 of ORE / EN 13715."""
 
-    kind: Literal["s1002"] = Field(description="the wheel profile S1002, generated from its published polynomials")
+    kind: Literal["s1002"] = needed("the wheel profile S1002, generated from its published polynomials")
     step: KnotSpacing = optional(0.05e-3, _STEP)
 
 
 class Cone(ProfileSpec):
     """A wheel whose radius falls off linearly: the conical wheel of theory, without a flange."""
 
-    kind: Literal["cone"] = Field(description="a conical wheel without a flange")
-    conicity: Annotated[float, Quantity("1", -1.0, 1.0)] = Field(
-        description="radius lost per lateral distance outward, a number or a ratio like '1:20'"
-    )
+    kind: Literal["cone"] = needed("a conical wheel without a flange")
+    conicity: Annotated[float, Quantity("1", -1.0, 1.0)] = needed("radius lost per distance outward, also as '1:20'")
     half_width: HalfWidth = optional(60e-3, "half of the width of the tread")
 
 
 class Uic60(ProfileSpec):
     """The rail head UIC60 / 60E1: arcs R300, R80 and R13 and a side 1:20."""
 
-    kind: Literal["uic60"] = Field(description="the rail head UIC60 / 60E1, generated from its arcs")
-    variant: Literal["en_13674", "benchmark"] = optional(
-        "en_13674", "junctions of the arcs: EN 13674-1, or as in the Manchester contact benchmark"
-    )
+    kind: Literal["uic60"] = needed("the rail head UIC60 / 60E1, generated from its arcs")
+    variant: Literal["en_13674", "benchmark"] = optional("en_13674", "arcs by EN 13674-1, or the Manchester benchmark")
     inclination: Inclination = optional(0.025, "lean towards the track centre, a number or a ratio like '1:40'")
     step: KnotSpacing = optional(0.05e-3, _STEP)
 
@@ -75,23 +71,23 @@ class Uic60(ProfileSpec):
 class Cylinder(ProfileSpec):
     """A constant profile, for comparison with theory."""
 
-    kind: Literal["cylinder"] = Field(description="a flat rail head, a cylindrical roller or a cylindrical wheel")
+    kind: Literal["cylinder"] = needed("a flat rail head, a cylindrical roller or a cylindrical wheel")
     half_width: HalfWidth = optional(36e-3, "half of its width")
 
 
 class Arc(ProfileSpec):
     """A circular profile, for comparison with theory."""
 
-    kind: Literal["arc"] = Field(description="a convex circular rail head or wheel")
-    radius: Annotated[float, Quantity("m", 1e-3, 1e6, bare=10.0)] = Field(description="radius of the arc")
+    kind: Literal["arc"] = needed("a convex circular rail head or wheel")
+    radius: Annotated[float, Quantity("m", 1e-3, 1e6, bare=10.0)] = needed("radius of the arc")
     half_width: HalfWidth = optional(36e-3, "half of its width")
 
 
 class ProfileFile(ProfileSpec):
     """A measured profile."""
 
-    kind: Literal["file"] = Field(description="points from a text file")
-    path: str = Field(min_length=1, description="the file, relative to the file that names it")
+    kind: Literal["file"] = needed("points from a text file")
+    path: str = needed("the file, relative to the file that names it", min_length=1)
     format: Literal["auto", "two_column", "simpack"] = optional(
         "auto", "two columns of numbers, or Simpack's .prw / .prr text; auto decides by the content"
     )
@@ -99,18 +95,12 @@ class ProfileFile(ProfileSpec):
     inner_side: Literal["auto", "negative", "positive"] = optional(
         "auto", "sign of the file's abscissa on the flange or gauge side; auto looks for the flange"
     )
-    z_positive: Literal["auto", "up", "down"] = optional(
-        "auto", "whether the file's ordinate grows up or down as mounted; auto looks at the flanks"
-    )
-    tape_circle: Annotated[float, Quantity("m", -1.0, 1.0)] = optional(
-        0.0, "abscissa of the tape circle in the file's own axes; wheels only"
-    )
+    z_positive: Literal["auto", "up", "down"] = optional("auto", "where its ordinate grows, mounted; auto: by flanks")
+    tape_circle: Annotated[float, Quantity("m", -1.0, 1.0)] = optional(0.0, "a wheel's tape circle in the file's axes")
     inclination: Annotated[float, Quantity("1", -0.2, 0.2)] = optional(
         0.0, "further lean of a rail towards the track centre; 0 where the file is already inclined"
     )
-    smoothing: Smoothing = optional(
-        "auto", "cut-off wavelength of the smoothing; auto: the shortest that leaves a usable curvature"
-    )
+    smoothing: Smoothing = optional("auto", "cut-off wavelength; auto: the shortest that leaves a usable curvature")
     require_flange: StrictBool = optional(True, "refuse a wheel without a flange")
     step: KnotSpacing = optional(0.05e-3, _STEP)
 

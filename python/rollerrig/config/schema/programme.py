@@ -4,31 +4,24 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar, Literal
 
-from pydantic import Discriminator, Field, ValidationInfo, field_validator, model_validator
+from pydantic import Discriminator, Field, ValidationInfo, field_validator
 
 from rollerrig.config.schema.adhesion import ALLOWED, Adhesion, AnyCondition, Piece
-from rollerrig.config.schema.base import Table, optional, refused
+from rollerrig.config.schema.base import Mistakes, Named, Sourced, Table, needed, optional
 from rollerrig.config.schema.brakes import Pressure
 from rollerrig.config.schema.units import Quantity, RunningSpeed
-from rollerrig.config.schema.vehicle import Name
 
 Length = Annotated[float, Quantity("m", 1e-3, 1e5)]
 Count = Annotated[int, Field(ge=4, le=100)]
 
 
-class BrakedRun(Table):
+class BrakedRun(Named):
     """What every stop of a programme has."""
 
-    name: Name = Field(description="name of the stop, for limits and files")
-    description: str = optional("", "one line about it")
-    speed: RunningSpeed = Field(description="at the demand for braking")
-    pressure: Pressure | None = optional(
-        None, "demanded cylinder pressure over the ambient; absent: the largest that the case demands"
-    )
-    duration: Annotated[float, Quantity("s", 1.0, 1e4)] = optional(
-        120.0, "longest; where the train has not stopped by then nothing is decided"
-    )
-    rail: AnyCondition = Field(description=f"condition of the rail at the start: {ALLOWED}")
+    speed: RunningSpeed = needed("at the demand for braking")
+    pressure: Pressure | None = optional(None, "demanded cylinder pressure over the ambient; absent: the largest")
+    duration: Annotated[float, Quantity("s", 1.0, 1e4)] = optional(120.0, "longest; nothing is decided without a stop")
+    rail: AnyCondition = needed(f"condition of the rail at the start: {ALLOWED}")
 
     stops: ClassVar[bool] = True
     """Whether the train is to come to a stop."""
@@ -46,37 +39,33 @@ class BrakedRun(Table):
 class UniformStop(BrakedRun):
     """The same rail all the way."""
 
-    kind: Literal["uniform"] = Field(description="the same rail all the way")
+    kind: Literal["uniform"] = needed("the same rail all the way")
 
 
 class SteppedStop(BrakedRun):
     """A rail whose condition changes along the way, under all axles."""
 
-    kind: Literal["steps"] = Field(description="the rail changes along the way")
-    piece: tuple[Piece, ...] = Field(min_length=1, max_length=1000, description="where it changes, as in [adhesion]")
-    blend: Annotated[float, Quantity("m", 0.0, 1e3)] = optional(
-        0.0, "length over which one condition passes into the next"
-    )
+    kind: Literal["steps"] = needed("the rail changes along the way")
+    piece: tuple[Piece, ...] = needed("where it changes, as in [adhesion]", min_length=1, max_length=1000)
+    blend: Annotated[float, Quantity("m", 0.0, 1e3)] = optional(0.0, "length over which conditions pass into the next")
 
     def pieces(self) -> tuple[Piece, ...]:
         """Where the rail changes."""
         return self.piece
 
-    @model_validator(mode="after")
-    def _pieces_in_order(self) -> "SteppedStop":
+    def _mistakes(self) -> Mistakes:
         if any(piece.distance is None for piece in self.piece):
-            raise refused("piece", "allowed: each piece with `distance`")
+            yield "piece", "allowed: each piece with `distance`"
         Adhesion(rail=self.rail, piece=self.piece, blend=self.blend)
-        return self
 
 
 class PatchStop(BrakedRun):
     """Short patches of another rail, each shorter than the axles' spacing: one axle at a time is on one."""
 
-    kind: Literal["patches"] = Field(description="short patches, under one axle at a time")
-    patch: AnyCondition = Field(description="condition of the patches")
-    length: Length = Field(description="length of a patch; less than the least spacing of the axles")
-    spacing: Length = Field(description="distance from the beginning of a patch to that of the next one")
+    kind: Literal["patches"] = needed("short patches, under one axle at a time")
+    patch: AnyCondition = needed("condition of the patches")
+    length: Length = needed("length of a patch; less than the least spacing of the axles")
+    spacing: Length = needed("distance from the beginning of a patch to that of the next one")
     first: Length = optional(20.0, "distance of the first one")
     count: Annotated[int, Field(ge=1, le=400)] = optional(10, "number of patches")
 
@@ -89,19 +78,17 @@ class PatchStop(BrakedRun):
             for piece in (Piece(distance=begin, rail=self.patch), Piece(distance=begin + self.length, rail=self.rail))
         )
 
-    @model_validator(mode="after")
-    def _patches_apart(self) -> "PatchStop":
+    def _mistakes(self) -> Mistakes:
         if not self.spacing > self.length:
-            raise refused("spacing", f"allowed: more than the length of a patch, {self.length:g} m")
-        return self
+            yield "spacing", f"allowed: more than the length of a patch, {self.length:g} m"
 
 
 class DragBraking(BrakedRun):
     """Braking for a time on a falling line, which keeps the train running."""
 
     stops: ClassVar[bool] = False
-    kind: Literal["drag"] = Field(description="braking for a time on a falling line; the train need not stop")
-    gradient: Annotated[float, Quantity("1", -0.1, 0.0)] = Field(description="gradient of the line, negative: it falls")
+    kind: Literal["drag"] = needed("braking for a time on a falling line; the train need not stop")
+    gradient: Annotated[float, Quantity("1", -0.1, 0.0)] = needed("gradient of the line, negative: it falls")
 
 
 AnyStop = Annotated[UniformStop | SteppedStop | PatchStop | DragBraking, Discriminator("kind")]
@@ -151,26 +138,18 @@ def _bound(value: Any, info: ValidationInfo) -> Any:
     return CRITERIA[name].quantity.parse(value)
 
 
+NUMBER = {"anyOf": [{"type": "number"}, {"type": "string"}]}
+"""In a JSON Schema, with a unit or without."""
+
+
 class Limit(Table):
     """A limit, who set it, and the clause of a standard that it stands for."""
 
-    criterion: CriterionName = Field(description="what is limited")
-    at_least: float | None = Field(
-        default=None,
-        description="the least that is allowed, in the unit of the criterion",
-        json_schema_extra={"anyOf": [{"type": "number"}, {"type": "string"}]},
-    )
-    at_most: float | None = Field(
-        default=None,
-        description="the most that is allowed, in the unit of the criterion",
-        json_schema_extra={"anyOf": [{"type": "number"}, {"type": "string"}]},
-    )
-    stops: tuple[str, ...] = Field(
-        default=(),
-        max_length=100,
-        description="names of the stops that it holds for; none: all that have such a number",
-    )
-    origin: str = Field(min_length=1, description="who set it, and why")
+    criterion: CriterionName = needed("what is limited")
+    at_least: float | None = optional(None, "least that is allowed, in the criterion's unit", json_schema_extra=NUMBER)
+    at_most: float | None = optional(None, "most that is allowed, in the criterion's unit", json_schema_extra=NUMBER)
+    stops: tuple[str, ...] = optional((), "names of the stops; none: all that have such a number", max_length=100)
+    origin: str = needed("who set it, and why", min_length=1)
     clause: str = optional("", "clause of the standard or specification that it is taken from, as you have it")
 
     _parse = field_validator("at_least", "at_most", mode="before")(_bound)
@@ -182,14 +161,12 @@ class Limit(Table):
         assert value is not None
         return value
 
-    @model_validator(mode="after")
-    def _one_bound(self) -> "Limit":
+    def _mistakes(self) -> Mistakes:
         right, wrong = ("at_least", "at_most") if CRITERIA[self.criterion].least else ("at_most", "at_least")
         if getattr(self, wrong) is not None:
-            raise refused(wrong, f"allowed for {self.criterion}: {right}")
+            yield wrong, f"allowed for {self.criterion}: {right}"
         if getattr(self, right) is None:
-            raise refused(right, CRITERIA[self.criterion].quantity.allowed.replace("allowed", "needed", 1))
-        return self
+            yield right, CRITERIA[self.criterion].quantity.allowed.replace("allowed", "needed", 1)
 
     def holds_for(self, stop: BrakedRun) -> bool:
         """Whether a stop is judged by it."""
@@ -200,21 +177,14 @@ class Limit(Table):
 class FlatWear(Table):
     """Numbers of the estimate of a wheel flat's length."""
 
-    wear: Annotated[float, Quantity("m^3/J", 1e-16, 1e-6)] = optional(
-        7e-13, "volume worn off per energy dissipated under a locked wheel"
-    )
+    wear: Annotated[float, Quantity("m^3/J", 1e-16, 1e-6)] = optional(7e-13, "worn volume per energy of a locked wheel")
     width: Annotated[float, Quantity("m", 1e-4, 0.2)] = optional(0.012, "width of the flat, across the tread")
 
 
-class Programme(Table):
+class Programme(Sourced):
     """Stops and limits."""
 
-    name: Name = Field(description="name of the programme")
-    description: str = optional("", "one line about it")
-    source: str = optional("", "where stops and limits come from")
     starts: Count = optional(8, "tests of each stop on each support, without which nothing is decided")
     flat: FlatWear = optional(FlatWear(), "estimate of wheel flats")
-    stop: tuple[AnyStop, ...] = Field(min_length=1, max_length=100, description="the stops, in their order")
-    limit: tuple[Limit, ...] = Field(
-        default=(), max_length=1000, description="what they are judged by; none: nothing is"
-    )
+    stop: tuple[AnyStop, ...] = needed("the stops, in their order", min_length=1, max_length=100)
+    limit: tuple[Limit, ...] = optional((), "what judges them; none: nothing", max_length=1000)

@@ -2,12 +2,21 @@
 
 from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator, Discriminator, Field
+from pydantic import BeforeValidator, Field
 
-from rollerrig.config.schema.actuators import Controller, Delay, Frequency, Motor, Phase, SampleTime
-from rollerrig.config.schema.base import Table, by_kind, optional
+from rollerrig.config.schema.actuators import Controller, DrivePower, DriveSpeed, DriveTorque, Motor
+from rollerrig.config.schema.base import Table, by_kind, needed, optional
 from rollerrig.config.schema.contact import kinds
-from rollerrig.config.schema.units import Inertia, Quantity, RollerRadius, WheelRadius
+from rollerrig.config.schema.units import (
+    Delay,
+    Frequency,
+    Inertia,
+    Phase,
+    Quantity,
+    RollerRadius,
+    SampleTime,
+    WheelRadius,
+)
 
 
 class Encoder(Table):
@@ -16,43 +25,35 @@ class Encoder(Table):
     kind: Literal["encoder"] = optional("encoder", "incremental encoder: speed from counts")
     counts: Annotated[float, Quantity("1", 0.0, 1e7)] = optional(0.0, "per turn; 0: exact speeds")
     jitter: Annotated[float, Quantity("1", 0.0, 100.0)] = optional(0.0, "deviation of edges, in counts")
-    window: Annotated[int, Field(strict=True, ge=1, le=16)] = optional(
-        1, "samples over which counts are differenced, 1 to 16"
-    )
+    window: Annotated[int, Field(strict=True, ge=1, le=16)] = optional(1, "samples over which counts are differenced")
 
 
 class PhonicWheel(Table):
     """Toothed wheel with one pick-up; a magnitude, it does not tell the direction."""
 
     teeth: Annotated[float, Quantity("1", 1.0, 1e5)] = optional(100.0, "around the phonic wheel")
-    pitch_error: Annotated[float, Quantity("1", 0.0, 0.1)] = optional(
-        0.0, "standard deviation of a tooth's place, in pitches; the same in each turn"
-    )
+    pitch_error: Annotated[float, Quantity("1", 0.0, 0.1)] = optional(0.0, "standard deviation of teeth, in pitches")
 
 
 class PulsePeriod(PhonicWheel):
     """Speed from the time between edges of a phonic wheel."""
 
-    kind: Literal["pulse_period"] = Field(description="phonic wheel: speed from the time between edges")
-    averaging_time: Annotated[float, Quantity("s", 0.0, 1.0)] = optional(
-        5e-3, "edges are timed over at least so long; 0: from sample to sample"
-    )
-    timeout: Annotated[float, Quantity("s", 1e-3, 100.0)] = optional(
-        0.3, "without an edge for so long the axle counts as standing"
-    )
+    kind: Literal["pulse_period"] = needed("phonic wheel: speed from the time between edges")
+    averaging_time: Annotated[float, Quantity("s", 0.0, 1.0)] = optional(5e-3, "edges are timed so long; 0: by samples")
+    timeout: Annotated[float, Quantity("s", 1e-3, 100.0)] = optional(0.3, "an axle without edges for so long stands")
     clock: Annotated[float, Quantity("Hz", 0.0, 1e12)] = optional(1e6, "that times the edges; 0: exactly")
 
 
 class PulseFrequency(PhonicWheel):
     """Speed from the number of edges of a phonic wheel in a gate time."""
 
-    kind: Literal["pulse_frequency"] = Field(description="phonic wheel: speed from the number of edges in a gate time")
+    kind: Literal["pulse_frequency"] = needed("phonic wheel: speed from the number of edges in a gate time")
     gate_time: Annotated[float, Quantity("s", 1e-4, 10.0)] = optional(
         0.1, "edges are counted over at least so long; speed comes in steps of one edge per gate time"
     )
 
 
-AnySpeedSensor = Annotated[Encoder | PulsePeriod | PulseFrequency, Discriminator("kind"), by_kind("encoder")]
+AnySpeedSensor = Annotated[Encoder | PulsePeriod | PulseFrequency, by_kind("encoder")]
 
 
 class ForceSensor(Table):
@@ -60,12 +61,8 @@ class ForceSensor(Table):
 
     bandwidth: Frequency | None = optional(None, "bandwidth of first order; absent: no lag")
     noise: Annotated[float, Quantity("1", 0.0, 1e9)] = optional(0.0, "standard deviation of a reading, in N or N m")
-    resolution: Annotated[float, Quantity("1", 0.0, 1e9)] = optional(
-        0.0, "resolution of a reading, in N or N m; 0: none"
-    )
-    range: Annotated[float, Quantity("1", 1e-6, 1e9)] | None = optional(
-        None, "largest reading, in N or N m; absent: no limit"
-    )
+    resolution: Annotated[float, Quantity("1", 0.0, 1e9)] = optional(0.0, "resolution, in N or N m; 0: none")
+    range: Annotated[float, Quantity("1", 1e-6, 1e9)] | None = optional(None, "largest reading, N or N m; absent: none")
 
 
 class Sensors(Table):
@@ -74,13 +71,9 @@ class Sensors(Table):
     axles: AnySpeedSensor = optional(Encoder(), "the rig's own on each axle of the vehicle: its kind, or a table")
     rollers: AnySpeedSensor = optional(Encoder(), "on each roller axle: its kind, or a table")
     vehicle: AnySpeedSensor | None = optional(
-        None,
-        "the vehicle's own on each axle, for its slide protection and wheel-slip control: its kind, or a table; "
-        "absent: they see what `axles` does",
+        None, "the vehicle's own on each axle, for its protections: kind, or table; absent: they see those of `axles`"
     )
-    roller_torque: ForceSensor | None = optional(
-        None, "torque flange in the drive shaft of each roller axle; absent: its torque is known"
-    )
+    roller_torque: ForceSensor | None = optional(None, "torque flange of each roller axle; absent: its torque is known")
     axle_load: ForceSensor = optional(ForceSensor(), "vertical force on the rollers (or rails) under each axle")
     seed: Annotated[int, Field(strict=True, ge=0, le=2**31)] = optional(1, "seed of all noise")
 
@@ -118,9 +111,7 @@ class BandwidthEstimator(Estimator):
     """An estimator of limited bandwidth."""
 
     bandwidth: Frequency = optional(
-        20.0,
-        "pole of the filter, natural frequency of the observer; `rollerrig check` prints bandwidth and delay that "
-        "are measured on the estimate",
+        20.0, "pole of the filter, natural frequency of the observer; `rollerrig check` prints the resulting ones"
     )
 
 
@@ -134,96 +125,84 @@ class Observer(BandwidthEstimator):
 class FilteredDerivative(BandwidthEstimator):
     """A filtered derivative of the roller's speed."""
 
-    kind: Literal["filtered_derivative"] = Field(description="a filtered derivative of the roller's speed")
+    kind: Literal["filtered_derivative"] = needed("a filtered derivative of the roller's speed")
 
 
 class KalmanFilter(BandwidthEstimator):
     """A Kalman filter of both speeds, force and torque."""
 
-    kind: Literal["kalman"] = Field(description="a Kalman filter of both speeds, force and torque")
-    speed_noise: Annotated[float, Quantity("rad/s", 1e-12, 1e3)] = optional(
-        1e-3, "standard deviation of a measured speed"
-    )
+    kind: Literal["kalman"] = needed("a Kalman filter of both speeds, force and torque")
+    speed_noise: Annotated[float, Quantity("rad/s", 1e-12, 1e3)] = optional(1e-3, "standard deviation of a speed")
     force_change: Annotated[float, Quantity("N", 1e-6, 1e12)] | None = optional(
         None, "standard deviation of the contact force's change over 1 s; absent: from `bandwidth`"
     )
-    torque_change: Annotated[float, Quantity("N m", 1e-6, 1e12)] | None = optional(
-        None, "the same of the axle's torque"
-    )
+    torque_change: Annotated[float, Quantity("N m", 1e-6, 1e12)] | None = optional(None, "the same of axle torque")
 
 
 class ExactEstimator(Estimator):
     """Force and torque that really act, for studies of what estimating costs."""
 
-    kind: Literal["exact"] = Field(description="force and torque that really act, as on no real rig")
+    kind: Literal["exact"] = needed("force and torque that really act, as on no real rig")
 
 
-AnyEstimator = Annotated[
-    Observer | FilteredDerivative | KalmanFilter | ExactEstimator, Discriminator("kind"), by_kind("observer")
-]
+AnyEstimator = Annotated[Observer | FilteredDerivative | KalmanFilter | ExactEstimator, by_kind("observer")]
 ESTIMATORS = kinds(AnyEstimator)
 
 
 class EstimatedTorque(Table):
     """The axle's torque as the estimator finds it, with its lag."""
 
-    kind: Literal["estimated"] = Field(description="as the estimator finds it, with its lag")
+    kind: Literal["estimated"] = needed("as the estimator finds it, with its lag")
 
 
 class KnownTorque(Table):
     """The axle's torque from cylinder pressure and motor torque, both measured; the estimate corrects it slowly."""
 
-    kind: Literal["known"] = optional(
-        "known", "torque from cylinder pressure, pad friction and motor torque; the estimate corrects it"
-    )
+    kind: Literal["known"] = optional("known", "torque from pressure, pad friction and motor; the estimate corrects it")
     correction: Frequency = optional(1.0, "bandwidth of the correction by the estimate")
-    brake_friction: Annotated[float, Quantity("1", 0.0, 10.0)] = optional(
-        1.0, "friction of the pads as the controller assumes it, over the real one"
-    )
+    brake_friction: Annotated[float, Quantity("1", 0.0, 10.0)] = optional(1.0, "assumed pad friction over the real")
 
 
 class ExtrapolatedTorque(Table):
     """The estimate, run ahead along its slope."""
 
-    kind: Literal["extrapolated"] = Field(description="as the estimator finds it, run ahead along its slope")
+    kind: Literal["extrapolated"] = needed("as the estimator finds it, run ahead along its slope")
     ahead: Delay = optional(8e-3, "time by which it runs ahead")
     bandwidth: Frequency = optional(40.0, "bandwidth of the low-pass on its slope")
 
 
-AnyAxleTorque = Annotated[EstimatedTorque | KnownTorque | ExtrapolatedTorque, Discriminator("kind"), by_kind("known")]
+AnyAxleTorque = Annotated[EstimatedTorque | KnownTorque | ExtrapolatedTorque, by_kind("known")]
 
 
 class DirectCommand(Table):
     """The drive is asked for the wanted torque."""
 
-    kind: Literal["direct"] = Field(description="the wanted torque itself; the drive follows with its lag")
+    kind: Literal["direct"] = needed("the wanted torque itself; the drive follows with its lag")
 
 
 class LeadCommand(Table):
     """The feed-forward runs ahead along its slope by the drive's lag."""
 
     kind: Literal["lead"] = optional("lead", "the feed-forward runs ahead along its slope")
-    ahead: Delay | None = optional(
-        None, "time of the lead; absent: the lag of drive, delay and half a sample, and half a sample more"
-    )
+    ahead: Delay | None = optional(None, "time of the lead; absent: the lag of drive and delay, and one sample")
 
 
 class TorqueLoop(Table):
     """A loop around the drive, closed over its measured torque."""
 
-    kind: Literal["torque_loop"] = Field(description="a loop around the drive, closed over its measured torque")
+    kind: Literal["torque_loop"] = needed("a loop around the drive, closed over its measured torque")
     gain: Annotated[float, Quantity("1", 0.0, 1e3)] = optional(
         2.0, "on wanted less measured torque; a drive of first order gets 1 + gain times its bandwidth"
     )
 
 
-AnyDriveCommand = Annotated[DirectCommand | LeadCommand | TorqueLoop, Discriminator("kind"), by_kind("lead")]
+AnyDriveCommand = Annotated[DirectCommand | LeadCommand | TorqueLoop, by_kind("lead")]
 
 
 class Feedback(Table):
     """What corrects the wheels' speeds, by virtual minus measured axle speed."""
 
-    largest: Annotated[float, Quantity("N m", 1e-3, 1e9)] = optional(2e4, "torque asked of a roller's drive")
+    largest: DriveTorque = optional(2e4, "torque asked of a roller's drive")
 
 
 class ProportionalIntegral(Feedback):
@@ -239,7 +218,7 @@ class ProportionalIntegral(Feedback):
 class SlidingMode(Feedback):
     """Sliding-mode feedback with a boundary layer."""
 
-    kind: Literal["sliding_mode"] = Field(description="a switched torque, proportional within a boundary layer")
+    kind: Literal["sliding_mode"] = needed("a switched torque, proportional within a boundary layer")
     switching: Annotated[float, Quantity("N m", 0.0, 1e9)] = optional(1000.0, "torque of the sliding mode")
     boundary_layer: Annotated[float, Quantity("rad/s", 1e-9, 1e3)] = optional(
         0.5, "width of the boundary layer of the sliding mode: it acts in proportion within"
@@ -249,12 +228,10 @@ class SlidingMode(Feedback):
 class NoFeedback(Feedback):
     """Feed-forward alone."""
 
-    kind: Literal["none"] = Field(description="feed-forward alone")
+    kind: Literal["none"] = needed("feed-forward alone")
 
 
-AnyFeedback = Annotated[
-    ProportionalIntegral | SlidingMode | NoFeedback, Discriminator("kind"), by_kind("proportional_integral")
-]
+AnyFeedback = Annotated[ProportionalIntegral | SlidingMode | NoFeedback, by_kind("proportional_integral")]
 FEEDBACKS = kinds(AnyFeedback)
 
 
@@ -273,15 +250,9 @@ class RollerDrive(Motor):
     figures of torque and power were found that could be stood behind.
     """
 
-    largest_torque: Annotated[float, Quantity("N m", 1e-3, 1e9)] | None = optional(
-        2e4, "on the roller axle, either way; ours"
-    )
-    largest_power: Annotated[float, Quantity("W", 1e-3, 1e10)] | None = optional(
-        1e6, "torque times speed of the roller axle, either way; ours"
-    )
-    largest_speed: Annotated[float, Quantity("rad/s", 1e-3, 1e5)] | None = optional(
-        134.0, "largest speed of the roller axle, 350 km/h at a radius of 725 mm: beyond it there is no torque"
-    )
+    largest_torque: DriveTorque | None = optional(2e4, "on the roller axle, either way; ours")
+    largest_power: DrivePower | None = optional(1e6, "torque times speed of the roller axle, either way; ours")
+    largest_speed: DriveSpeed | None = optional(134.0, "350 km/h at a radius of 725 mm, beyond it there is no torque")
 
 
 class Assumed(Table):
@@ -304,8 +275,7 @@ class RigControl(Controller):
         "say, not at all, or by [kg] for each axle, N per m/s^2 forward",
     )
     loads: Literal["computed", "measured"] = optional(
-        "computed",
-        "loads of the virtual train's axles: static loads and their transfer, or what [sensors.axle_load] says",
+        "computed", "loads of the virtual train's axles: static loads and transfer, or what [sensors.axle_load] says"
     )
     locked_speed: Annotated[float, Quantity("m/s", 1e-9, 50.0)] = optional(
         0.1,
@@ -313,13 +283,9 @@ class RigControl(Controller):
         "it, and its brake's torque, then the reaction to the roller's, is not used",
     )
     estimator: AnyEstimator = optional(Observer(), "estimator of the contact force: its kind, or a table")
-    axle_torque: AnyAxleTorque = optional(
-        KnownTorque(), "torque on an axle that the virtual train takes: its kind, or a table"
-    )
+    axle_torque: AnyAxleTorque = optional(KnownTorque(), "axle torque of the virtual train: its kind, or a table")
     feedback: AnyFeedback = optional(ProportionalIntegral(), "on the axles' speeds: its kind, or a table")
-    drive_command: AnyDriveCommand = optional(
-        LeadCommand(), "how the drives are asked for their torque: its kind, or a table"
-    )
+    drive_command: AnyDriveCommand = optional(LeadCommand(), "how drives are asked for torque: its kind, or a table")
     motor: RollerDrive = optional(RollerDrive(), "drive of each roller axle, with its limits")
     protection: Protection = optional(Protection(), "limits that protect the rollers")
     assumed: Assumed = optional(Assumed(), "what the controller believes in")

@@ -14,26 +14,12 @@ from dataclasses import dataclass, replace
 from typing import Annotated, Literal
 
 import numpy as np
-from pydantic import Discriminator, Field, RootModel, StrictBool, model_validator
+from pydantic import Discriminator, RootModel, StrictBool
 
-from rollerrig.config.schema.base import Table, optional, refused
+from rollerrig.config.schema.base import Mistakes, Table, needed, optional
 from rollerrig.config.schema.profile import AnyProfile
-from rollerrig.config.schema.track import (
-    CONTACT_DISTANCE,
-    AnyIrregularity,
-    Curve,
-    Gauge,
-    GaugeDepth,
-    Mounting,
-    Restraint,
-    Straight,
-    Track,
-    WithGauge,
-    at_ends,
-    layout,
-)
+from rollerrig.config.schema.track import Curve, Mounting, Restraint, Straight, Track, WithGauge, at_ends, layout
 from rollerrig.config.schema.units import Inertia, Mass, Quantity, RollerRadius
-from rollerrig.config.schema.vehicle import Name
 from rollerrig.profiles import ProfileTable, gauge_point, profile_from_spec, tabulate
 from rollerrig.track import PiecewiseCubic, ramps
 
@@ -41,11 +27,9 @@ from rollerrig.track import PiecewiseCubic, ramps
 class Spot(Table):
     """A worn or out-of-round spot of the rollers, at the same place of all of them; ramps join it to the rest of the crown."""
 
-    start: Annotated[float, Quantity("m", 0.0, 100.0)] = optional(
-        0.5, "way that the crown runs until the spot first comes under the wheel"
-    )
-    length: Annotated[float, Quantity("m", 0.0, 100.0)] = Field(description="along the crown, between the ramps")
-    ramp: Annotated[float, Quantity("m", 1e-3, 100.0)] = Field(description="length of each ramp")
+    start: Annotated[float, Quantity("m", 0.0, 100.0)] = optional(0.5, "way of the crown until it is under a wheel")
+    length: Annotated[float, Quantity("m", 0.0, 100.0)] = needed("along the crown, between the ramps")
+    ramp: Annotated[float, Quantity("m", 1e-3, 100.0)] = needed("length of each ramp")
     depth: Annotated[float, Quantity("m", -0.01, 0.01)] = optional(0.0, "depth by which its radius is less")
     profile: AnyProfile | None = optional(None, "its generatrix; absent: that of the roller")
     sides: Literal["both", "left", "right"] = optional("both", "which rollers have it")
@@ -62,33 +46,14 @@ class RollerLosses(Table):
 class Rig(WithGauge):
     """A roller rig: under each wheelset a pair of rollers on one axis, parallel to y, under the wheelset's axle."""
 
-    kind: Literal["rig"] = Field(description="rollers")
-    name: Name = Field(description="name of the rig")
-    description: str = optional("", "one line about the rig")
-    source: str = optional("", "where the data come from")
-    profile: AnyProfile = Field(description="generatrix of the left roller: a rail head")
-    right_profile: AnyProfile | None = optional(
-        None, "generatrix of the right roller, as a left one would have it; absent: the same"
-    )
-    gauge: Gauge = optional(1.435, "distance between the gauge sides of the two rollers")
-    gauge_depth: GaugeDepth = optional(0.014, "depth below the crown at which the gauge is taken")
-    contact_distance: Gauge | None = optional(None, CONTACT_DISTANCE)
-    roller_radius: RollerRadius = Field(description="radius at the crown")
-    roller_mass: Mass = Field(description="mass of a pair of rollers with their axle")
-    roller_inertia: tuple[Inertia, Inertia, Inertia] = Field(
-        description="moments of inertia of a pair about x, y (spin) and z through its centre"
-    )
-    coupling: Literal["axle", "independent"] = optional(
-        "axle", "axle: left and right turn as one; independent: each with half of the spin inertia"
-    )
+    kind: Literal["rig"] = needed("rollers")
+    roller_radius: RollerRadius = needed("radius at the crown")
+    roller_mass: Mass = needed("mass of a pair of rollers with their axle")
+    roller_inertia: tuple[Inertia, Inertia, Inertia] = needed("moments of inertia of a pair about x, y (spin) and z")
+    coupling: Literal["axle", "independent"] = optional("axle", "both turn as one, or each with half the spin inertia")
     losses: RollerLosses | None = optional(None, "torques of bearings and air, per pair of rollers; absent: none")
     mounting: Mounting | None = optional(None, "elastic support of the roller axles; absent: they only spin")
-    restraint: Restraint | None = optional(
-        None, "a coupler rod that holds a vehicle along the track which nothing else holds; absent: there is none"
-    )
-    irregularity: AnyIrregularity | None = optional(
-        None, "irregularities of a track that actuators feed to the wheels by moving the rollers; absent: none"
-    )
+    restraint: Restraint | None = optional(None, "a coupler rod that holds the vehicle along the track; absent: none")
     steered: StrictBool = optional(
         True,
         "steering of the rollers: with an irregularity they also turn about z into the direction of "
@@ -97,19 +62,14 @@ class Rig(WithGauge):
 
     spot: Spot | None = optional(None, "worn or out-of-round spot; absent: rollers are round")
 
-    @model_validator(mode="after")
-    def _spot_on_the_roller(self) -> "Rig":
+    def _mistakes(self) -> Mistakes:
+        yield from super()._mistakes()
         round_it = 2.0 * math.pi * self.roller_radius
         if self.spot is not None and self.spot.start + self.spot.length + 2.0 * self.spot.ramp > round_it:
-            raise refused("spot", f"allowed: start, both ramps and length within one turn, {round_it:.4g} m")
-        return self
-
-    @model_validator(mode="after")
-    def _possible_inertia(self) -> "Rig":
+            yield "spot", f"allowed: start, both ramps and length within one turn, {round_it:.4g} m"
         x, spin, z = self.roller_inertia
         if abs(x - z) > 1e-9 * x or spin > (x + z) * (1 + 1e-6):
-            raise refused("roller_inertia", "allowed: a body of revolution, [I, I_spin, I] with I_spin at most 2 I")
-        return self
+            yield "roller_inertia", "allowed: a body of revolution, [I, I_spin, I] with I_spin at most 2 I"
 
 
 Side = Literal["left", "right"]

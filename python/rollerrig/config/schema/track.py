@@ -1,12 +1,13 @@
 """Tables of a line: its layout, irregularities, and what carries rails and rollers."""
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeVar
 
-from pydantic import Discriminator, Field, SerializerFunctionWrapHandler, StrictInt, model_serializer, model_validator
+from pydantic import Discriminator, Field, SerializerFunctionWrapHandler, StrictInt, model_serializer
 
-from rollerrig.config.schema.base import Table, optional, refused
+from rollerrig.config.schema.base import Mistakes, Name, Sourced, Table, needed, optional
 from rollerrig.config.schema.profile import AnyProfile, Inclination
 from rollerrig.config.schema.units import (
     Angle,
@@ -18,7 +19,6 @@ from rollerrig.config.schema.units import (
     PositiveStiffness,
     Quantity,
 )
-from rollerrig.config.schema.vehicle import Name
 from rollerrig.irregularity import RailIrregularity, generate, measured_irregularity, read_measured_track
 from rollerrig.track import Line, Segment, build_line
 
@@ -27,9 +27,7 @@ class Deviation(Table):
     """What every irregularity may say about itself."""
 
     length_scale: Annotated[float, Quantity("1", 1e-3, 10.0)] = optional(
-        1.0,
-        "factor on all lengths, along the track and of the displacements: 0.2 are the rails of a 1:5 model; every "
-        "other key is that of the full-scale track",
+        1.0, "factor on all lengths and displacements: 0.2 are the rails of a 1:5 model; other keys stay full-scale"
     )
 
     fade_in: Annotated[float, Quantity("m", 0.0, 1e4)] = optional(
@@ -43,37 +41,29 @@ class Deviation(Table):
 class SpectrumIrregularity(Deviation):
     """Rails with a published spectrum, random phases: alignment, vertical, cross level and gauge."""
 
-    kind: Literal["ore_b176"] = Field(description="the spectra of ORE B 176, generated; repeats after `period`")
-    level: Literal["low", "high"] = Field(description="level of the spectra")
-    seed: Annotated[StrictInt, Field(ge=0, le=2**32 - 1)] = optional(
-        1, "another number, other rails of the same spectrum"
-    )
+    kind: Literal["ore_b176"] = needed("the spectra of ORE B 176, generated; repeats after `period`")
+    level: Literal["low", "high"] = needed("level of the spectra")
+    seed: Annotated[StrictInt, Field(ge=0, le=2**32 - 1)] = optional(1, "another number, other rails of the spectrum")
     shortest_wavelength: Annotated[float, Quantity("m", 0.5, 1e3)] = optional(3.0, "shortest wave")
     longest_wavelength: Annotated[float, Quantity("m", 0.5, 1e4)] = optional(100.0, "longest wave")
     period: Annotated[float, Quantity("m", 1.0, 1e5)] = optional(
         2000.0, "distance after which the rails repeat; not tied to the run, so that a seed always means the same rails"
     )
 
-    @model_validator(mode="after")
-    def _ordered(self) -> "SpectrumIrregularity":
-        for key, value, name, least in (
-            ("longest_wavelength", self.longest_wavelength, "shortest_wavelength", self.shortest_wavelength),
-            ("period", self.period, "longest_wavelength", self.longest_wavelength),
-        ):
-            if value < least:
-                raise refused(key, f"allowed: at least {name}, {least:g} m")
-        return self
+    def _mistakes(self) -> Mistakes:
+        if self.longest_wavelength < self.shortest_wavelength:
+            yield "longest_wavelength", f"allowed: at least shortest_wavelength, {self.shortest_wavelength:g} m"
+        if self.period < self.longest_wavelength:
+            yield "period", f"allowed: at least longest_wavelength, {self.longest_wavelength:g} m"
 
 
 class MeasuredIrregularity(Deviation):
     """Rails from a measured file."""
 
-    kind: Literal["file"] = Field(description="a CSV file of measured rails, columns with units")
-    path: str = Field(min_length=1, description="the file, relative to the file that names it")
+    kind: Literal["file"] = needed("a CSV file of measured rails, columns with units")
+    path: str = needed("the file, relative to the file that names it", min_length=1)
     start: Annotated[float, Quantity("m", -1e6, 1e6)] | None = optional(
-        None,
-        "distance in the file at which the middle of the vehicle (or of its cut) starts; absent: the "
-        "foremost wheelset starts at the first row",
+        None, "distance in the file where the vehicle's middle starts; absent: the foremost wheelset at the first row"
     )
 
 
@@ -108,14 +98,14 @@ def rails_of_run(
 class LinearSupport(Table):
     """Elastic support along one axis."""
 
-    stiffness: PositiveStiffness = Field(description="stiffness")
+    stiffness: PositiveStiffness = needed("stiffness")
     damping: Damping = optional(0.0, "damping")
 
 
 class AngularSupport(Table):
     """Elastic support about one axis."""
 
-    stiffness: PositiveAngularStiffness = Field(description="stiffness")
+    stiffness: PositiveAngularStiffness = needed("stiffness")
     damping: AngularDamping = optional(0.0, "damping")
 
 
@@ -139,31 +129,26 @@ class Mounting(WithSupports):
     lateral: LinearSupport | None = optional(None, "elastic support along y")
     vertical: LinearSupport | None = optional(None, "elastic support along z")
     yaw: AngularSupport | None = optional(None, "elastic support about z")
-    misalignment: tuple[Angle, ...] = Field(
-        default=(),
-        max_length=64,
-        description="angle about z at which the roller axles of the first, second, ... wheelset are mounted, positive to the "
+    misalignment: tuple[Angle, ...] = optional(
+        (),
+        "angle about z at which the roller axles of the first, second, ... wheelset are mounted, positive to the "
         "left; those not named stand square; needs `yaw`",
+        max_length=64,
     )
 
-    @model_validator(mode="after")
-    def _can_turn(self) -> "Mounting":
+    def _mistakes(self) -> Mistakes:
         if any(self.misalignment) and self.yaw is None:
-            raise refused("yaw", "needed: the support about z of a roller axle with a yaw misalignment")
-        if (
-            self.yaw is not None
-            and self.yaw.stiffness * max(map(abs, self.misalignment), default=0.0) > _LARGEST_MOMENT
-        ):
-            largest = f"{_LARGEST_MOMENT / self.yaw.stiffness:.3g} rad with this yaw stiffness"
-            raise refused("misalignment", f"allowed: at most {largest}, a moment of {_LARGEST_MOMENT:g} N m at rest")
-        return self
+            yield "yaw", "needed: the support about z of a roller axle with a yaw misalignment"
+        largest = _LARGEST_MOMENT / self.yaw.stiffness if self.yaw else math.inf
+        if max(map(abs, self.misalignment), default=0.0) > largest:
+            yield "misalignment", f"allowed: at most {largest:.3g} rad, a moment of {_LARGEST_MOMENT:g} N m at rest"
 
 
 class Restraint(Table):
     """A coupler rod from a vehicle to the ground: spring and damper along the track, which hold it on top of the rollers."""
 
-    height: Position = Field(description="height of the rod above the crowns")
-    stiffness: PositiveStiffness = Field(description="stiffness of the rod with its anchorage, along the track")
+    height: Position = needed("height of the rod above the crowns")
+    stiffness: PositiveStiffness = needed("stiffness of the rod with its anchorage, along the track")
     damping: Damping = optional(0.0, "damping of the same")
     body: Name | None = optional(None, "that it holds; absent: the heaviest that is no wheelset")
 
@@ -175,11 +160,9 @@ class Sleeper(WithSupports):
     lateral: LinearSupport | None = optional(None, "ballast along y; absent: rigid")
     vertical: LinearSupport | None = optional(None, "ballast along z; absent: rigid")
 
-    @model_validator(mode="after")
-    def _moves(self) -> "Sleeper":
+    def _mistakes(self) -> Mistakes:
         if not self.laws:
-            raise refused("vertical", "needed: ballast along y or z; without both leave out the sleeper")
-        return self
+            yield "vertical", "needed: ballast along y or z; without both leave out the sleeper"
 
 
 class Foundation(WithSupports):
@@ -192,19 +175,12 @@ class Foundation(WithSupports):
     lateral: LinearSupport | None = optional(None, "elastic support of one rail's foot along y")
     vertical: LinearSupport | None = optional(None, "elastic support of one rail's foot along z")
     roll: AngularSupport | None = optional(None, "elastic support of one rail about its foot")
-    rail_height: Annotated[float, Quantity("m", 0.01, 1.0)] = optional(
-        0.172, "top of rail over foot: lever arm of the lateral force"
-    )
+    rail_height: Annotated[float, Quantity("m", 0.01, 1.0)] = optional(0.172, "top of rail over its foot: a lever arm")
     sleeper: Sleeper | None = optional(None, "a second layer between the supports and the ground; absent: none")
 
-    @model_validator(mode="after")
-    def _moves(self) -> "Foundation":
+    def _mistakes(self) -> Mistakes:
         if not self.laws:
-            raise refused(
-                "lateral",
-                "needed: a support along y, z or about the foot, as flexible_track has them; without any leave it out",
-            )
-        return self
+            yield "lateral", "needed: a support along y, z or about the foot, as in flexible_track; else leave it out"
 
     @property
     def centre_height(self) -> float:
@@ -219,10 +195,6 @@ class Foundation(WithSupports):
 
 Gauge = Annotated[float, Quantity("m", 0.01, 5.0)]
 GaugeDepth = Annotated[float, Quantity("m", 1e-5, 0.05)]
-CONTACT_DISTANCE = (
-    "distance between the contacts of the centred wheelset, from which the gauge follows; in place of gauge, with the same head "
-    "left and right"
-)
 SegmentLength = Annotated[float, Quantity("m", 1e-3, 1e6)]
 Cant = Annotated[float, Quantity("m", -0.3, 0.3)]
 
@@ -230,67 +202,69 @@ Cant = Annotated[float, Quantity("m", -0.3, 0.3)]
 V = TypeVar("V")
 
 
-class WithGauge(Table):
+class WithGauge(Sourced):
     """What rails and rollers have in common: their gauge is given, or the distance of the contacts."""
 
-    @model_validator(mode="after")
-    def _gauge_given_once(self: Any) -> Any:
+    profile: AnyProfile = needed("head of the left rail, or generatrix of the left roller")
+    right_profile: AnyProfile | None = optional(None, "right one, as a left one would have it; absent: the same")
+    gauge: Gauge = optional(1.435, "distance between the gauge sides of the two rails or rollers")
+    gauge_depth: GaugeDepth = optional(0.014, "depth below the top of rail or the crown at which the gauge is taken")
+    contact_distance: Gauge | None = optional(
+        None, "distance between contacts of the centred wheelset in place of gauge; needs the same head left and right"
+    )
+    irregularity: AnyIrregularity | None = optional(
+        None, "what the rails deviate from their design position; on a rig the rollers move so; absent: nothing"
+    )
+
+    def _mistakes(self) -> Mistakes:
         if self.contact_distance is not None and "gauge" in self.model_fields_set:
-            raise refused("contact_distance", "allowed without gauge, which follows from it")
+            yield "contact_distance", "allowed without gauge, which follows from it"
         if self.contact_distance is not None and self.right_profile not in (None, self.profile):
-            raise refused("contact_distance", "allowed with the same head left and right; right_profile is another one")
-        return self
+            yield "contact_distance", "allowed with the same head left and right; right_profile is another one"
 
     @model_serializer(mode="wrap")
-    def _without_a_gauge_that_follows(self: Any, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
+    def _without_a_gauge_that_follows(self, handler: SerializerFunctionWrapHandler) -> dict[str, Any]:
         tables: dict[str, Any] = handler(self)
         if self.contact_distance is not None:
             tables.pop("gauge", None)
         return tables
 
 
-_GAUGE = "gauge of its rails; absent: that of the track; transitions widen or narrow between their neighbours"
-_INCLINATION = "inclination of its rails in place of that of their profiles, a number or a ratio like '1:40'"
-_PROFILE = "head of its rails; absent: as the track has them; transitions blend between their neighbours"
-_RIGHT_PROFILE = "head of its right rail, as a left one would have it; absent: that of its left one"
-
 STEEPEST_CANT = 0.25
 """Largest cant over the distance it is measured on: 14 degrees, beyond all tracks."""
 
 
-class Straight(Table):
+class LaidSegment(Table):
+    """What a straight or a curve says of its rails; transitions pass from one of their neighbours to the other."""
+
+    length: SegmentLength = needed("length")
+    gauge: Gauge | None = optional(None, "gauge of its rails; absent: that of the track")
+    inclination: Inclination | None = optional(None, "inclination in place of the profiles', also a ratio like '1:40'")
+    profile: AnyProfile | None = optional(None, "head of its rails; absent: as the track has them")
+    right_profile: AnyProfile | None = optional(None, "right rail's head, as a left one has it; absent: the left's")
+
+
+class Straight(LaidSegment):
     """A straight, without cant."""
 
-    kind: Literal["straight"] = Field(description="no curvature, no cant")
-    length: SegmentLength = Field(description="length")
-    gauge: Gauge | None = optional(None, _GAUGE)
-    inclination: Inclination | None = optional(None, _INCLINATION)
-    profile: AnyProfile | None = optional(None, _PROFILE)
-    right_profile: AnyProfile | None = optional(None, _RIGHT_PROFILE)
+    kind: Literal["straight"] = needed("no curvature, no cant")
 
 
 class Transition(Table):
     """A transition between the straights or curves before and after it, of which it takes over curvature and cant."""
 
-    kind: Literal["transition"] = Field(description="joins what stands before and after it")
-    length: SegmentLength = Field(description="length")
-    shape: Literal["clothoid", "bloss"] = optional(
-        "clothoid", "curvature and cant in proportion to the distance, or along the cubic of Bloss"
-    )
+    kind: Literal["transition"] = needed("joins what stands before and after it")
+    length: SegmentLength = needed("length")
+    shape: Literal["clothoid", "bloss"] = optional("clothoid", "curvature and cant: linear, or the cubic of Bloss")
 
 
-class Curve(Table):
+class Curve(LaidSegment):
     """A circular curve."""
 
-    kind: Literal["curve"] = Field(description="constant curvature and cant")
-    length: SegmentLength = Field(description="length")
-    radius: Annotated[float, Quantity("m", 20.0, 1e7)] = Field(description="radius of the track's middle")
+    kind: Literal["curve"] = needed("constant curvature and cant")
+    radius: Annotated[float, Quantity("m", 20.0, 1e7)] = needed("radius of the track's middle")
     direction: Literal["left", "right"] = optional("left", "where it leads")
     cant: Cant = optional(0.0, "height of the outer rail over the inner one")
-    gauge: Gauge | None = optional(None, _GAUGE)
-    inclination: Inclination | None = optional(None, _INCLINATION)
-    profile: AnyProfile | None = optional(None, _PROFILE)
-    right_profile: AnyProfile | None = optional(None, _RIGHT_PROFILE)
 
 
 AnySegment = Annotated[Straight | Transition | Curve, Discriminator("kind")]
@@ -299,39 +273,22 @@ AnySegment = Annotated[Straight | Transition | Curve, Discriminator("kind")]
 class Track(WithGauge):
     """A track: the rig's limit of an infinite roller radius; straight, smooth and rigid unless it says otherwise."""
 
-    kind: Literal["track"] = Field(description="rails")
-    name: Name = Field(description="name of the track")
-    description: str = optional("", "one line about the track")
-    source: str = optional("", "where the data come from")
-    profile: AnyProfile = Field(description="head of the left rail")
-    right_profile: AnyProfile | None = optional(
-        None, "head of the right rail, as a left one would have it; absent: the same"
-    )
-    gauge: Gauge = optional(1.435, "distance between the gauge sides of the two rails")
-    gauge_depth: GaugeDepth = optional(0.014, "depth below the top of rail at which the gauge is taken")
-    contact_distance: Gauge | None = optional(None, CONTACT_DISTANCE)
-    segment: tuple[AnySegment, ...] = Field(
-        default=(),
-        max_length=1000,
-        description="straights, transitions and curves in the order of the run, which starts where the first begins; the "
+    kind: Literal["track"] = needed("rails")
+    segment: tuple[AnySegment, ...] = optional(
+        (),
+        "straights, transitions and curves in the order of the run, which starts where the first begins; the "
         "first continues behind the start, the last beyond its end; absent: straight",
+        max_length=1000,
     )
-    smoothing: Annotated[float, Quantity("m", 1e-3, 50.0)] = optional(
-        4.0, "length over which a corner of curvature and cant is rounded by a parabola"
-    )
+    smoothing: Annotated[float, Quantity("m", 1e-3, 50.0)] = optional(4.0, "length of parabolas that round its corners")
     cant_base: Annotated[float, Quantity("m", 0.01, 5.0)] = optional(1.5, "distance over which cant is measured")
-    irregularity: AnyIrregularity | None = optional(
-        None, "what the rails deviate from their design position; absent: nothing"
-    )
     foundation: Foundation | None = optional(None, "what the rails lie on; absent: rigid")
 
-    @model_validator(mode="after")
-    def _cant_within_its_base(self) -> "Track":
+    def _mistakes(self) -> Mistakes:
+        yield from super()._mistakes()
         largest = max((abs(segment.cant) for segment in self.segment if isinstance(segment, Curve)), default=0.0)
         if largest > STEEPEST_CANT * self.cant_base:
-            least = largest / STEEPEST_CANT
-            raise refused("cant_base", f"allowed: at least four times the largest cant, {least:g} m")
-        return self
+            yield "cant_base", f"allowed: at least four times the largest cant, {largest / STEEPEST_CANT:g} m"
 
     @property
     def line(self) -> Line | None:

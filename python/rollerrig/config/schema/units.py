@@ -64,35 +64,24 @@ _EXAMPLES: dict[str, tuple[tuple[str, float], ...]] = {
     "m^3/(s Pa)": (("20 dm^3/(s bar)", 2e-7),),
 }
 
-# units that people write and think in, with their value in SI, the most usual first
-_USUAL: dict[str, tuple[tuple[str, float], ...]] = {
-    "m": (("mm", 1e-3), ("m", 1.0)),
-    "m/s": (("km/h", 1 / 3.6), ("m/s", 1.0)),
-    "rad": (("deg", math.radians(1.0)), ("mrad", 1e-3)),
-    "kg": (("t", 1e3),),
-    "N": (("kN", 1e3),),
-    "s": (("ms", 1e-3), ("s", 1.0)),
-    "Pa": (("GPa", 1e9), ("MPa", 1e6), ("bar", 1e5)),
-}
-
-# what pint says of the units of most files, which are read without it
-_USUAL_UNITS: dict[str, dict[str, Fraction | int]] = {
-    "m": {"mm": Fraction(1, 1000), "km": 1000},
+# what pint says of the units of most files, which are read without it; those that people think in first
+_USUAL: dict[str, dict[str, Fraction | int]] = {
+    "m": {"mm": Fraction(1, 1000)},
     "m/s": {"km/h": Fraction(5, 18)},
     "kg": {"t": 1000},
     "s": {"ms": Fraction(1, 1000), "min": 60},
-    "rad": {"mrad": Fraction(1, 1000)},
+    "rad": {"deg": Fraction(math.radians(1.0)).limit_denominator(10**9), "mrad": Fraction(1, 1000)},
     "N": {"kN": 1000},
     "N m": {"kN m": 1000},
     "N/m": {"kN/m": 1000, "MN/m": 10**6},
     "N s/m": {"kN s/m": 1000},
     "N m/rad": {"kN m/rad": 1000, "MN m/rad": 10**6},
     "N m s/rad": {"kN m s/rad": 1000},
-    "Pa": {"bar": 10**5, "MPa": 10**6, "GPa": 10**9},
+    "Pa": {"GPa": 10**9, "MPa": 10**6, "bar": 10**5},
     "Hz": {"kHz": 1000},
     "W": {"kW": 1000, "MW": 10**6},
 }
-_KNOWN = {(unit, si): Fraction(factor) for si, units in _USUAL_UNITS.items() for unit, factor in units.items()}
+_KNOWN = {(unit, si): Fraction(factor) for si, units in _USUAL.items() for unit, factor in units.items()}
 
 _TURNS_PER_MINUTE = ("1/min", "min^-1", "min⁻¹", "rev/min", "r/min", "U/min", "RPM")
 
@@ -165,9 +154,8 @@ def is_quantity(value: object) -> bool:
 
 def quantity_text(value: Any) -> str:
     """A scalar quantity of pint as a file would write it; of an array it is no number with a unit, and refused as such."""
-    number = (
-        value.magnitude.item() if hasattr(value.magnitude, "item") and not value.magnitude.shape else value.magnitude
-    )
+    scalar = hasattr(value.magnitude, "item") and not value.magnitude.shape
+    number = value.magnitude.item() if scalar else value.magnitude
     return f"{number!r} {value.units:D}"
 
 
@@ -216,32 +204,24 @@ class Quantity:
             without = "a number without a unit" if isinstance(value, str) else "a number"
             raise ValueError(self.allowed.replace("a number,", f"{without},"))
         bare = isinstance(value, float | Real)
-        if not self.least <= number <= self.most:
+        if not self.least <= number <= self.most or (bare and self.bare is not None and abs(number) > self.bare):
             raise ValueError(self.allowed + (self._meant(number) if bare else ""))
-        if bare and self.bare is not None and abs(number) > self.bare:
-            raise ValueError(f"{self.allowed}; {self._asked(number)}")
         return number
 
     def as_written(self, value: float) -> float | str:
         """The number as a file holds it: where `parse` asks for a unit the shortest text that means it."""
         if self.bare is None or abs(value) <= self.bare:
             return value
-        texts = [f"{value!r} {self.unit}", *(f"{value / si:.12g} {unit}" for unit, si in _USUAL.get(self.unit, ()))]
+        units = {**_USUAL.get(self.unit, {}), self.unit: 1}
+        texts = [f"{value!r} {self.unit}", *(f"{value / float(si):.12g} {unit}" for unit, si in units.items())]
         return min((text for text in texts if self._to_si(text) == value), key=len)
 
     def _meant(self, number: float) -> str:
-        """What a number out of the range would be in a unit that people think in, "" if nothing fits."""
-        fits = (
-            f"'{number:g} {unit}'" for unit, si in _USUAL.get(self.unit, ()) if self.least <= number * si <= self.most
-        )
-        guess = next(fits, "")
-        return f"; did you mean {guess}?" if guess and number else ""
-
-    def _asked(self, number: float) -> str:
-        usual = _USUAL[self.unit]
-        unit, si = usual[0]
-        fits = [f"'{number:g} {name}'" for name, factor in usual if self.least <= abs(number) * factor <= self.most]
-        return f"{number:g} without a unit is {number / si:g} {unit}: write {' or '.join(fits)}"
+        """What a number would be with the unit that people think in, and with its own; "" if nothing fits."""
+        usual = [u for u, si in _USUAL.get(self.unit, {}).items() if self.least <= number * float(si) <= self.most]
+        own = [self.unit] if self.least <= number <= self.most else []
+        guesses = " or ".join(f"'{number:g} {unit}'" for unit in (*usual[:1], *own))
+        return f"; did you mean {guesses}?" if guesses and number else ""
 
     def _to_si(self, value: object) -> float | None:
         if isinstance(value, bool):
@@ -304,3 +284,7 @@ AngularStiffness = Annotated[float, Quantity("N m/rad", 0.0, 1e13)]
 PositiveAngularStiffness = Annotated[float, Quantity("N m/rad", 1e-6, 1e13)]
 AngularDamping = Annotated[float, Quantity("N m s/rad", 0.0, 1e11)]
 PositiveAngularDamping = Annotated[float, Quantity("N m s/rad", 1e-6, 1e11)]
+Frequency = Annotated[float, Quantity("Hz", 1e-4, 1e7)]
+Delay = Annotated[float, Quantity("s", 0.0, 1.0)]
+SampleTime = Annotated[float, Quantity("s", 1e-6, 1.0)]
+Phase = Annotated[float, Quantity("s", 1e-6, 1e4)]

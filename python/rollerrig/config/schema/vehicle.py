@@ -6,24 +6,18 @@ of rail.
 
 from typing import Annotated, Any, Literal
 
-from pydantic import Field, StrictBool, model_validator
+from pydantic import StrictBool
 
-from rollerrig.config.schema.base import (
-    ForceOverDeflection,
-    ForceOverSpeed,
-    MomentOverAngle,
-    MomentOverRate,
-    Table,
-    Vector,
-    instead_of,
-    optional,
-    refused,
-)
+from rollerrig.config.schema.base import Mistakes, Name, Rows, Sourced, Table, Vector, needed, optional
 from rollerrig.config.schema.profile import AnyProfile
 from rollerrig.config.schema.units import (
+    Angle,
     AngularDamping,
+    AngularSpeed,
     AngularStiffness,
+    DamperSpeed,
     Damping,
+    Deflection,
     Force,
     Inertia,
     Mass,
@@ -34,54 +28,47 @@ from rollerrig.config.schema.units import (
     PositiveStiffness,
     Quantity,
     Stiffness,
+    Torque,
     WheelRadius,
 )
 
+ForceOverDeflection = Rows[Deflection, Force]
+ForceOverSpeed = Rows[DamperSpeed, Force]
+MomentOverAngle = Rows[Angle, Torque]
+MomentOverRate = Rows[AngularSpeed, Torque]
 Direction = Literal["x", "y", "z", "roll", "pitch", "yaw"]
 DIRECTIONS: tuple[Direction, ...] = ("x", "y", "z", "roll", "pitch", "yaw")
-Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9_\-]{1,60}$")]
 
 
 class Wheel(Table):
     """The wheels of every wheelset of the vehicle."""
 
-    profile: AnyProfile = Field(description="profile of the left wheel: a catalogue name, a file or a table")
-    radius: WheelRadius = Field(description="radius at the tape circle")
-    back_to_back: Annotated[float, Quantity("m", 0.01, 5.0)] = Field(description="distance between the flange backs")
-    tape_circle: Annotated[float, Quantity("m", 1e-4, 0.5)] = optional(
-        0.070, "distance of the tape circle from the flange back, EN 13715"
-    )
+    profile: AnyProfile = needed("profile of the left wheel: a catalogue name, a file or a table")
+    radius: WheelRadius = needed("radius at the tape circle")
+    back_to_back: Annotated[float, Quantity("m", 0.01, 5.0)] = needed("distance between the flange backs")
+    tape_circle: Annotated[float, Quantity("m", 1e-4, 0.5)] = optional(0.070, "distance from the flange back, EN 13715")
 
 
 class Body(Table):
     """A rigid body."""
 
-    name: Name = Field(description="name, unique in the vehicle")
+    name: Name = needed("name, unique in the vehicle")
     at: dict[Name, dict[str, Any]] | None = optional(
-        None,
-        "places at which it stands, by the end of the name: at.1 = { position = [...] } of `wheelset` is "
-        "`wheelset_1`; loading makes a body of each",
+        None, "places by the end of the name: at.1 = { position = [...] } of `wheelset` is `wheelset_1`"
     )
     kind: Literal["rigid", "wheelset"] = optional("rigid", "a wheelset carries two wheels and spins")
-    mass: Mass = Field(description="mass")
-    inertia: tuple[Inertia, Inertia, Inertia] = Field(
-        description="principal moments of inertia about x, y, z through the centre of mass"
-    )
-    position: Vector = Field(description="design position of the centre of mass", json_schema_extra=instead_of("at"))
+    mass: Mass = needed("mass")
+    inertia: tuple[Inertia, Inertia, Inertia] = needed("principal moments of inertia about x, y, z")
+    position: Vector = needed("design position of the centre of mass", instead_of="at")
     locked: tuple[Direction, ...] = optional((), "directions in which the body cannot move")
 
-    @model_validator(mode="after")
-    def _possible_inertia(self) -> "Body":
+    def _mistakes(self) -> Mistakes:
         x, _, z = self.inertia
         largest, total = max(self.inertia), sum(self.inertia)
         if largest > (total - largest) * (1 + 1e-6):
-            raise refused("inertia", "allowed: no moment of inertia may exceed the sum of the other two")
+            yield "inertia", "allowed: no moment of inertia may exceed the sum of the other two"
         if self.kind == "wheelset" and abs(x - z) > 1e-9 * x:
-            raise refused(
-                "inertia",
-                f"allowed for a wheelset: the same moment about x and z, a body of revolution; {x:g} is not {z:g}",
-            )
-        return self
+            yield "inertia", f"allowed for a wheelset, a body of revolution: {x:g} about x and z, or {z:g} about both"
 
 
 SHORTEST_RELAXATION = 1e-12
@@ -91,40 +78,34 @@ SHORTEST_RELAXATION = 1e-12
 class SeriesDamper(Table):
     """A damper in series with a spring (Maxwell)."""
 
-    damping: PositiveDamping = Field(description="damping")
-    series_stiffness: PositiveStiffness = Field(description="stiffness of the spring in series")
+    damping: PositiveDamping = needed("damping")
+    series_stiffness: PositiveStiffness = needed("stiffness of the spring in series")
 
-    @model_validator(mode="after")
-    def _relaxes(self) -> "SeriesDamper":
+    def _mistakes(self) -> Mistakes:
         least = SHORTEST_RELAXATION * self.series_stiffness
         if self.damping < least:
-            allowed = (
-                f"allowed: at least {least:g} beside that stiffness; a damper that gives way so fast carries nothing"
-            )
-            raise refused("damping", allowed)
-        return self
+            allowed = f"allowed: at least {least:g} beside that stiffness; what gives way so fast carries nothing"
+            yield "damping", allowed
 
 
 class AngularSeriesDamper(SeriesDamper):
     """A rotational damper in series with a rotational spring (Maxwell)."""
 
-    damping: PositiveAngularDamping = Field(description="damping")
-    series_stiffness: PositiveAngularStiffness = Field(description="stiffness of the spring in series")
+    damping: PositiveAngularDamping = needed("damping")
+    series_stiffness: PositiveAngularStiffness = needed("stiffness of the spring in series")
 
 
 class Law(Table):
     """What laws along and about an axis have in common: one spring, one damper, and that it dissipates."""
 
-    @model_validator(mode="after")
-    def _consistent(self) -> "Law":
+    def _mistakes(self) -> Mistakes:
         for one, table in (("stiffness", "table"), ("damping", "damping_table")):
             if getattr(self, one) is not None and getattr(self, table) is not None:
-                raise refused(table, f"allowed: `{one}` or `{table}`; for both at once write two elements")
+                yield table, f"allowed: `{one}` or `{table}`; for both at once write two elements"
         for speed, force in getattr(self, "damping_table", None) or ():
             if speed * force < 0 or (speed == 0 and force != 0):
                 allowed = f"allowed: a force of the speed's sign, 0 at rest; [{speed:g}, {force:g}] would feed energy"
-                raise refused("damping_table", allowed)
-        return self
+                yield "damping_table", allowed
 
 
 class LinearLaw(Law):
@@ -135,13 +116,9 @@ class LinearLaw(Law):
     """
 
     stiffness: Stiffness | None = optional(None, "force per deflection")
-    table: ForceOverDeflection | None = optional(
-        None, "rows [deflection, force] in place of a stiffness: a nonlinear spring or a bumpstop"
-    )
+    table: ForceOverDeflection | None = optional(None, "rows [deflection, force] of a nonlinear spring or a bumpstop")
     damping: Damping | None = optional(None, "force per speed, in parallel with the spring")
-    damping_table: ForceOverSpeed | None = optional(
-        None, "rows [speed, force] in place of a damping: a nonlinear damper"
-    )
+    damping_table: ForceOverSpeed | None = optional(None, "rows [speed, force] of a nonlinear damper")
     damper: SeriesDamper | None = optional(None, "a damper in series with its own spring, in parallel")
     preload: Force = optional(0.0, "force at the design position, positive as a positive deflection makes it")
 
@@ -160,20 +137,16 @@ class AngularLaw(Law):
 class Element(Table):
     """A massless force element between two bodies; its axes are those of body a, if it is `clamped` those of both."""
 
-    name: Name = Field(description="name, unique in the vehicle")
+    name: Name = needed("name, unique in the vehicle")
     at: dict[Name, dict[str, Any]] | None = optional(
-        None,
-        "places at which it stands, by the end of the name: at.1 = { between = [...], point = [...] } of `primary` "
-        "is `primary_1`; loading makes an element of each",
+        None, "places by the end of the name: at.1 = { between = [...], point = [...] } of `primary` is `primary_1`"
     )
     both_sides: StrictBool | None = optional(
         None, "true: on the left as written, `NAME_left`, and mirrored on the right, `NAME_right`; loading makes both"
     )
-    between: tuple[str, str] = Field(description="the bodies a and b", json_schema_extra=instead_of("at"))
+    between: tuple[str, str] = needed("the bodies a and b", instead_of="at")
     point: Vector | None = optional(None, "design position of both ends")
-    points: tuple[Vector, Vector] | None = optional(
-        None, "design positions of the end on a and the end on b, where they differ; the force acts at b's"
-    )
+    points: tuple[Vector, Vector] | None = optional(None, "ends on a and on b where they differ; the force acts at b's")
     carries_load: StrictBool = optional(False, "its vertical preload is solved from the static equilibrium")
     clamped: StrictBool = optional(
         False,
@@ -187,27 +160,19 @@ class Element(Table):
     pitch: AngularLaw | None = optional(None, "law about y")
     yaw: AngularLaw | None = optional(None, "law about z")
 
-    @model_validator(mode="after")
-    def _complete(self) -> "Element":
+    def _mistakes(self) -> Mistakes:
         if (self.point is None) == (self.points is None):
-            raise refused("point", "allowed: one of `point = [x, y, z]` and `points = [[x, y, z], [x, y, z]]`")
+            yield "point", "allowed: one of `point = [x, y, z]` and `points = [[x, y, z], [x, y, z]]`"
         if not self.laws:
-            raise refused("x", "needed: a law in at least one of the directions x, y, z, roll, pitch, yaw")
+            yield "x", "needed: a law in at least one of the directions x, y, z, roll, pitch, yaw"
         if self.between[0] == self.between[1]:
-            raise refused("between", "allowed: two different bodies")
+            yield "between", "allowed: two different bodies"
         if self.clamped and self.points is not None:
-            raise refused("clamped", "allowed: true only with `point`, the middle of the spring, not with `points`")
-        if self.carries_load:
-            self._can_carry()
-        return self
-
-    def _can_carry(self) -> None:
-        if self.z is None or (not self.z.stiffness and self.z.table is None):
-            raise refused(
-                "carries_load", "allowed: true only where the element has a vertical spring (z.stiffness or z.table)"
-            )
-        if self.z.preload:
-            raise refused("z.preload", "allowed: no z.preload beside carries_load = true, which solves it")
+            yield "clamped", "allowed: true only with `point`, the middle of the spring, not with `points`"
+        if self.carries_load and (self.z is None or (not self.z.stiffness and self.z.table is None)):
+            yield "carries_load", "allowed: true only where the element has a vertical spring (z.stiffness or z.table)"
+        if self.carries_load and self.z and self.z.preload:
+            yield "z.preload", "allowed: no z.preload beside carries_load = true, which solves it"
 
     @property
     def end_a(self) -> tuple[float, float, float]:
@@ -228,20 +193,17 @@ class Element(Table):
 class Cut(Table):
     """A part of the vehicle that is run alone."""
 
-    bodies: tuple[str, ...] = Field(min_length=1, description="bodies kept and free to move")
+    bodies: tuple[str, ...] = needed("bodies kept and free to move", min_length=1)
     fixed: tuple[str, ...] = optional((), "bodies kept at their design position")
     origin_x: Position = optional(0.0, "x of the cut's own origin in the vehicle's frame")
 
 
-class Vehicle(Table):
+class Vehicle(Sourced):
     """A whole vehicle; `cut` names the parts of it that are run alone."""
 
-    name: Name = Field(description="name of the vehicle")
-    description: str = optional("", "one line about the vehicle")
-    source: str = optional("", "where the data come from")
-    wheel: Wheel = Field(description="the wheels")
-    body: tuple[Body, ...] = Field(min_length=1, max_length=200, description="the bodies")
-    element: tuple[Element, ...] = Field(default=(), max_length=2000, description="the force elements")
+    wheel: Wheel = needed("the wheels")
+    body: tuple[Body, ...] = needed("the bodies", min_length=1, max_length=200)
+    element: tuple[Element, ...] = optional((), "the force elements", max_length=2000)
     cut: dict[Name, Cut] = optional({}, "parts of the vehicle that are run alone, by name")
 
     def __repr__(self) -> str:

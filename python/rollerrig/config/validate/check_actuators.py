@@ -239,11 +239,7 @@ def _times(case: CaseTables) -> Iterator[Mistake]:
             allowed = f"allowed: a multiple of time.sampling_step, {1e3 * step:g} ms; the nearest is {1e3 * near:g} ms"
             yield key, f"{1e3 * value:g} ms", allowed
     if step > 2e-3:
-        yield (
-            "time.sampling_step",
-            f"{1e3 * step:g} ms",
-            "allowed: at most 2 ms, for motors, valves and the plant between",
-        )
+        yield "time.sampling_step", f"{1e3 * step:g} ms", "allowed: at most 2 ms, for motors, valves and the plant"
     own = case.integration
     if own.fixed and own.step is not None:
         parts = step / own.step

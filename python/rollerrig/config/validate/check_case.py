@@ -76,10 +76,8 @@ def _rail(case: CaseTables) -> Iterator[Mistake]:
     places = [body.position[0] for body in case.vehicle.wheelsets]
     least = (max(places) - min(places)) / (_core.rail_cells - 2)
     if adhesion.cell_length < least:
-        allowed = (
-            f"allowed: at least {1e3 * least:.3g} mm: {_core.rail_cells} cells are kept, and the wheelsets stand "
-            f"{max(places) - min(places):.4g} m apart"
-        )
+        apart = f"{_core.rail_cells} cells are kept of wheelsets {max(places) - min(places):.4g} m apart"
+        allowed = f"allowed: at least {1e3 * least:.3g} mm: {apart}"
         yield "adhesion.cell_length", f"{1e3 * adhesion.cell_length:g} mm", allowed
 
 

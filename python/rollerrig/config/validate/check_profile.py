@@ -151,9 +151,8 @@ def patch_size(case: CaseTables, roller_radius: float) -> float:
     """Half of the patch's length [m]."""
     material = case.contact.material
     curvature = 0.5 * (1.0 / case.vehicle.data.wheel.radius + 1.0 / roller_radius)  # (14)
-    ellipse = _core.hertz_ellipse(
-        wheel_load(case), curvature, curvature, material.shear_modulus, material.poisson_ratio
-    )
+    shear, poisson = material.shear_modulus, material.poisson_ratio
+    ellipse = _core.hertz_ellipse(wheel_load(case), curvature, curvature, shear, poisson)
     return float(ellipse[0])
 
 

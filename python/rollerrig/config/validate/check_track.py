@@ -12,17 +12,7 @@ import numpy as np
 from rollerrig.config.errors import Mistake, show_value
 from rollerrig.config.schema.case import CaseTables, Motion
 from rollerrig.config.schema.support import Rig, changes_rails, heads, place, rail_heads
-from rollerrig.config.schema.track import (
-    AngularSupport,
-    Curve,
-    Foundation,
-    LinearSupport,
-    MeasuredIrregularity,
-    Track,
-    Transition,
-    layout,
-    rails_of_run,
-)
+from rollerrig.config.schema.track import Curve, Foundation, Track, Transition, layout, rails_of_run
 from rollerrig.config.schema.vehicle import Body
 from rollerrig.config.validate.check_profile import check_gauge, check_profile, flange_clearance, wheel_load
 from rollerrig.irregularity import IrregularityError, read_measured_track
@@ -131,7 +121,7 @@ def check_heads(case: CaseTables) -> Iterator[Mistake]:
 
 def check_measured_file(support: Rig | Track) -> Iterator[Mistake]:
     """A file of measured rails must be readable, whatever runs over it."""
-    if isinstance(support.irregularity, MeasuredIrregularity):
+    if support.irregularity is not None and support.irregularity.kind == "file":
         path = support.irregularity.path
         try:
             read_measured_track(Path(path))
@@ -158,7 +148,7 @@ def _rail_masses(case: CaseTables, foundation: Foundation) -> Iterator[Mistake]:
     for key, mass in masses.items():
         if not lightest <= mass <= heaviest:
             allowed = (
-                f"allowed under the wheel load, {1e-3 * load:.3g} kN: {lightest:.2g} to {heaviest:.2g} kg; {TYPICAL}"
+                f"allowed under the wheel load, {load / 1e3:.3g} kN: {lightest:.2g} to {heaviest:.2g} kg; {TYPICAL}"
             )
             yield f"support.data.foundation.{key}", f"{mass:g} kg", allowed
 
@@ -169,7 +159,7 @@ def _give_way(case: CaseTables, foundation: Foundation) -> Iterator[Mistake]:
     least, largest = (case.vehicle.data.wheel.profile.length_scale * give for give in GIVE)
     for part, where in ((foundation, "foundation"), (foundation.sleeper, "foundation.sleeper")):
         for key in ("lateral", "vertical", "roll"):
-            law: LinearSupport | AngularSupport | None = getattr(part, key, None)
+            law = getattr(part, key, None)
             arm, unit = (foundation.rail_height**2, "N m/rad") if key == "roll" else (1.0, "N/m")
             if law is None:
                 continue

@@ -46,21 +46,11 @@ _RENAMED: Mapping[str, tuple[str, ...]] = {
 }
 """Former key or word, or one of other programs -> what it is called now; a dotted one is in a table of that name."""
 
-_DIVIDED: Mapping[str, str] = {
-    "bench": "its step is now time.sampling_step, its standstill motion.stop_speed, its pure_rolling contact.pure_rolling"
-}
-"""Former table -> where each of its keys went."""
-
 
 def meant(word: object, choices: Sequence[str]) -> str:
     """The present name of a renamed key or word, or the nearest of those allowed; "" if nothing is near."""
     present = (new for new in _RENAMED.get(str(word).lower(), ()) if new.split(".")[0] in choices)
     return next(present, "") or nearest(word, choices)
-
-
-def divided(word: object) -> str:
-    """Where the keys of a former table went, "" if it was none."""
-    return _DIVIDED.get(str(word), "")
 
 
 M = TypeVar("M", bound=BaseModel)
@@ -112,10 +102,8 @@ def item_labels(items: Sequence[object]) -> list[str]:
 
     names = [name(item) for item in items] if len(items) <= _MOST else [""] * len(items)
     count = Counter(names)
-    return [
-        own if count[own] == 1 and own.replace("_", "").replace("-", "").isalnum() else f"[{index}]"
-        for index, own in enumerate(names)
-    ]
+    plain = [own.replace("_", "").replace("-", "").isalnum() and count[own] == 1 for own in names]
+    return [own if plain[index] else f"[{index}]" for index, own in enumerate(names)]
 
 
 def named_items(items: Sequence[object]) -> dict[str, Any]:
@@ -201,9 +189,8 @@ def _enter_list(place: _Place, annotation: Any, item: int | str) -> tuple[_Place
     if isinstance(item, int):
         is_list = isinstance(raw, list | tuple)
         label = item_labels(raw)[item] if is_list and item < len(raw) else f"[{item}]"
-        inner = (
-            arguments[0] if len(arguments) == 2 and arguments[1] is Ellipsis else dict(enumerate(arguments)).get(item)
-        )
+        many = len(arguments) == 2 and arguments[1] is Ellipsis
+        inner = arguments[0] if many else dict(enumerate(arguments)).get(item)
         raw = raw[item] if is_list and item < len(raw) else None
     elif item == "[key]":  # pydantic's mark for "the key itself is wrong"
         return place, annotation
@@ -216,9 +203,8 @@ def _enter_list(place: _Place, annotation: Any, item: int | str) -> tuple[_Place
 def _follows(error: ErrorDetails, errors: Sequence[ErrorDetails]) -> bool:
     """Whether a list is called too short only because its entries have mistakes: pydantic counts those without."""
     place = error["loc"]
-    return error["type"] == "too_short" and any(
-        len(other["loc"]) > len(place) and other["loc"][: len(place)] == place for other in errors
-    )
+    below = (other["loc"] for other in errors if len(other["loc"]) > len(place))
+    return error["type"] == "too_short" and any(other[: len(place)] == place for other in below)
 
 
 def _problem(model: type[BaseModel], raw: object, error: ErrorDetails, file: str) -> ConfigProblem | None:
@@ -247,9 +233,8 @@ def _problem(model: type[BaseModel], raw: object, error: ErrorDetails, file: str
             return ConfigProblem(file, key, value, one_of(tags), meant(kind, tags))
         case "literal_error":
             choices = [str(choice) for choice in get_args(_literal(place))]
-            return ConfigProblem(
-                file, place.key, show_value(error["input"]), one_of(choices), meant(error["input"], choices)
-            )
+            written = error["input"]
+            return ConfigProblem(file, place.key, show_value(written), one_of(choices), meant(written, choices))
     return ConfigProblem(file, place.key, show_value(error["input"]), _allowed(place, error, context))
 
 
@@ -265,7 +250,7 @@ def _unknown_key(model: type[BaseModel], raw: object, error: ErrorDetails, file:
     hint = meant(key, keys)
     hint = join_key(place.key.removesuffix(key).rstrip("."), hint) if "." in hint else hint
     value = f"unknown key (= {show_value(error['input'])})"
-    return ConfigProblem(file, place.key, value, divided(key) or one_of(keys), "" if divided(key) else hint)
+    return ConfigProblem(file, place.key, value, one_of(keys), hint)
 
 
 def _literal(place: _Place) -> Any:

@@ -1,7 +1,7 @@
 """Differences between two cases, and a case in words.
 
     two cases -> [differences] -> {"motion.speed": (41.7, 33.3)} -> [text_from_base] -> TOML text with `base`
-    Case -> [rows] -> (what, words) -> text, HTML
+    Case -> [in_words] -> Summary: (what, words) -> text, HTML
 
 A key that one of them does not have is None there. Items of a list are identified by their names while both lists have the same
 ones; else the whole list is one value.
@@ -11,9 +11,9 @@ from collections.abc import Iterator
 from html import escape
 from typing import Any
 
-from rollerrig.common.formatting import html_rows, number
+from rollerrig.common.formatting import Summary, number
 from rollerrig.config.errors import show_value
-from rollerrig.config.schema.case import CaseTables, Contact, SupportChoice, VehicleChoice
+from rollerrig.config.schema.case import ACTUATORS, CaseTables, Contact, SupportChoice, VehicleChoice
 from rollerrig.config.schema.support import Rig
 from rollerrig.config.schema.units import AS_WRITTEN
 from rollerrig.config.validate.messages import named_items
@@ -33,9 +33,8 @@ class Differences(dict[str, tuple[Any, Any]]):
         return "\n".join(f"{key}: {a} -> {b}" for key, a, b in self.texts()) or "no difference"
 
     def _repr_html_(self) -> str:
-        rows = "".join(
-            f"<tr><th>{escape(key)}</th><td>{escape(a)}</td><td>{escape(b)}</td></tr>" for key, a, b in self.texts()
-        )
+        cells = (map(escape, row) for row in self.texts())
+        rows = "".join(f"<tr><th>{key}</th><td>{a}</td><td>{b}</td></tr>" for key, a, b in cells)
         return f"<table><tr><th>key</th><th>here</th><th>there</th></tr>{rows}</table>" if rows else "no difference"
 
     def texts(self) -> Iterator[tuple[str, str, str]]:
@@ -111,19 +110,13 @@ def _put(tables: Raw, path: list[str], value: Any) -> None:
     tables[path[-1]] = value
 
 
-ACTING = (
-    "adhesion", "brake", "track_brake", "sanding", "traction", "slide_protection", "wheel_slip_control", "brake_unit",
-    "rig_control", "axle_torque", "disturbance",
-)  # fmt: skip
-
-
-def rows(case: CaseTables) -> list[tuple[str, str]]:
+def in_words(case: CaseTables) -> Summary:
     """What the case is made of, a row each."""
     vehicle, support, contact, time = case.vehicle, case.support.data, case.contact, case.time
     part = "" if vehicle.cut == "vehicle" else f", {vehicle.cut}"
     bodies = [body.name for body in vehicle.bodies]
     method, step = case.integration
-    acting = [name for name in ACTING if getattr(case, name)]
+    acting = [name for name in (*ACTUATORS, "axle_torque", "disturbance") if getattr(case, name)]
     names = ", ".join(bodies if len(bodies) <= 4 else [*bodies[:2], f"{bodies[2]} and {len(bodies) - 3} more"])
     found = [
         ("vehicle", f"{vehicle.data.name}{part}: {names}"),
@@ -134,24 +127,11 @@ def rows(case: CaseTables) -> list[tuple[str, str]]:
         ("time", f"{time.duration:g} s, kept every {1e3 * time.output_step:g} ms; {method}"
                  + (f", step {1e3 * step:g} ms" if step else "")),
     ]  # fmt: skip
-    return [*found, *([("acting", ", ".join(acting))] if acting else [])]
+    headline = f"Case {case.name}" + (f": {case.description}" if case.description else "")
+    return Summary(headline, (*found, *([("acting", ", ".join(acting))] if acting else [])))
 
 
 def _friction(contact: Contact) -> str:
     law, face = contact.friction, contact.gauge_face_friction
     top = f"{law.mu_0:g}" if law.kind == "constant" else law.kind
     return top if face is None else f"{top} ({face:g} on the gauge face)"
-
-
-def in_words(case: CaseTables) -> str:
-    """A headline and a line per row."""
-    return "\n".join([_headline(case), *(f"  {what:8} {words}" for what, words in rows(case))])
-
-
-def in_html(case: CaseTables) -> str:
-    """The same as a table."""
-    return html_rows(_headline(case), rows(case))
-
-
-def _headline(case: CaseTables) -> str:
-    return f"Case {case.name}" + (f": {case.description}" if case.description else "")

@@ -5,22 +5,24 @@ pydantic models -> [key_places] -> every dotted key with its table -> [explain] 
 
 import re
 import tomllib
+import types
 from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cache
 from textwrap import shorten
-from typing import Any, Literal, get_args, get_origin
+from typing import Annotated, Any, Literal, Union, get_args, get_origin
 
 from pydantic import BaseModel
 from pydantic.fields import FieldInfo
 
 from rollerrig.config.errors import nearest
 from rollerrig.config.read import CatalogKind, catalog_file, catalog_names
-from rollerrig.config.schema.base import INSTEAD_OF, OrShort, by_kind, quantity_of
+from rollerrig.config.schema.base import INSTEAD_OF, OrShort, by_kind, quantities_in
 from rollerrig.config.schema.case import SupportChoice, VehicleChoice
 from rollerrig.config.schema.units import Quantity
-from rollerrig.config.validate.messages import alternatives, divided, meant, tables_in, tag_of
+from rollerrig.config.validate.messages import meant, tables_in, tag_of
 from rollerrig.config.write.json_schema import ROOTS
+from rollerrig.config.write.toml import literal_on_one_line, plain
 
 _FILES: tuple[CatalogKind, ...] = ("case", "programme", "plan", "fit")
 """Kinds of files whose keys are explained; those of the others are in a case."""
@@ -118,19 +120,14 @@ def explain(key: str) -> str:
 @cache
 def unit_of(key: str) -> str:
     """Unit of a number at a dotted key, as `explain` says it; "" where it has none, or several that differ."""
-    units = {
-        quantity.unit if (quantity := quantity_of(place.field.annotation, place.field.metadata)) else ""
-        for place in key_places()
-        if place.matches(key.split("."))
-    }
-    return units.pop() if len(units) == 1 and units != {"1"} else ""
+    parts = key.split(".")
+    units = {unit_text(place.field).partition(", ")[0] for place in key_places() if place.matches(parts)}
+    return units.pop() if len(units) == 1 else ""
 
 
 def _unknown(key: str) -> str:
     """Keys that speak of the words of what is no key; a KeyError where none does."""
     last = key.rpartition(".")[2]
-    if where := divided(key) or divided(last):
-        raise KeyError(f"{key}: {where}")
     keys = tuple(dict.fromkeys(place.key for place in key_places()))
     lasts = tuple(dict.fromkeys(name.rpartition(".")[2] for name in keys))
     words = _WORD.split(key)
@@ -185,7 +182,7 @@ def _text(alike: list[KeyPlace]) -> str:
         ("meaning", field.description or ""),
         ("unit", unit_text(field) or "none"),
         ("default", _default(field)),
-        ("allowed", _allowed(place)),
+        ("allowed", " or ".join(dict.fromkeys(_allowed(field.annotation, _marks(place))))),
         ("belongs to", f"[{holder}]{kind} of a {place.file}{summary}" if holder else f"a {place.file}"),
         ("used by", _users(place)),
         *_keys_in(field),
@@ -193,41 +190,10 @@ def _text(alike: list[KeyPlace]) -> str:
     return "\n".join([place.key, *(f"  {what:10} {text}" for what, text in rows if text)])
 
 
-def _allowed(place: KeyPlace) -> str:
-    """A number with its unit, names of kinds, or the type; what is shorter than a table first."""
-    quantity = _quantity_at(place.field)
-    words = _type_text(place.field)
-    if quantity is None:
-        tags = [tag for table in _below(place.field.annotation)[0] if (tag := tag_of(table))]
-        words = f"a {words}" if words.startswith("table") and not words.startswith("tables") else words
-        whole = f"{words} of a kind: {', '.join(tags)}" if tags else words
-        return " or ".join([*_shorter(place), whole])
-    parts = words.split(" or ")
-    choices = [word for word in parts if word.startswith('"')]
-    lists = [f"{word}, each " for word in parts if word.startswith("list of")]
-    return " or ".join([*choices, "".join(lists) + quantity.allowed.removeprefix("allowed: ")])
-
-
-def _shorter(place: KeyPlace) -> Iterator[str]:
-    """What a file may write in place of a table."""
-    if not _below(place.field.annotation)[0]:
-        return
-    if place.key.rpartition(".")[2] in ("profile", "right_profile", "material"):
-        yield "a name of the catalogue or a file"
-    types = {"string": "a text", "number": "a number"}
-    for mark in _marks(place.field.annotation, place.field.metadata):
-        if isinstance(mark, by_kind):
-            yield "the name of a kind"
-        for short in mark.alternatives if isinstance(mark, OrShort) else ():
-            kinds = short.get("type", ())
-            yield ", ".join(short["enum"]) if "enum" in short else types[kinds if isinstance(kinds, str) else kinds[0]]
-
-
-def _marks(annotation: Any, metadata: Any = ()) -> Iterator[Any]:
-    yield from (*metadata, *getattr(annotation, "__metadata__", ()))
-    if get_origin(annotation) not in (tuple, dict):
-        for part in get_args(annotation):
-            yield from _marks(part)
+def _marks(place: KeyPlace) -> list[Any]:
+    """What the annotation of a key says beside its type, and that a part of a case may be named."""
+    is_named = place.key.rpartition(".")[2] in ("profile", "right_profile", "material")
+    return [*([OrShort(words="a name of the catalogue or a file")] if is_named else []), *place.field.metadata]
 
 
 def _keys_in(field: FieldInfo) -> Iterator[tuple[str, str]]:
@@ -277,58 +243,42 @@ def _keys_of(value: Any, above: str) -> Iterator[str]:
 # ------------------------------------------------------------------------------------------------ one field in words
 
 
-def _quantity_at(field: FieldInfo) -> Quantity | None:
-    """The quantity of a number, or of the numbers of a list; None where tables may stand."""
-    return None if _below(field.annotation)[0] else quantity_of(field.annotation, field.metadata)
-
-
 def unit_text(field: FieldInfo) -> str:
-    """Both units of a table of pairs, else the one unit; "" where there is none."""
-    for part in alternatives(field.annotation):
-        row = get_args(part)[:1]
-        if row and get_origin(row[0]) is tuple and len(get_args(row[0])) == 2:
-            first, second = map(quantity_of, get_args(row[0]))
-            return f"{first.unit if first else ''}, {second.unit if second else ''}"
-    quantity = _quantity_at(field)
-    return quantity.unit if quantity and quantity.unit != "1" else ""
+    """The unit of a number, those of the columns of rows; "" where there is none."""
+    units = dict.fromkeys(quantity.unit for quantity in quantities_in(field.annotation, field.metadata))
+    return ", ".join(units) if set(units) != {"1"} else ""
 
 
-def _type_text(field: FieldInfo) -> str:
-    """What may stand at a field, in words."""
-    names: list[str] = []
-    for part in alternatives(field.annotation):
-        origin, arguments = get_origin(part), get_args(part)
-        if origin is Literal:
-            names.append(" or ".join(f'"{choice}"' for choice in arguments))
-        elif isinstance(part, type) and issubclass(part, BaseModel):
-            names.append("table")
-        elif origin is tuple:
-            names.append(_tuple_type(arguments))
-        elif origin is dict:
-            names.append("tables by name")
-        else:
-            plain = {str: "text", bool: "true or false", int: "whole number"}
-            number = "quantity" if _quantity_at(field) else "number"
-            names.append(number if part is float else plain.get(part, "value"))
-    return " or ".join(dict.fromkeys(names))
+def _allowed(annotation: Any, marks: Any = ()) -> Iterator[str]:
+    """What may stand there, one possibility after the other, the shortest first."""
+    origin, parts = get_origin(annotation), get_args(annotation)
+    if origin is Annotated:
+        yield from _allowed(parts[0], (*marks, *parts[1:]))
+        return
+    if quantity := next((mark for mark in marks if isinstance(mark, Quantity)), None):
+        yield quantity.allowed.removeprefix("allowed: ")
+        return
+    for mark in marks:
+        if isinstance(mark, by_kind | OrShort):
+            yield mark.words
+    if origin is Literal:
+        yield from (f'"{choice}"' for choice in parts)
+    elif origin in (Union, types.UnionType):
+        tags = ", ".join(filter(None, map(tag_of, tables_in(annotation))))
+        if tags:
+            yield f"a table of a kind: {tags}"
+        for part in () if tags else parts:
+            yield from _allowed(part)
+    elif origin is dict:
+        yield f"tables by name, each {' or '.join(_allowed(parts[1]))}"
+    elif origin is tuple:
+        each = dict.fromkeys(" or ".join(_allowed(part)) for part in parts if part is not Ellipsis)
+        yield f"a list{'' if Ellipsis in parts else f' of {len(parts)}'}, each {'; then '.join(each)}"
+    elif annotation is not types.NoneType:
+        yield _TYPES.get(annotation, "a table")
 
 
-def _tuple_type(arguments: tuple[Any, ...]) -> str:
-    if len(arguments) == 2 and arguments[1] is Ellipsis:
-        first = alternatives(arguments[0])[0]
-        if isinstance(first, type) and issubclass(first, BaseModel):
-            return "array of tables"
-        if get_origin(first) is tuple:
-            return "rows of two numbers"
-        return "list of texts" if first is str or get_origin(first) is Literal else "list of numbers"
-    inner = "points" if get_origin(alternatives(arguments[0])[0]) is tuple else "values"
-    return f"list of {len(arguments)} {inner}"
-
-
-def _number(value: object) -> str:
-    if isinstance(value, tuple):
-        return f"[{', '.join(map(_number, value))}]"
-    return f"{value:g}" if isinstance(value, float) else str(value)
+_TYPES = {str: "a text", bool: "true or false", int: "a whole number", float: "a number", Any: "a value"}
 
 
 def _default(field: FieldInfo) -> str:
@@ -337,13 +287,8 @@ def _default(field: FieldInfo) -> str:
         return f"this or '{field.json_schema_extra[INSTEAD_OF]}'"
     if field.is_required():
         return "none: it must be given"
-    default = field.default
-    if isinstance(default, BaseModel):
-        return f"'{default.kind}'" if hasattr(default, "kind") else "that of the keys in it"
-    if default is None or default in ((), {}, ""):
-        return "none: absent" if default is None else "none: empty"
-    if isinstance(default, bool):
-        return "true" if default else "false"
-    if isinstance(default, tuple):
-        return ", ".join(map(_number, default))
-    return f'"{default}"' if isinstance(default, str) else f"{default:g}"
+    if field.default is None or field.default in ((), {}, ""):
+        return "none: absent" if field.default is None else "none: empty"
+    if isinstance(field.default, BaseModel):
+        return f"'{field.default.kind}'" if hasattr(field.default, "kind") else "that of the keys in it"
+    return literal_on_one_line(plain(field.default))

@@ -81,11 +81,8 @@ def _as_in_files(table: Schema) -> None:
     if "required" in table:
         table["required"] = [key for key in table["required"] if key not in optional]
     for key in sorted(properties.keys() & {"profile", "right_profile", "material"}):
-        inner = {
-            name: properties[key].pop(name)
-            for name in ("$ref", "oneOf", "discriminator", "anyOf")
-            if name in properties[key]
-        }
+        kinds = ("$ref", "oneOf", "discriminator", "anyOf")
+        inner = {name: properties[key].pop(name) for name in kinds if name in properties[key]}
         properties[key]["anyOf"] = [{"type": "string"}, inner]
     quantities = [key for key, value in properties.items() if _is_number_with_unit(value)]
     if quantities:

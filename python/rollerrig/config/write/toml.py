@@ -90,9 +90,8 @@ def _write(table: Mapping[str, Any], path: str, lines: list[str]) -> None:
 
 def is_table(value: object) -> bool:
     """Whether it is written under a heading of its own: a table, or a list of tables."""
-    return isinstance(value, dict | _Kept) or (
-        isinstance(value, list | tuple) and bool(value) and isinstance(value[0], dict)
-    )
+    first = value[0] if isinstance(value, list | tuple) and value else value
+    return isinstance(first, dict | _Kept)
 
 
 @cache
@@ -121,6 +120,11 @@ def literal(value: Any) -> str:
             return "[\n" + "".join(f"    {literal(item)},\n" for item in value) + "]"
         return f"[{', '.join(map(literal, value))}]"
     return repr(value)
+
+
+def literal_on_one_line(value: Any) -> str:
+    """The same, also a list of lists."""
+    return literal(value).replace("\n    ", "").replace(",\n]", "]").replace(",[", ", [")
 
 
 def plain(value: Any) -> Any:
