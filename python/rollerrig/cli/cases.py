@@ -183,13 +183,9 @@ def profile(
     picture = picture_kind(out)
     from rollerrig.contact_analysis.profile_curve import COLUMNS, FIRST_LINE, profile, profile_csv, simpack_text
     from rollerrig.plot import figure_bytes, profile_figure
-    from rollerrig.profiles import ProfileError
     from rollerrig.results import output_file, write_bytes, write_text
 
-    try:
-        curve = profile(source, kind, None if smoothing_mm is None else 1e-3 * smoothing_mm)
-    except ProfileError as error:
-        stop(error)
+    curve = profile(source, kind, None if smoothing_mm is None else 1e-3 * smoothing_mm)
     endings = {".csv": profile_csv, ".prw" if curve.attrs["kind"] == "wheel" else ".prr": simpack_text}
     marks = (COLUMNS, FIRST_LINE)
     if export is not None:
@@ -290,9 +286,6 @@ def cite(
     ] = None,
 ) -> None:
     """Print BibTeX: the program, the paper and, of a run or a case, the sources of the models and data in it."""
-    from rollerrig.results import ResultsError, cite, load_run
+    from rollerrig.results import cite, load_run
 
-    try:
-        typer.echo(cite(load_run(what) if what and what.endswith(".nc") else what), nl=False)
-    except (ResultsError, FileNotFoundError) as error:
-        stop(error)
+    typer.echo(cite(load_run(what) if what and what.endswith(".nc") else what), nl=False)

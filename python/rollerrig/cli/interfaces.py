@@ -63,7 +63,7 @@ def export_fmu(
     allow_code: AllowCode = False,
 ) -> None:
     """A case as an FMU (Functional Mock-up Unit) for Simulink, Dymola, FMPy and others; no compiler is needed."""
-    from rollerrig.interfaces.fmu.export import WINDOWS, ExportError, export_fmu, export_part, shells
+    from rollerrig.interfaces.fmu.export import WINDOWS, export_fmu, export_part, shells
 
     roles = [role.strip() for role in external.split(",") if role.strip()]
     whole = read_case(case, allow_code=allow_code, changes=change)
@@ -72,13 +72,10 @@ def export_fmu(
         raise typer.BadParameter(text, param_hint="--part")
     if part and kind != "cs":
         raise typer.BadParameter("a controller alone is sampled: allowed with --part: cs", param_hint="--kind")
-    try:
-        if part:
-            typer.echo(export_part(whole, part, out, fmi=fmi, force=force))
-        else:
-            typer.echo(export_fmu(whole, out, fmi=fmi, kind=kind, external=roles, force=force))
-    except ExportError as error:
-        stop(error)
+    if part:
+        typer.echo(export_part(whole, part, out, fmi=fmi, force=force))
+    else:
+        typer.echo(export_fmu(whole, out, fmi=fmi, kind=kind, external=roles, force=force))
     carried = shells()
     for shell in carried:
         typer.echo(f"   runs on {shell.platform}" + (f", processor with {shell.needs}" if shell.needs else ""))
@@ -135,7 +132,7 @@ def prepared(
     allow_code: bool,
 ) -> Served:
     """The rig of a case or of a model file."""
-    from rollerrig.interfaces.plant import ModelFileError, read_model
+    from rollerrig.interfaces.plant import read_model
     from rollerrig.interfaces.realtime.server import serve_case, serve_model
 
     if not case.endswith(".model"):
@@ -148,8 +145,6 @@ def prepared(
         )
     try:
         assembled = read_model(case)
-    except ModelFileError as error:
-        stop(error)
     except OSError as error:
         stop(f"{case}: {error.strerror}")
     return serve_model(assembled, rate, name=case, outputs=outputs, safe=safe)

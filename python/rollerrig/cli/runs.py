@@ -28,12 +28,9 @@ def export(
     force: Force = False,
 ) -> None:
     """Write a run for other programs: MATLAB, a CSV table, Parquet."""
-    from rollerrig.results import ResultsError, export
+    from rollerrig.results import export
 
-    try:
-        typer.echo(export(run, out or run.with_suffix(f".{to}"), to=to, over=over, force=force))
-    except (ResultsError, FileNotFoundError) as error:
-        stop(error)
+    typer.echo(export(run, out or run.with_suffix(f".{to}"), to=to, over=over, force=force))
 
 
 def compare_runs(
@@ -103,7 +100,7 @@ def sweep(
     Every finished case is kept at once: after Ctrl-C, or a machine that went down, the same command continues with the rest.
     """
     from rollerrig.config import load_plan
-    from rollerrig.study.cluster import ClusterError, cluster
+    from rollerrig.study.cluster import cluster
     from rollerrig.study.runs.sweep import resized
     from rollerrig.study.sweep import SweepStudy
 
@@ -113,11 +110,8 @@ def sweep(
     study = SweepStudy(whole if samples is None else resized(whole, samples), many=yes)
     if dask is None:
         carry_out(study, out, workers, force=force)
-    try:
-        with cluster(dask) as executor:
-            carry_out(study, out, force=force, executor=executor)
-    except ClusterError as error:
-        stop(f"--dask: {error}")
+    with cluster(dask) as executor:
+        carry_out(study, out, force=force, executor=executor)
 
 
 def view(
@@ -129,13 +123,9 @@ def view(
     force: Force = False,
 ) -> None:
     """Show a run in motion: one HTML file with the vehicle, its contacts and forces, and curves in step."""
-    from rollerrig.results import ResultsError
     from rollerrig.viewer import view
 
-    try:
-        typer.echo(view(run, other, path=out, force=force))
-    except (ResultsError, FileNotFoundError) as error:
-        stop(error)
+    typer.echo(view(run, other, path=out, force=force))
 
 
 def play(

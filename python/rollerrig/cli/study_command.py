@@ -271,9 +271,9 @@ SPECIAL: dict[str, dict[str, Any]] = {
     "creep": {"refused": (ValueError, RuntimeError)},
     "compare": {"prepare": check_compare},
     "wsp": {"prepare": prepare_wsp},
-    "fit": {"refused": (FileNotFoundError, ValueError, RuntimeError)},
-    "reconstruct": {"refused": (FileNotFoundError, ValueError)},
-    "replay": {"refused": (FileNotFoundError, ValueError)},
+    "fit": {"refused": (ValueError, RuntimeError)},
+    "reconstruct": {"refused": (ValueError,)},
+    "replay": {"refused": (ValueError,)},
     "scale": {
         "prepare": prepare_scale,
         "switches": {"run": (RUN, False, "error_budget")},
