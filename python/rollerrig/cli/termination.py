@@ -18,8 +18,8 @@ LEFT_VALIDITY = 3
 INTERRUPTED = 130
 
 MISTAKES = {
-    "ClusterError", "ConfigError", "ExportError", "FileNotFoundError", "ModelFileError", "OutputError", "ProfileError", "ResultsError",
-    "StartError", "WorkerError",
+    "ClusterError", "ConfigError", "ExportError", "FileNotFoundError", "ModelFileError", "OutputError", "ProfileError",
+    "ResultsError", "StartError", "WorkerError",
 }  # fmt: skip
 """Errors whose message is for the user, by name: no command loads a module for those of others."""
 
