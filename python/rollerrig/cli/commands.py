@@ -745,7 +745,8 @@ def sweep(
             found = study.run(folder=folder, progress=progress, executor=executor)
     if found is None or found.interrupted:
         raise KeyboardInterrupt
-    return found.results.data
+    data: xr.Dataset = found.results
+    return data
 
 
 def fit(
