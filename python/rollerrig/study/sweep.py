@@ -24,7 +24,7 @@ from rollerrig.config.validate.messages import validate
 from rollerrig.plot import sweep as figures
 from rollerrig.study.frame import Study
 from rollerrig.study.jobs import Done, Job, Progress, Round
-from rollerrig.study.measures import MEASURES
+from rollerrig.study.measures import MEASURES, measured, quantities
 from rollerrig.study.quantities import Numbers
 from rollerrig.study.report import Block, Picture, Section, Table, Text
 from rollerrig.study.runs import sweep as runs
@@ -74,7 +74,7 @@ class SweepStudy(Study[xr.Dataset]):
     def _check_kept(self) -> list[ConfigProblem]:
         problems, seen = [], [axis.name for axis in self.points.axes]
         for index, measure in enumerate(self.whole.plan.measure):
-            known = MEASURES[measure.kind].quantities
+            known = quantities(measure.kind)
             for place, name in enumerate(measure.keep or known):
                 at = f"measure[{index}].keep" + (f"[{place}]" if measure.keep else "")
                 if name not in known:
@@ -142,7 +142,7 @@ class SweepStudy(Study[xr.Dataset]):
         """Name of each kept number -> unit and meaning."""
         found: dict[str, tuple[str, str]] = {}
         for measure in self.whole.plan.measure:
-            known = MEASURES[measure.kind].quantities
+            known = quantities(measure.kind)
             found |= {name: known[name] for name in measure.keep or known}
         for record in records:
             for name in (record or {}).get("numbers", {}):
@@ -292,7 +292,7 @@ def run_case(packed: bytes, changes: Mapping[str, Any], progress: Progress | Non
     try:
         changed = case.with_changes(changes)
         for measure in measures:
-            found = MEASURES[measure.kind].measure(changed, measure, progress)
+            found = measured(changed, measure, progress)
             numbers |= {name: float(found[name]) for name in measure.keep or found}
         if compute is not None:
             numbers |= {str(name): float(value) for name, value in compute(changed).items()}

@@ -189,7 +189,7 @@ def test_every_measure_gives_all_its_numbers(kind: str) -> None:
     case = load_case(name).with_changes(changes)
     found = rr.sweep(case, {"contact.friction.mu_0": [0.25]}, measure=measure)
     assert found["failed"].item() == ""
-    quantities = measures.MEASURES[kind].quantities
+    quantities = measures.quantities(kind)
     assert set(quantities) | {"failed"} == set(found.data_vars)
     assert not [name for name in quantities if not np.isfinite(found[name].item())]
     assert {name: found[name].attrs["units"] for name in quantities} == {n: unit for n, (unit, _) in quantities.items()}
@@ -400,9 +400,7 @@ def test_ctrl_c_within_a_case_leaves_no_line_of_it() -> None:
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        measures.MEASURES["critical_speed"].measure(
-            load_case("bogie_rollers_constant"), CriticalSpeedMeasure(kind="critical_speed"), progress
-        )
+        measures.measured(load_case("bogie_rollers_constant"), CriticalSpeedMeasure(kind="critical_speed"), progress)
 
 
 def test_another_plan_is_refused_with_what_changed(tmp_path: Path) -> None:
