@@ -27,28 +27,18 @@ if TYPE_CHECKING:
     from rollerrig.study.frame import Outcome, Study
 
 
-def run_study(
-    study: Study[Any], processes: int = 1, progress: Progress | None = None, folder: str | Path | None = None
-) -> Outcome[Any]:
-    """The outcome of a study, without files.
-
-    Raises:
-        KeyboardInterrupt: Ctrl-C left too little to report.
-    """
-    found = study.run(folder=folder, processes=processes, progress=progress)
-    if found is None:
-        raise KeyboardInterrupt
-    return found
-
-
-RUNNER: ContextVar[Callable[..., Any]] = ContextVar("RUNNER", default=run_study)
-"""The command line has one of its own, which writes the outcome into a folder."""
+RUNNER: ContextVar[Callable[..., Any] | None] = ContextVar("RUNNER", default=None)
+"""What the command line does with a study: it writes the outcome into a folder."""
 
 
 def _outcome(
     study: Study[Any], processes: int = 1, progress: Progress | None = None, folder: str | Path | None = None
 ) -> Outcome[Any]:
-    found: Outcome[Any] = RUNNER.get()(study, processes, progress, folder)
+    """The outcome of a study, without files; a KeyboardInterrupt where Ctrl-C left too little to report."""
+    runner = RUNNER.get()
+    found = runner(study, processes) if runner else study.run(folder=folder, processes=processes, progress=progress)
+    if found is None:
+        raise KeyboardInterrupt
     return found
 
 

@@ -71,7 +71,7 @@ def study_command(
             changes = None if "changes" in arguments else given["change"]
             arguments["case"] = read_case(label, allow_code=given["allow_code"], changes=changes)
 
-        def runner(study: Study[Any], processes: int, *_: object) -> None:
+        def runner(study: Study[Any], processes: int) -> None:
             from rollerrig.config import code_of
 
             lines = (line for case in study.cases().values() for line in code_lines(code_of(case)))

@@ -22,7 +22,7 @@ from rollerrig.config import Case, ConfigError, ConfigProblem, Plan, WholePlan, 
 from rollerrig.config.errors import nearest, one_of, show_value
 from rollerrig.config.validate.messages import validate
 from rollerrig.plot import sweep as figures
-from rollerrig.study.frame import Study
+from rollerrig.study.frame import Study, dataset_rows
 from rollerrig.study.jobs import Done, Job, Progress, Round
 from rollerrig.study.measures import MEASURES, measured, quantities
 from rollerrig.study.quantities import Numbers
@@ -172,7 +172,7 @@ class SweepStudy(Study[xr.Dataset]):
         return lines
 
     def files(self, results: xr.Dataset, numbers: Numbers) -> Mapping[str, Any]:
-        return {"sweep.nc": results, "sweep.csv": runs.sweep_rows(results, self.points)}
+        return {"sweep.nc": results, "sweep.csv": sweep_rows(results)}
 
     def sections(self, results: xr.Dataset, numbers: Numbers) -> list[Section]:
         points, rows = self.points, list[list[object]]()
@@ -242,6 +242,13 @@ class SweepStudy(Study[xr.Dataset]):
             if part in one:
                 found.append(self.quantities.table(one[part], f"numbers.*.{part}.*", caption, head))
         return found
+
+
+def sweep_rows(data: xr.Dataset) -> list[list[object]]:
+    """A row per case, header first: values of the varied keys in SI, numbers, reason of failure."""
+    units = {str(name): data[name].attrs["units"] for name in (*data.coords, *data.data_vars)}
+    columns = {name if unit in ("", "1") else f"{name} [{unit}]": name for name, unit in units.items()}
+    return dataset_rows(data, columns, *map(str, data[FAILED].dims))
 
 
 def sweep_study(case: Case, vary: Mapping[str, Any], measure: Any, design: Any, *, many: bool = False) -> SweepStudy:

@@ -33,9 +33,9 @@ from rollerrig.study import measures
 from rollerrig.study.checkpoint import NAME
 from rollerrig.study.report import Table
 from rollerrig.study.runs.adhesion import track_case
-from rollerrig.study.runs.sweep import FAILED, Axis, Points, quantile, resized, sobol_indices, statistics, sweep_rows
+from rollerrig.study.runs.sweep import FAILED, Axis, Points, quantile, resized, sobol_indices, statistics
 from rollerrig.study.runs.wsp import StopRecord, stop_record
-from rollerrig.study.sweep import SweepStudy, sweep_study
+from rollerrig.study.sweep import SweepStudy, sweep_rows, sweep_study
 
 PLAN = """
 name = "small"
@@ -156,7 +156,7 @@ def test_work_beside_the_cases_grows_with_their_number_only(monkeypatch: pytest.
     assert found is not None
     whole = Axis.is_number.fget  # type: ignore[attr-defined]
     monkeypatch.setattr(Axis, "is_number", property(lambda axis: asked.append(1) or whole(axis)))
-    assert len(sweep_rows(found, study.points)) == count + 1
+    assert len(sweep_rows(found)) == count + 1
     assert len(asked) < 10  # it looks at all values: of each axis, not of each case
 
 

@@ -312,22 +312,6 @@ def _text(value: Any) -> str:
     return ("true" if value else "false") if isinstance(value, bool) else str(value)
 
 
-def sweep_rows(data: xr.Dataset, points: Points) -> list[list[object]]:
-    """A row per case, header first: values of the varied keys in SI, numbers, reason of failure."""
-    numbers = [name for name in map(str, data.data_vars) if name != FAILED]
-    columns = [
-        list(column) if axis.is_number else [_text(v) for v in column]
-        for axis, column in zip(points.axes, points.columns, strict=True)
-    ]
-    columns += [data[name].to_numpy().ravel().tolist() for name in (*numbers, FAILED)]
-    heads = [
-        *((axis.name, axis.unit) for axis in points.axes),
-        *((name, data[name].attrs["units"]) for name in numbers),
-    ]
-    header: list[object] = [*(name if unit in ("", "1") else f"{name} [{unit}]" for name, unit in heads), FAILED]
-    return [header, *map(list, zip(*columns, strict=True))]
-
-
 QUANTILES = (0.05, 0.25, 0.5, 0.75, 0.95)
 FIFTH = 0.2
 LEAST_SAMPLES = 8
