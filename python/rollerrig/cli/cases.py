@@ -11,6 +11,8 @@ from rollerrig.cli.command import AllowCode, CaseName, Changes, Force, changes_o
 from rollerrig.cli.ranges import check_finite, read_range
 from rollerrig.cli.termination import LEFT_VALIDITY, readable_errors, say, stop
 
+__all__ = ["catalog", "check", "cite", "contact", "explain", "new", "profile", "schema", "show"]
+
 
 def new(
     name: Annotated[str, typer.Argument(metavar="NAME", help="Name of the new case; the file is NAME.toml.")],

@@ -22,6 +22,8 @@ from rollerrig.cli.termination import LEFT_VALIDITY, exit_code, say, stop
 if TYPE_CHECKING:
     from rollerrig.interfaces.realtime.server import Ended, Served
 
+__all__ = ["assemble", "export_fmu", "serve"]
+
 
 def names_in(text: str) -> list[str]:
     """Names with commas between."""

@@ -19,6 +19,8 @@ from rollerrig.cli.command import (
 )
 from rollerrig.cli.termination import say, stop
 
+__all__ = ["compare_runs", "export", "play", "sweep", "view"]
+
 
 def export(
     run: Annotated[Path, typer.Argument(help="A file of results, e.g. run.nc.")],

@@ -136,7 +136,8 @@ def _options(one: Parameter) -> Iterator[inspect.Parameter]:
             kind, default = kind | None, None
         meaning = (option.meaning or one.meaning).replace(f"[{UNITS[option.unit][0]}]", f"[{option.unit}]")
         flag = f"--{name.replace('_', '-').lower()}"
-        spelt = ("--set",) if name == "change" else (flag,) * (option.switch or name != name.lower())
+        # what is off by default has no `--no-` beside it
+        spelt = ("--set",) if name == "change" else (flag,) * (default is False or name != name.lower())
         info = typer.Option(*spelt, help=_text(meaning), min=option.least, max=option.most)
         yield _parameter(name, Annotated[kind, info], default)
 
