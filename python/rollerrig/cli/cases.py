@@ -222,43 +222,39 @@ def contact(
     force: Force = False,
 ) -> None:
     """List the contact patches of the leading wheelset under its axle load."""
-    from rollerrig.contact_analysis.creep_laws import SIDE_BY_SIDE_HEAD
-    from rollerrig.contact_analysis.static_contact import CSV_HEAD, NORMALS_HEAD, contact_csv, contact_table
-    from rollerrig.results import output_file, write_bytes, write_text
+    from rollerrig.contact_analysis import creep_laws, static_contact
+    from rollerrig.results import output_file, write_bytes
 
     kind = None if plot is None else picture_kind(plot, "--plot")
     check_finite(roll_mrad, "--roll-mrad")
     places = _positions(lateral_mm, yaw_mrad, yaw_mrad_per_mm)
     chosen = read_case(case, allow_code=allow_code, changes=change)
-    tables = CSV_HEAD, NORMALS_HEAD, SIDE_BY_SIDE_HEAD
-    for path in (csv, plot, *((_beside(csv), plot and _beside(plot)) if compare else ())):
-        if path is not None:
-            output_file(path, tables=tables, force=force)
+    tables = static_contact.CSV_HEAD, static_contact.NORMALS_HEAD, creep_laws.SIDE_BY_SIDE_HEAD
+    asked = [path for path in (csv, plot) if path is not None]
+    files = [file for path in asked for file in ((path, _beside(path)) if compare else (path,))]
+    for path in files:
+        output_file(path, tables=tables, force=force)
     roll = None if roll_mrad is None else 1e-3 * roll_mrad
     if compare:
-        from rollerrig.contact_analysis.creep_laws import compare_creep, creep_csv, creep_text
-        from rollerrig.contact_analysis.static_contact import compare_contacts, comparison_csv, comparison_text
-
         try:
-            creep = compare_creep(chosen, places, roll=roll)
+            creep = creep_laws.compare_creep(chosen, places, roll=roll)
         except ValueError as error:
             stop(error)
-        table = compare_contacts(chosen, places, roll=roll)
-        typer.echo(comparison_text(table))
-        typer.echo(creep_text(creep))
-        typer.echo(write_text(csv, comparison_csv(table), tables=tables, force=force))
-        typer.echo(write_text(_beside(csv), creep_csv(creep), tables=tables, force=force))
+        table = static_contact.compare_contacts(chosen, places, roll=roll)
+        typer.echo(static_contact.comparison_text(table))
+        typer.echo(creep_laws.creep_text(creep))
+        contents = [static_contact.comparison_csv(table).encode(), creep_laws.creep_csv(creep).encode()]
     else:
-        table = contact_table(chosen, places, roll=roll)
-        typer.echo(write_text(csv, contact_csv(table), tables=tables, force=force))
-    if plot is not None and kind is not None:
+        table = static_contact.contact_table(chosen, places, roll=roll)
+        contents = [static_contact.contact_csv(table).encode()]
+    if kind is not None:
+        from rollerrig.plot import contact as figures
         from rollerrig.plot import figure_bytes
-        from rollerrig.plot.contact import comparison_figure, contact_figure, creep_comparison_figure
 
-        figure = comparison_figure(table) if compare else contact_figure(table)
-        typer.echo(write_bytes(plot, figure_bytes(figure, kind), force=force))
-        if compare:
-            typer.echo(write_bytes(_beside(plot), figure_bytes(creep_comparison_figure(creep), kind), force=force))
+        drawn = [figures.comparison_figure(table), figures.creep_comparison_figure(creep)] if compare else []
+        contents += [figure_bytes(one, kind) for one in drawn or [figures.contact_figure(table)]]
+    for path, content in zip(files, contents, strict=True):
+        typer.echo(write_bytes(path, content, tables=tables, force=force))
     if table.attrs["failed_positions"]:
         for line in table.attrs["failed_positions"].splitlines():
             say(f"rollerrig: {chosen.name}: {line}")
