@@ -50,12 +50,12 @@ def compare_runs(
     from rollerrig.common.formatting import number
     from rollerrig.plot import figure_bytes, runs_together
     from rollerrig.plot.run import shown_unit
-    from rollerrig.results import ResultsError, load_run, output_file, write_bytes
+    from rollerrig.results import load_run, output_file, write_bytes
 
     output_file(out, force=force)
     try:
         found = compare_runs(dict(zip(_labels(runs), map(load_run, runs), strict=True)), signal or ())
-    except (ResultsError, FileNotFoundError, ValueError) as error:
+    except ValueError as error:
         stop(error)
     typer.echo(write_bytes(out, figure_bytes(runs_together(found), kind), force=force))
     names = [str(name) for name, values in found.data_vars.items() if "time" in values.dims]
