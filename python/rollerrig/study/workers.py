@@ -127,7 +127,6 @@ class _Run:
         # how far the job of each place is, negative before its process is ready; the last one: whether they shall stop
         self._state = _CONTEXT.RawArray("d", [-1.0 if self._in_processes else 0.0] * len(self._free) + [0.0])
         self._pools: dict[int, ProcessPoolExecutor] = {}
-        self._others = multiprocessing.active_children()  # processes of the caller's own
         self._waiting, self._alone, self._died = deque(jobs.items()), deque[tuple[str, Job]](), set[str]()
         self._running: dict[Future[Any], tuple[str, Job, int]] = {}
         self._stopped = math.inf  # when
@@ -162,8 +161,8 @@ class _Run:
             future.cancel()
 
     def _kill(self) -> None:
-        for process in multiprocessing.active_children():
-            if self._pools and process not in self._others:
+        for pool in self._pools.values():
+            for process in list((pool._processes or {}).values()):  # `kill_workers` from Python 3.14 on
                 process.kill()
 
     def _hand_out(self) -> bool:
