@@ -17,7 +17,7 @@ from timing import of_children
 
 from rollerrig.config import load_case
 from rollerrig.study.jobs import job
-from rollerrig.study.measures import MEASURES
+from rollerrig.study.measures import measured
 from rollerrig.study.sweep import SweepStudy, sweep_study
 
 
@@ -32,7 +32,7 @@ def in_a_loop(work: SweepStudy) -> float:
     cases = [work.whole.case.with_changes(changes) for changes in work.points.changes()]
     begun = time.process_time()
     for case in cases:
-        job(MEASURES["critical_speed"].measure, case, measure).call(lambda _fraction, _text: None)
+        job(measured, case, measure).call(lambda _fraction, _text: None)
     return time.process_time() - begun
 
 

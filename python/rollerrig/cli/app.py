@@ -7,44 +7,8 @@ from rollerrig.cli import cases, commands, interfaces, runs
 from rollerrig.cli.study_command import SPECIAL, study_command
 from rollerrig.cli.termination import readable_errors
 
-COMMANDS = (
-    "paper",
-    "run",
-    "stability",
-    "response",
-    "compare",
-    "curving",
-    "adhesion",
-    "wsp",
-    "reconstruct",
-    "replay",
-    "control",
-    "tune",
-    "lateral",
-    "scale",
-    "envelope",
-    "sweep",
-    "fit",
-    "serve",
-    "export_fmu",
-    "export",
-    "compare_runs",
-    "view",
-    "play",
-    "contact",
-    "creep",
-    "conicity",
-    "new",
-    "explain",
-    "schema",
-    "show",
-    "profile",
-    "check",
-    "assemble",
-    "catalog",
-    "cite",
-)
-"""Functions of `commands.STUDIES`, `cases`, `runs` or `interfaces`."""
+OTHERS = {name: getattr(module, name) for module in (runs, interfaces, cases) for name in module.__all__}
+COMMANDS = (*commands.STUDIES, *OTHERS)
 
 HELP = """A roller rig for railway bogies, in software.
 
@@ -75,10 +39,7 @@ def build_app() -> typer.Typer:
 
     for name in COMMANDS:
         word = name.replace("_", "-")
-        if name in commands.STUDIES:
-            command = study_command(getattr(commands, name), **SPECIAL.get(name, {}))
-        else:
-            command = getattr(next(module for module in (cases, runs, interfaces) if hasattr(module, name)), name)
+        command = OTHERS.get(name) or study_command(getattr(commands, name), **SPECIAL.get(name, {}))
         if isinstance(command, typer.Typer):
             app.add_typer(command, name=word)
             continue

@@ -11,6 +11,8 @@ from rollerrig.cli.command import AllowCode, CaseName, Changes, Force, changes_o
 from rollerrig.cli.ranges import check_finite, read_range
 from rollerrig.cli.termination import LEFT_VALIDITY, readable_errors, say, stop
 
+__all__ = ["catalog", "check", "cite", "contact", "explain", "new", "profile", "schema", "show"]
+
 
 def new(
     name: Annotated[str, typer.Argument(metavar="NAME", help="Name of the new case; the file is NAME.toml.")],
@@ -183,13 +185,9 @@ def profile(
     picture = picture_kind(out)
     from rollerrig.contact_analysis.profile_curve import COLUMNS, FIRST_LINE, profile, profile_csv, simpack_text
     from rollerrig.plot import figure_bytes, profile_figure
-    from rollerrig.profiles import ProfileError
     from rollerrig.results import output_file, write_bytes, write_text
 
-    try:
-        curve = profile(source, kind, None if smoothing_mm is None else 1e-3 * smoothing_mm)
-    except ProfileError as error:
-        stop(error)
+    curve = profile(source, kind, None if smoothing_mm is None else 1e-3 * smoothing_mm)
     endings = {".csv": profile_csv, ".prw" if curve.attrs["kind"] == "wheel" else ".prr": simpack_text}
     marks = (COLUMNS, FIRST_LINE)
     if export is not None:
@@ -286,9 +284,6 @@ def cite(
     ] = None,
 ) -> None:
     """Print BibTeX: the program, the paper and, of a run or a case, the sources of the models and data in it."""
-    from rollerrig.results import ResultsError, cite, load_run
+    from rollerrig.results import cite, load_run
 
-    try:
-        typer.echo(cite(load_run(what) if what and what.endswith(".nc") else what), nl=False)
-    except (ResultsError, FileNotFoundError) as error:
-        stop(error)
+    typer.echo(cite(load_run(what) if what and what.endswith(".nc") else what), nl=False)

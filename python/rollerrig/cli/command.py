@@ -119,7 +119,6 @@ def carry_out(
     from rollerrig.common.formatting import number
     from rollerrig.results import locked
     from rollerrig.study.frame import REPORT
-    from rollerrig.study.workers import WorkerError
 
     def first_results(found: Any) -> None:
         page = next(path for path in found.write(out, force=force) if path.name == REPORT)
@@ -141,12 +140,10 @@ def carry_out(
                         first_results=first_results,
                     )
                 written = [] if outcome is None else outcome.write(out, force=force)
-        except Exception as error:
+        except Exception:
             if made:
                 with suppress(OSError):  # there is something in it
                     out.rmdir()
-            if isinstance(error, WorkerError):
-                stop(error)
             raise
     if outcome is None:
         stop("interrupted; finished jobs are kept: the same command continues", INTERRUPTED)

@@ -16,7 +16,7 @@ from contextvars import ContextVar
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
-from rollerrig.study.options import SPEEDS_KMH, OneProcess, Option, Processes, SpeedsKmh, Switch, parameters
+from rollerrig.study.options import SPEEDS_KMH, OneProcess, Option, Processes, SpeedsKmh, parameters
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -27,28 +27,18 @@ if TYPE_CHECKING:
     from rollerrig.study.frame import Outcome, Study
 
 
-def run_study(
-    study: Study[Any], processes: int = 1, progress: Progress | None = None, folder: str | Path | None = None
-) -> Outcome[Any]:
-    """The outcome of a study, without files.
-
-    Raises:
-        KeyboardInterrupt: Ctrl-C left too little to report.
-    """
-    found = study.run(folder=folder, processes=processes, progress=progress)
-    if found is None:
-        raise KeyboardInterrupt
-    return found
-
-
-RUNNER: ContextVar[Callable[..., Any]] = ContextVar("RUNNER", default=run_study)
-"""The command line has one of its own, which writes the outcome into a folder."""
+RUNNER: ContextVar[Callable[..., Any] | None] = ContextVar("RUNNER", default=None)
+"""What the command line does with a study: it writes the outcome into a folder."""
 
 
 def _outcome(
     study: Study[Any], processes: int = 1, progress: Progress | None = None, folder: str | Path | None = None
 ) -> Outcome[Any]:
-    found: Outcome[Any] = RUNNER.get()(study, processes, progress, folder)
+    """The outcome of a study, without files; a KeyboardInterrupt where Ctrl-C left too little to report."""
+    runner = RUNNER.get()
+    found = runner(study, processes) if runner else study.run(folder=folder, processes=processes, progress=progress)
+    if found is None:
+        raise KeyboardInterrupt
     return found
 
 
@@ -231,7 +221,7 @@ def conicity(
     largest: Annotated[float, Option("shift_mm", "mm", 0.1, 50.0)] = 8e-3,
     step: Annotated[float, Option("step_mm", "mm", 0.005, 1.0)] = 1e-4,
     yaw: Annotated[float, Option("yaw_mrad", "mrad", -100.0, 100.0)] = 0.0,
-    free_to_roll: Annotated[bool, Option("with_roll", switch=True)] = False,
+    free_to_roll: Annotated[bool, Option("with_roll")] = False,
 ) -> xr.Dataset:
     """Rolling radius difference, contact angles and positions, and equivalent conicity of a pair of profiles.
 
@@ -295,7 +285,7 @@ def stability(
     processes: Annotated[int, Option(least=1, most=2, default=2)] = 1,
     contacts_kmh: Annotated[float | None, Option(least=1.0, most=600.0)] = None,
     branch: Annotated[float | None, Option("branch_mm", "mm", 0.05, 50.0)] = None,
-    sensitivity: Switch = False,
+    sensitivity: bool = False,
     progress: Progress | None = None,
 ) -> Outcome[Any]:
     """Eigenvalues, damping, frequency and mode shapes over speed; limit cycles; critical speeds.
@@ -328,7 +318,7 @@ def curving(
     deficiencies: Annotated[Sequence[float], Option("deficiencies_mm", "mm", meaning=_DEFICIENCIES)] = DEFICIENCIES,
     cant: Annotated[float | None, Option("cant_mm", "mm", 0.0, 300.0)] = None,
     *,
-    sensitivity: Switch = False,
+    sensitivity: bool = False,
     progress: Progress | None = None,
 ) -> Outcome[Any]:
     """Steady curving: Y, Q, Y/Q, sum of Y, angle of attack and wear number over radius and cant deficiency, with their limits.
@@ -351,7 +341,7 @@ def adhesion(
     case: Case | str,
     *,
     error_budget: bool = True,
-    quick: Switch = False,
+    quick: bool = False,
     processes: Processes = 1,
     progress: Progress | None = None,
 ) -> Outcome[Any]:
@@ -379,7 +369,7 @@ def wsp(
     *,
     against: Case | str | None = None,
     starts: Annotated[int, Option(least=0, most=100)] = 0,
-    quick: Switch = False,
+    quick: bool = False,
     processes: Processes = 1,
     progress: Progress | None = None,
 ) -> Outcome[Any]:
@@ -745,7 +735,8 @@ def sweep(
             found = study.run(folder=folder, progress=progress, executor=executor)
     if found is None or found.interrupted:
         raise KeyboardInterrupt
-    return found.results.data
+    data: xr.Dataset = found.results
+    return data
 
 
 def fit(
@@ -753,7 +744,7 @@ def fit(
     logs: Sequence[str | Path | Mapping[str, Any]],
     *,
     changes: Annotated[Mapping[str, object] | None, Option("change", meaning=_FIT_CHANGES)] = None,
-    allow_code: Switch = False,
+    allow_code: bool = False,
     processes: OneProcess = 1,
     progress: Progress | None = None,
 ) -> Outcome[Any]:
@@ -802,7 +793,7 @@ def compare(
     disturbance: Annotated[float, Option("disturbance_mm", "mm", 0.01, 20.0)] = 3e-3,
     duration: Annotated[float, Option(least=1.0, most=600.0)] = 3.0,
     processes: Processes = 1,
-    allow_code: Switch = False,
+    allow_code: bool = False,
     progress: Progress | None = None,
     **hunting: float,
 ) -> Outcome[Any]:
@@ -834,7 +825,7 @@ def compare(
     return _outcome(study, processes, progress)
 
 
-def paper(*, quick: Switch = False, processes: Processes = 1, progress: Progress | None = None) -> Outcome[Any]:
+def paper(*, quick: bool = False, processes: Processes = 1, progress: Progress | None = None) -> Outcome[Any]:
     """Reproduce the paper's two studies: figures 7 and 8, checks against theory, one report.
 
     Args:

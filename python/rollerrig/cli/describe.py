@@ -4,6 +4,7 @@ Case -> assembled model, its equilibrium -> [describe_case] -> lines
 """
 
 import math
+import re
 from collections.abc import Sequence
 
 import xarray as xr
@@ -24,53 +25,38 @@ from rollerrig.simulation.controllers import COMMANDS, fmu_controller, look_at_c
 from rollerrig.simulation.fmu_controller import FmuError
 from rollerrig.simulation.mechatronics import estimator_response, feedback_gains, full_brake_torque, rig_controller
 from rollerrig.simulation.starting_state import degrees_of_freedom, equilibrium_dataset
-from rollerrig.track import Segment, equilibrium_speed, plane_acceleration
+from rollerrig.track import equilibrium_speed, plane_acceleration
 
-Rows = list[list[str]]
+Rows = list[dict[str, str]]
+"""Rows of a table, heading -> text; what a row lacks is blank."""
 
 
 def line_rows(track: Track, case: Case | None = None) -> Rows:
-    """A heading and one row per segment; with a case, also how its vehicle runs there at its highest speed."""
-    line = track.line
-    if line is None:
-        return []
-    heading = ["segment", "from m", "to m", "radius m", "cant mm", "equilibrium km/h"]
-    heading += ["speed km/h", "cant deficiency mm", "at most km/h"] if case else []
-    rows, gravity = [heading], case.gravity if case else GRAVITY
-    for i, segment in enumerate(line.segments):
-        ends = [f"{segment.start:g}", f"{segment.end:g}"]
-        row = [f"{i} {segment.kind}", *ends, *_curve(segment, track.cant_base, gravity)]
-        rows.append(row + (_run(case, track, segment) if case else []))
+    """A row per segment; with a case, also how its vehicle runs there at its highest speed.
+
+    A cant deficiency is the cant that would have to be added.
+    """
+    rows, gravity, base = Rows(), case.gravity if case else GRAVITY, track.cant_base
+    for i, segment in enumerate(track.line.segments if track.line else ()):
+        row = {"segment": f"{i} {segment.kind}", "from m": f"{segment.start:g}", "to m": f"{segment.end:g}"}
+        speeds = speeds_on(case, segment) if case else None
+        if case:
+            row["speed km/h"] = f"{3.6 * speeds[1]:z.1f}" if speeds else "not reached"
+        if segment.kind == "transition":
+            row["radius m"] = segment.shape
+        if segment.kind == "curve":
+            curvature, cant = segment.curvature[0], segment.cant[0]
+            outwards = math.copysign(1.0, curvature)
+            balanced = equilibrium_speed(curvature, cant, base, gravity)
+            row["radius m"] = f"{1 / abs(curvature):g} {'left' if curvature > 0 else 'right'}"
+            row["cant mm"] = f"{1e3 * outwards * cant + 0.0:g}"
+            row["equilibrium km/h"] = "none" if math.isnan(balanced) else f"{3.6 * balanced:z.1f}"
+            if case and speeds:
+                left_over = outwards * plane_acceleration(speeds[1], curvature, cant, base, gravity)
+                row["cant deficiency mm"] = f"{1e3 * base * left_over / gravity:z.0f}"
+                row["at most km/h"] = f"{3.6 * highest_speed_on(case, track, segment):z.0f}"
+        rows.append(row)
     return rows
-
-
-def _curve(segment: Segment, base: float, gravity: float) -> list[str]:
-    if segment.kind != "curve":
-        return [segment.shape if segment.kind == "transition" else "", "", ""]
-    curvature, cant = segment.curvature[0], segment.cant[0]
-    side = "left" if curvature > 0 else "right"
-    balanced = equilibrium_speed(curvature, cant, base, gravity)
-    outer = math.copysign(1.0, curvature) * cant
-    return [
-        f"{1 / abs(curvature):g} {side}",
-        f"{1e3 * outer + 0.0:g}",
-        "none" if math.isnan(balanced) else f"{3.6 * balanced:z.1f}",
-    ]
-
-
-def _run(case: Case, track: Track, segment: Segment) -> list[str]:
-    """Speed, cant deficiency and highest speed; a cant deficiency is the cant that would have to be added."""
-    speeds = speeds_on(case, segment)
-    if speeds is None:
-        return ["not reached", "", ""]
-    speed = f"{3.6 * speeds[1]:z.1f}"
-    if segment.kind != "curve":
-        return [speed, "", ""]
-    curvature, cant = segment.curvature[0], segment.cant[0]
-    left_over = plane_acceleration(speeds[1], curvature, cant, track.cant_base, case.gravity)
-    outward = math.copysign(1.0, curvature) * left_over
-    highest = highest_speed_on(case, track, segment)
-    return [speed, f"{1e3 * track.cant_base * outward / case.gravity:z.0f}", f"{3.6 * highest:z.0f}"]
 
 
 def irregularity_lines(support: Rig | Track, rails: RailIrregularity | None = None) -> list[str]:
@@ -266,14 +252,15 @@ def describe_case(case: Case, *, run_code: bool = False) -> list[str]:
         lines += _elements(model) + [""]
     lines += _way(model)
 
-    vertical = [float(v) for v in run["vertical_force"]]
-    lateral = [float(v) for v in run["lateral_force"]]
-    speed = 3.6 * float(run["speed"])
-    rows = [
-        [wheel.name, f"{q / 1e3:z.3f}", f"{y / 1e3:z.3f}", f"{count:z.0f}"]
-        for wheel, q, y, count in zip(model.wheels, vertical, lateral, run["patch_count"].to_numpy(), strict=True)
-    ]
-    lines += _table([[f"wheels at {speed:.4g} km/h", "vertical kN", "lateral kN", "patches"], *rows])
+    lines += _table([
+        {
+            f"wheels at {3.6 * float(run['speed']):.4g} km/h": wheel.name,
+            "vertical kN": f"{float(run['vertical_force'][k]) / 1e3:z.3f}",
+            "lateral kN": f"{float(run['lateral_force'][k]) / 1e3:z.3f}",
+            "patches": f"{float(run['patch_count'][k]):z.0f}",
+        }
+        for k, wheel in enumerate(model.wheels)
+    ])  # fmt: skip
     lines += [""] + _balance(model, run)
     actuators = actuator_lines(case, run_code=run_code)
     return [*lines, "", *actuators] if actuators else lines
@@ -323,29 +310,31 @@ def _way(model: AssembledModel) -> list[str]:
 def _bodies(model: AssembledModel) -> list[str]:
     free = degrees_of_freedom(model)
     count = sum(len(directions) for directions in free.values())
-    rows = [[f"bodies ({count} degrees of freedom)", "mass kg", "free"]]
-    for body in model.bodies:
-        state = ", ".join(free[body]) if free[body] else ("speed-controlled" if body in model.rollers else "fixed")
-        rows.append([body, f"{model.masses[body]:z.0f}", state])
+    rows = [
+        {
+            f"bodies ({count} degrees of freedom)": body,
+            "mass kg": f"{model.masses[body]:z.0f}",
+            "free": ", ".join(free[body]) or ("speed-controlled" if body in model.rollers else "fixed"),
+        }
+        for body in model.bodies
+    ]
     return _table(rows)
 
 
 def _elements(model: AssembledModel) -> list[str]:
     known = {element.name: element for element in model.case.vehicle.data.element}
     sleepers = any(name.startswith("sleeper_") for name in model.rails)
-    rows = [["force elements", "between", "acts along", "preload kN"]]
+    rows = []
     for name in model.elements:
-        element = known.get(name)
-        between = (
-            " - ".join(element.between)
-            if element
-            else f"{'sleeper' if sleepers and '_rail_' in name else 'ground'} - {name.split('_')[1]}"
-            if name.removeprefix("mounting_") in model.rails
-            else "ground - roller"
-        )
-        directions = ", ".join(element.laws) if element else "mounting"
+        if element := known.get(name):
+            between, acts = " - ".join(element.between), ", ".join(element.laws)
+        elif name.removeprefix("mounting_") in model.rails:
+            below = "sleeper" if sleepers and "_rail_" in name else "ground"
+            between, acts = f"{below} - {name.split('_')[1]}", "mounting"
+        else:
+            between, acts = "ground - roller", "mounting"
         preload = f"{model.preloads[name] / 1e3:z.3f}" if name in model.preloads else ""
-        rows.append([name, between, directions, preload])
+        rows.append({"force elements": name, "between": between, "acts along": acts, "preload kN": preload})
     return _table(rows)
 
 
@@ -383,15 +372,12 @@ def _downward(run: xr.Dataset, element: Element, fixed: Sequence[str]) -> float:
 
 
 def _table(rows: Rows) -> list[str]:
-    """Aligned columns below the heading, which is the first row; nothing without rows."""
-    columns = list(zip(*rows, strict=True))
-    widths = [max(map(len, column)) for column in columns]
-    numeric = [len(rows) > 1 and all(map(_is_number, column[1:])) for column in columns]
-    return [
-        "  ".join(c.rjust(w) if n else c.ljust(w) for c, w, n in zip(row, widths, numeric, strict=True)).rstrip()
-        for row in rows
-    ]
-
-
-def _is_number(text: str) -> bool:
-    return text == "" or text.replace(".", "").replace("-", "").isdigit()
+    """Aligned columns below their headings; nothing without rows."""
+    if not rows:
+        return []
+    columns = [[name, *(row.get(name, "") for row in rows)] for name in {name: "" for row in rows for name in row}]
+    aligned = []
+    for column in columns:
+        width, numeric = max(map(len, column)), all(re.fullmatch(r"[-.\d]*", cell) for cell in column[1:])
+        aligned.append([cell.rjust(width) if numeric else cell.ljust(width) for cell in column])
+    return ["  ".join(line).rstrip() for line in zip(*aligned, strict=True)]

@@ -6,10 +6,11 @@ options of `serve` -> addresses, safe values;  server -> [run_watched] -> lines 
 from __future__ import annotations
 
 import ipaddress
+import math
 import sys
-import threading
 import zipfile
-from contextlib import ExitStack
+from concurrent.futures import ThreadPoolExecutor, wait
+from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -20,6 +21,13 @@ from rollerrig.cli.termination import LEFT_VALIDITY, exit_code, say, stop
 
 if TYPE_CHECKING:
     from rollerrig.interfaces.realtime.server import Ended, Served
+
+__all__ = ["assemble", "export_fmu", "serve"]
+
+
+def names_in(text: str) -> list[str]:
+    """Names with commas between."""
+    return [name.strip() for name in text.split(",") if name.strip()]
 
 
 def assemble(
@@ -38,8 +46,8 @@ def assemble(
     """Write everything that a run of a case needs into one file, for other tools and without Python."""
     from rollerrig.interfaces.plant import assemble_file, contents, read_model
 
-    roles = [name.strip() for name in external.split(",") if name.strip()]
-    path = assemble_file(read_case(case, allow_code=allow_code, changes=change), out, external=roles, force=force)
+    whole = read_case(case, allow_code=allow_code, changes=change)
+    path = assemble_file(whole, out, external=names_in(external), force=force)
     typer.echo(path)
     say(contents(read_model(path)))
 
@@ -63,22 +71,19 @@ def export_fmu(
     allow_code: AllowCode = False,
 ) -> None:
     """A case as an FMU (Functional Mock-up Unit) for Simulink, Dymola, FMPy and others; no compiler is needed."""
-    from rollerrig.interfaces.fmu.export import WINDOWS, ExportError, export_fmu, export_part, shells
+    from rollerrig.interfaces.fmu.export import WINDOWS, export_fmu, export_part, shells
 
-    roles = [role.strip() for role in external.split(",") if role.strip()]
+    roles = names_in(external)
     whole = read_case(case, allow_code=allow_code, changes=change)
     if part and roles:
         text = "a controller alone has no others: leave out one of --part and --external"
         raise typer.BadParameter(text, param_hint="--part")
     if part and kind != "cs":
         raise typer.BadParameter("a controller alone is sampled: allowed with --part: cs", param_hint="--kind")
-    try:
-        if part:
-            typer.echo(export_part(whole, part, out, fmi=fmi, force=force))
-        else:
-            typer.echo(export_fmu(whole, out, fmi=fmi, kind=kind, external=roles, force=force))
-    except ExportError as error:
-        stop(error)
+    if part:
+        typer.echo(export_part(whole, part, out, fmi=fmi, force=force))
+    else:
+        typer.echo(export_fmu(whole, out, fmi=fmi, kind=kind, external=roles, force=force))
     carried = shells()
     for shell in carried:
         typer.echo(f"   runs on {shell.platform}" + (f", processor with {shell.needs}" if shell.needs else ""))
@@ -101,21 +106,19 @@ def address_of(udp: str | None, shm: str | None, case: str) -> tuple[str, int]:
     text = udp if udp is not None else f"{LOOPBACK}:0"
     host, _, number = text.rpartition(":")
     try:
-        address = str(ipaddress.IPv4Address(host)) if host else LOOPBACK
-        port = int(number)
+        address, port = str(ipaddress.IPv4Address(host or LOOPBACK)), int(number)
         if not 0 <= port <= 65535:
             raise ValueError
     except ValueError:
-        stop(
-            f"{case}: udp: {text!r}; allowed: a port from 0 to 65535, or an address of IPv4 and a port, {LOOPBACK}:5005"
-        )
+        allowed = f"allowed: a port from 0 to 65535, or an address of IPv4 and a port, {LOOPBACK}:5005"
+        stop(f"{case}: udp: {text!r}; {allowed}")
     return address, port
 
 
 def values_of(text: str, case: str) -> dict[str, float]:
     """Numbers by name of 'a=1, b=2'."""
     found = {}
-    for part in filter(None, (item.strip() for item in text.split(","))):
+    for part in names_in(text):
         name, _, number = part.partition("=")
         try:
             found[name.strip()] = float(number)
@@ -124,35 +127,23 @@ def values_of(text: str, case: str) -> dict[str, float]:
     return found
 
 
-def prepared(
-    case: str,
-    rate: str,
-    *,
-    external: str | None,
-    outputs: list[str],
-    safe: dict[str, float],
-    lock_step: bool,
-    allow_code: bool,
-) -> Served:
+def prepared(case: str, rate: str, external: str | None, lock_step: bool, allow_code: bool, **given: Any) -> Served:
     """The rig of a case or of a model file."""
-    from rollerrig.interfaces.plant import ModelFileError, read_model
+    from rollerrig.interfaces.plant import read_model
     from rollerrig.interfaces.realtime.server import serve_case, serve_model
 
     if not case.endswith(".model"):
-        roles = None if external is None else [name.strip() for name in external.split(",") if name.strip()]
+        roles = None if external is None else names_in(external)
         whole = read_case(case, allow_code=allow_code)
-        return serve_case(whole, rate, external=roles, outputs=outputs, safe=safe, lock_step=lock_step)
+        return serve_case(whole, rate, external=roles, lock_step=lock_step, **given)
     if external is not None:
-        stop(
-            f"{case}: external: {external!r}; a model file has its external controllers from `rollerrig assemble --external`"
-        )
+        allowed = "a model file has its external controllers from `rollerrig assemble --external`"
+        stop(f"{case}: external: {external!r}; {allowed}")
     try:
         assembled = read_model(case)
-    except ModelFileError as error:
-        stop(error)
     except OSError as error:
         stop(f"{case}: {error.strerror}")
-    return serve_model(assembled, rate, name=case, outputs=outputs, safe=safe)
+    return serve_model(assembled, rate, name=case, **given)
 
 
 def opening_lines(served: Served, address: str, port: int, *, lock_step: bool) -> list[str]:
@@ -175,103 +166,59 @@ def run_watched(server: Any, *, live: bool) -> Ended:
 
     from rollerrig.interfaces.realtime.server import run_server
 
-    found: list[Ended] = []
-    failed: list[BaseException] = []
-    done = threading.Event()  # Thread.join() does not survive a Ctrl-C
-
-    def work() -> None:
+    with ThreadPoolExecutor(1, "rig") as executor:
+        ended = executor.submit(run_server, server)
         try:
-            found.append(run_server(server))
-        except BaseException as error:  # told by the main thread
-            failed.append(error)
-        finally:
-            done.set()
-
-    threading.Thread(target=work, name="rig").start()
-    try:
-        with ExitStack() as stack:
-            shown = live and sys.stderr.isatty()
-            show = stack.enter_context(Live(console=Console(stderr=True))) if shown else None
-            while not done.wait(LOOK_SECONDS):
-                if show is not None:
-                    show.update(table(server.statistics()))
-    except KeyboardInterrupt:
-        server.stop()
-        done.wait()
-    if failed:
-        raise failed[0]
-    return found[0]
+            with Live(console=Console(stderr=True)) if live and sys.stderr.isatty() else nullcontext() as show:
+                while not wait([ended], LOOK_SECONDS).done:
+                    if show is not None:
+                        show.update("\n".join(state_lines(server.statistics())))
+        except KeyboardInterrupt:
+            server.stop()
+        return ended.result()
 
 
-def table(statistics: dict[str, Any]) -> Any:
-    """State, deadlines and frames of a server as they are now."""
-    from rich.table import Table
-
+def state_lines(told: dict[str, Any]) -> list[str]:
+    """State, deadlines and frames of a server, as it runs and at its end."""
     from rollerrig.interfaces.realtime.frames import STATES
 
-    view = Table(title=f"{STATES[statistics['state']]}, t = {statistics['time']:.2f} s", title_justify="left")
-    for heading in ("", "median", "99 %", "99.99 %", "longest"):
-        view.add_column(heading, justify="left" if not heading else "right")
+    lines = [f"{STATES[told['state']]}, t = {told['time']:.3f} s, {told['periods']} periods"]
     for name, key in (("step", "step"), ("wake-up", "wake")):
-        view.add_row(name, *(f"{1e-3 * ns:.1f} us" for ns in statistics[key][1:]))
-    dropped = ", ".join(f"{n} {name}" for name, n in statistics["frames"].items() if n and name != "accepted")
-    view.caption = (
-        f"{statistics['misses']} of {statistics['periods']} deadlines missed; commands: "
-        f"{statistics['frames']['accepted']} accepted{', ' + dropped if dropped else ''}; "
-        f"silent for {statistics['silent']} periods, watchdog {statistics['trips']} times"
-    )
-    return view
+        count, *times = told[key]
+        if count:
+            shown = zip(("median", "99 %", "99.99 %", "longest"), times, strict=True)
+            lines.append(f"{name}: {', '.join(f'{what} {1e-3 * ns:.1f}' for what, ns in shown)} us, of {count}")
+    lines.append(f"deadlines missed: {told['misses']}, given up: {told['skipped']}")
+    lines.append("frames: " + ", ".join(f"{n} {name}" for name, n in told["frames"].items() if n or name == "accepted"))
+    first = f", first at t = {told['first_trip']:.3f} s: safe state" if told["trips"] else ""
+    return [*lines, f"silent for {told['silent']} periods; watchdog: {told['trips']} times{first}"]
 
 
 def histogram_lines(bins: list[tuple[int, int, int]]) -> list[str]:
     """Steps and wake-ups per doubling of the time, from rows (upper edge [ns], steps, wake-ups)."""
     counts: dict[float, list[int]] = {}
-    for edge, steps, wakes in bins:
-        microseconds = 1.0
-        while 1e3 * microseconds < edge:
-            microseconds *= 2.0
-        own = counts.setdefault(microseconds, [0, 0])
-        own[0] += steps
-        own[1] += wakes
+    for edge, *both in bins:
+        microseconds = 2.0 ** max(0, math.ceil(math.log2(1e-3 * edge)))
+        counts[microseconds] = [a + b for a, b in zip(counts.get(microseconds, (0, 0)), both, strict=True)]
     rows = [f"{f'{until:g} us':>12} {steps:>10} {wakes:>10}" for until, (steps, wakes) in sorted(counts.items())]
     return [f"{'up to':>12} {'steps':>10} {'wake-ups':>10}", *rows] if rows else []
 
 
 def closing_lines(served: Served, server: Any, ended: Ended) -> list[str]:
     """Text after a run."""
-    told = server.statistics()
-    endings = {
+    words = {
         "ran": "to its end",
         "stopped_by_caller": "interrupted",
         "plant_ended": ended.sentence,
         "controller_silent": "the controller fell silent",
     }
-    lines = [f"{served.name}: t = {told['time']:.3f} s, {told['periods']} periods; {endings[ended.ending]}"]
-    for name, key in (("step", "step"), ("wake-up", "wake")):
-        count, median, most, nearly_all, longest = told[key]
-        if count:
-            times = f"median {median / 1e3:.1f}, 99 % {most / 1e3:.1f}, 99.99 % {nearly_all / 1e3:.1f}"
-            lines.append(f"{name}: {times}, longest {longest / 1e3:.1f} us, of {count}")
-    lines += histogram_lines(server.histogram())
-    lines.append(f"deadlines missed: {told['misses']}, given up: {told['skipped']}")
-    lines.append("frames: " + ", ".join(f"{n} {name}" for name, n in told["frames"].items() if n))
-    if told["trips"]:
-        lines.append(f"watchdog: {told['trips']} times, first at t = {told['first_trip']:.3f} s: safe state")
-    lines.append(f"memory: {ended.memory}; scheduling: {ended.scheduling}")
-    return lines
+    state, *others = state_lines(server.statistics())
+    how = f"memory: {ended.memory}; scheduling: {ended.scheduling}"
+    head = f"{served.name}: {state.partition(', ')[2]}; {words[ended.ending]}"
+    return [head, *others, *histogram_lines(server.histogram()), how]
 
 
 # ---------------------------------------------------------------------------------------------------- records
-
-
-def check_target(path: Path | None) -> None:
-    """Refuse a file that could not be written at the end, before the run."""
-    if path is None:
-        return
-    if path.is_dir() or not path.parent.is_dir():
-        stop(f"{path}: no file can be written there; allowed: a file in a folder that exists")
-    if path.exists():
-        stop(f"{path}: exists already; allowed: a new file, or remove it first")
 
 
 def write_record(path: Path, served: Served, server: Any, *, lock_step: bool) -> None:
@@ -312,17 +259,15 @@ def replayed(served: Served, kept: dict[str, Any], path: str) -> str:
     now = {"inputs": [v.name for v in served.inputs], "outputs": [v.name for v in served.outputs]}
     for what, names in now.items():
         if names != kept[what].tolist():
-            stop(
-                f"{path}: {what}: recorded with others than this case has; allowed: the case and options of the record"
-            )
+            allowed = "allowed: the case and options of the record"
+            stop(f"{path}: {what}: recorded with others than this case has; {allowed}")
     if float(kept["period"]) != served.period:
         stop(f"{path}: recorded at {1.0 / float(kept['period']):g} Hz; allowed: that --rate")
-    found = replay(served, kept["commands"])
-    rows = len(kept["sensors"])
+    found, rows = replay(served, kept["commands"]), len(kept["sensors"])
     if found[:rows].tobytes() != kept["sensors"].tobytes():
         unlike = np.flatnonzero((found[:rows] != kept["sensors"]).any(axis=1)) if len(found) >= rows else [len(found)]
         first = unlike[0] if len(unlike) else 0
-        stop(f"{path}: not the same run: sensors differ from t = {first * served.period:.4f} s on", 3)
+        stop(f"{path}: not the same run: sensors differ from t = {first * served.period:.4f} s on", LEFT_VALIDITY)
     return f"{path}: {rows - 1} periods, {found.shape[1]} sensors: the same bytes"
 
 
@@ -381,6 +326,7 @@ def serve(
 ) -> None:
     """The rig as a server for a controller in another process or on a test bench, in real time."""
     from rollerrig.interfaces.realtime.server import check_rate, open_server
+    from rollerrig.results import output_file
 
     address, port = address_of(udp, shm, case)
     kept = None if replay is None else read_record(replay)
@@ -388,15 +334,16 @@ def serve(
         case,
         rate,
         external=external,
-        outputs=[name.strip() for name in outputs.split(",") if name.strip()],
-        safe=values_of(safe, case),
         lock_step=lock_step if kept is None else bool(kept["lock_step"]),
         allow_code=allow_code,
+        outputs=names_in(outputs),
+        safe=values_of(safe, case),
     )
     if kept is not None:
         typer.echo(replayed(served, kept, str(replay)))
         raise typer.Exit
-    check_target(record)
+    if record is not None and output_file(record).exists():
+        stop(f"{record}: exists already; allowed: a new file, or remove it first")
     if not lock_step:
         check_rate(served)
     server = open_server(

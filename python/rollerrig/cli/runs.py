@@ -19,6 +19,8 @@ from rollerrig.cli.command import (
 )
 from rollerrig.cli.termination import say, stop
 
+__all__ = ["compare_runs", "export", "play", "sweep", "view"]
+
 
 def export(
     run: Annotated[Path, typer.Argument(help="A file of results, e.g. run.nc.")],
@@ -28,12 +30,9 @@ def export(
     force: Force = False,
 ) -> None:
     """Write a run for other programs: MATLAB, a CSV table, Parquet."""
-    from rollerrig.results import ResultsError, export
+    from rollerrig.results import export
 
-    try:
-        typer.echo(export(run, out or run.with_suffix(f".{to}"), to=to, over=over, force=force))
-    except (ResultsError, FileNotFoundError) as error:
-        stop(error)
+    typer.echo(export(run, out or run.with_suffix(f".{to}"), to=to, over=over, force=force))
 
 
 def compare_runs(
@@ -51,12 +50,12 @@ def compare_runs(
     from rollerrig.common.formatting import number
     from rollerrig.plot import figure_bytes, runs_together
     from rollerrig.plot.run import shown_unit
-    from rollerrig.results import ResultsError, load_run, output_file, write_bytes
+    from rollerrig.results import load_run, output_file, write_bytes
 
     output_file(out, force=force)
     try:
         found = compare_runs(dict(zip(_labels(runs), map(load_run, runs), strict=True)), signal or ())
-    except (ResultsError, FileNotFoundError, ValueError) as error:
+    except ValueError as error:
         stop(error)
     typer.echo(write_bytes(out, figure_bytes(runs_together(found), kind), force=force))
     names = [str(name) for name, values in found.data_vars.items() if "time" in values.dims]
@@ -103,7 +102,7 @@ def sweep(
     Every finished case is kept at once: after Ctrl-C, or a machine that went down, the same command continues with the rest.
     """
     from rollerrig.config import load_plan
-    from rollerrig.study.cluster import ClusterError, cluster
+    from rollerrig.study.cluster import cluster
     from rollerrig.study.runs.sweep import resized
     from rollerrig.study.sweep import SweepStudy
 
@@ -113,11 +112,8 @@ def sweep(
     study = SweepStudy(whole if samples is None else resized(whole, samples), many=yes)
     if dask is None:
         carry_out(study, out, workers, force=force)
-    try:
-        with cluster(dask) as executor:
-            carry_out(study, out, force=force, executor=executor)
-    except ClusterError as error:
-        stop(f"--dask: {error}")
+    with cluster(dask) as executor:
+        carry_out(study, out, force=force, executor=executor)
 
 
 def view(
@@ -129,13 +125,9 @@ def view(
     force: Force = False,
 ) -> None:
     """Show a run in motion: one HTML file with the vehicle, its contacts and forces, and curves in step."""
-    from rollerrig.results import ResultsError
     from rollerrig.viewer import view
 
-    try:
-        typer.echo(view(run, other, path=out, force=force))
-    except (ResultsError, FileNotFoundError) as error:
-        stop(error)
+    typer.echo(view(run, other, path=out, force=force))
 
 
 def play(

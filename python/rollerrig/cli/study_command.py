@@ -71,7 +71,7 @@ def study_command(
             changes = None if "changes" in arguments else given["change"]
             arguments["case"] = read_case(label, allow_code=given["allow_code"], changes=changes)
 
-        def runner(study: Study[Any], processes: int, *_: object) -> None:
+        def runner(study: Study[Any], processes: int) -> None:
             from rollerrig.config import code_of
 
             lines = (line for case in study.cases().values() for line in code_lines(code_of(case)))
@@ -136,7 +136,8 @@ def _options(one: Parameter) -> Iterator[inspect.Parameter]:
             kind, default = kind | None, None
         meaning = (option.meaning or one.meaning).replace(f"[{UNITS[option.unit][0]}]", f"[{option.unit}]")
         flag = f"--{name.replace('_', '-').lower()}"
-        spelt = ("--set",) if name == "change" else (flag,) * (option.switch or name != name.lower())
+        # what is off by default has no `--no-` beside it
+        spelt = ("--set",) if name == "change" else (flag,) * (default is False or name != name.lower())
         info = typer.Option(*spelt, help=_text(meaning), min=option.least, max=option.most)
         yield _parameter(name, Annotated[kind, info], default)
 
@@ -271,9 +272,9 @@ SPECIAL: dict[str, dict[str, Any]] = {
     "creep": {"refused": (ValueError, RuntimeError)},
     "compare": {"prepare": check_compare},
     "wsp": {"prepare": prepare_wsp},
-    "fit": {"refused": (FileNotFoundError, ValueError, RuntimeError)},
-    "reconstruct": {"refused": (FileNotFoundError, ValueError)},
-    "replay": {"refused": (FileNotFoundError, ValueError)},
+    "fit": {"refused": (ValueError, RuntimeError)},
+    "reconstruct": {"refused": (ValueError,)},
+    "replay": {"refused": (ValueError,)},
     "scale": {
         "prepare": prepare_scale,
         "switches": {"run": (RUN, False, "error_budget")},

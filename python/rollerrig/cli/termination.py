@@ -17,6 +17,12 @@ BAD_INPUT = 2
 LEFT_VALIDITY = 3
 INTERRUPTED = 130
 
+MISTAKES = {
+    "ClusterError", "ConfigError", "ExportError", "FileNotFoundError", "ModelFileError", "OutputError", "ProfileError",
+    "ResultsError", "StartError", "WorkerError",
+}  # fmt: skip
+"""Errors whose message is for the user, by name: no command loads a module for those of others."""
+
 P = ParamSpec("P")
 R = TypeVar("R")
 
@@ -74,17 +80,15 @@ def readable_errors(command: Callable[P, R]) -> Callable[P, R]:
 
     @functools.wraps(command)
     def wrapped(*arguments: P.args, **options: P.kwargs) -> R:
-        from rollerrig.config import ConfigError
-        from rollerrig.results import OutputError
-        from rollerrig.simulation.starting_state import StartError
-
         try:
             return command(*arguments, **options)
-        except (ConfigError, OutputError, StartError) as error:
-            stop(_with_file(str(error), options))
         except MemoryError:
             stop("not enough memory; raise time.output_step or shorten the run")
         except KeyboardInterrupt:
             stop("interrupted", INTERRUPTED)
+        except Exception as error:
+            if type(error).__name__ not in MISTAKES:
+                raise
+            stop(_with_file(str(error), options))
 
     return wrapped

@@ -1,6 +1,5 @@
-"""Figures of a sweep: maps of a grid, scatter pictures of samples, tornado, Sobol indices."""
+"""Figures of a sweep: lines and maps of a grid, scatter pictures of samples, bars for tornado and Sobol indices."""
 
-import itertools
 from collections.abc import Mapping
 from typing import Any
 
@@ -23,108 +22,45 @@ def _label(values: xr.DataArray) -> str:
     return f"{str(values.name).replace('_', ' ')}{f' [{unit}]' if unit not in ('', '1') else ''}"
 
 
+def _value(coordinate: xr.DataArray) -> str:
+    """Name and value of a varied key."""
+    found, unit = coordinate.item(), coordinate.attrs.get("units", "")
+    shown = f"{found:.4g}{f' {unit}' if unit not in ('', '1') else ''}" if isinstance(found, float) else str(found)
+    return f"{str(coordinate.name).replace('_', ' ')} = {shown}"
+
+
 def _spread(count: int, most: int) -> list[int]:
     """Up to so many of the numbers from 0, both ends included."""
     return sorted({round(i) for i in np.linspace(0, count - 1, min(count, most))})
 
 
-@house_style()
-def grid_map(data: xr.Dataset, name: str) -> Figure:
-    """A number of a grid: lines over one or two varied keys of which one has few values, else maps, a panel per third value.
-
-    Over a fourth and further keys the middle value is shown.
-    """
-    values = data[name]
-    shown = sorted(values.dims, key=lambda dim: (-values.sizes[dim], values.dims.index(dim)))[:3]
-    rest = {dim: values.sizes[dim] // 2 for dim in values.dims if dim not in shown}
-    values = values.isel(rest)
-    shown = [dim for dim in values.dims if dim in shown]
-    if len(shown) == 1:
-        figure, axes = new_figure(1)
-        _line(axes[0], values)
-        axes[0].set_ylabel(_label(values))
-        return figure
-    if len(shown) == 2 and min(values.sizes[dim] for dim in shown) < 4:
-        return _lines(values, shown)
-    across, up, *third = sorted(shown, key=lambda dim: -values.sizes[dim])
-    panels = _spread(values.sizes[third[0]], MOST_PANELS) if third else [0]
-    columns = min(3, len(panels))
-    figure, grid = new_grid(-(-len(panels) // columns), columns, 7.2, 3.2 if columns > 1 else 4.2)
-    low, high = float(values.min()), float(values.max())
-    picture: Any = None
-    for axes, k in itertools.zip_longest(grid.ravel(), panels):
-        if k is None:
-            axes.set_visible(False)
-            continue
-        part = values.isel({third[0]: k}) if third else values
-        picture = _map(axes, part.transpose(up, across), low, high)
-        if third:
-            axes.set_title(f"{str(third[0]).replace('_', ' ')} \n= {_shown(part[third[0]])}")
-    if picture is not None:
-        figure.colorbar(picture, ax=list(grid.ravel()), label=_label(values))
-    return figure
+def _panels(count: int, high: float, low: float) -> tuple[Figure, Any]:
+    """A figure with up to three panels beside each other, and the panels; height of a row [inches] of one or of several."""
+    columns = min(3, count)
+    figure, grid = new_grid(-(-count // columns), columns, 7.2, low if columns > 1 else high)
+    for axes in grid.ravel()[count:]:
+        axes.set_visible(False)
+    return figure, grid
 
 
-def _shown(value: xr.DataArray) -> str:
-    found, unit = value.item(), value.attrs.get("units", "")
-    return f"{found:.4g}{f' {unit}' if unit not in ('', '1') else ''}" if isinstance(found, float) else str(found)
-
-
-def _places(values: xr.DataArray, dim: str) -> tuple[Any, list[str]]:
-    """Where the values of a key stand on an axis, and what is written there if they are words."""
-    coordinate = values[dim].to_numpy()
-    if coordinate.dtype.kind == "f":
-        return coordinate, []
-    return np.arange(len(coordinate)), [str(word) for word in coordinate]
-
-
-def _line(axes: Axes, values: xr.DataArray, number: int = 0, label: str = "") -> None:
-    dim = str(values.dims[0])
-    places, words = _places(values, dim)
-    style = {"color": COLOURS[number % len(COLOURS)], "marker": MARKERS[number % len(MARKERS)], "markersize": 3.5}
-    axes.plot(places, values.to_numpy(), label=label, **style)  # type: ignore[arg-type]
+def _along(axes: Axes, which: str, values: xr.DataArray) -> Any:
+    """Places of the values of a varied key on an axis, which is labelled: with words, or by logarithms over a decade or more."""
+    places, words = values.to_numpy(), list[str]()
+    if places.dtype.kind != "f":
+        texts = places.astype(str).tolist()
+        words = list(dict.fromkeys(texts))
+        places = np.array([words.index(text) for text in texts])
+    axis = axes.xaxis if which == "x" else axes.yaxis
+    axis.set_label_text(_label(values))
     if words:
-        axes.set_xticks(places, words)
-    axes.set_xlabel(_label(values[dim]))
-
-
-def _lines(values: xr.DataArray, shown: list[Any]) -> Figure:
-    _, other = sorted(shown, key=lambda dim: -values.sizes[dim])
-    figure, axes = new_figure(1)
-    for number, k in enumerate(_spread(values.sizes[other], MOST_LINES)):
-        part = values.isel({other: k})
-        _line(axes[0], part, number, f"{other.replace('_', ' ')} = {_shown(part[other])}")
-    axes[0].set_ylabel(_label(values))
-    axes[0].legend()
-    return figure
-
-
-def _map(axes: Axes, values: xr.DataArray, low: float, high: float) -> Any:
-    (up, across) = (str(dim) for dim in values.dims)
-    (x, x_words), (y, y_words) = _places(values, across), _places(values, up)
-    axes.grid(visible=False)
-    corners = _edges(x), _edges(y)
-    picture = axes.pcolormesh(*corners, values.to_numpy(), shading="flat", vmin=low, vmax=high, cmap="viridis")
-    _logarithmic(axes, x if not x_words else [], y if not y_words else [])
-    if x_words:
-        axes.set_xticks(x, x_words)
-    if y_words:
-        axes.set_yticks(y, y_words)
-    axes.set(xlabel=_label(values[across]), ylabel=_label(values[up]))
-    return picture
-
-
-def _logarithmic(axes: Axes, x: Any, y: Any = ()) -> None:
-    """Logarithmic axes for values over a decade or more, with plain numbers at them."""
-    if _is_wide(x):
-        logarithmic(axes)
-    if _is_wide(y):
-        logarithmic(axes, "y")
+        axis.set_ticks(range(len(words)), words)
+    elif _is_wide(places):
+        logarithmic(axes, "x" if which == "x" else "y")
+    return places
 
 
 def _is_wide(places: Any) -> bool:
-    """Whether values are shown by their logarithms: positive ones over a decade or more."""
-    return bool(len(places) and np.min(places) > 0.0 and np.max(places) >= DECADE * np.min(places))
+    return bool(np.min(places) > 0.0 and np.max(places) >= DECADE * np.min(places))
 
 
 def _edges(places: Any) -> Any:
@@ -135,66 +71,79 @@ def _edges(places: Any) -> Any:
 
 
 @house_style()
+def grid_map(data: xr.Dataset, name: str) -> Figure:
+    """A number of a grid: lines over one or two varied keys of which one has few values, else maps, a panel per third value.
+
+    Over a fourth and further keys the middle value is shown.
+    """
+    values = data[name]
+    shown = sorted(values.dims, key=lambda dim: (-values.sizes[dim], values.dims.index(dim)))[:3]
+    values = values.isel({dim: values.sizes[dim] // 2 for dim in values.dims if dim not in shown})
+    if len(shown) == 1 or (len(shown) == 2 and values.sizes[shown[1]] < 4):
+        return _lines(values, *shown)
+    across, up, *third = shown
+    panels = [values.isel({dim: k}) for dim in third for k in _spread(values.sizes[dim], MOST_PANELS)] or [values]
+    figure, grid = _panels(len(panels), 4.2, 3.2)
+    ends: dict[str, Any] = {"vmin": float(values.min()), "vmax": float(values.max())}
+    picture: Any = None
+    for axes, part in zip(grid.ravel(), panels, strict=False):
+        axes.grid(visible=False)
+        corners = (_edges(_along(axes, which, part[dim])) for which, dim in (("x", across), ("y", up)))
+        picture = axes.pcolormesh(*corners, part.transpose(up, across).to_numpy(), cmap="viridis", **ends)
+        axes.set_title("".join(_value(part[dim]).replace(" =", " \n=") for dim in third))
+    figure.colorbar(picture, ax=list(grid.ravel()), label=_label(values))
+    return figure
+
+
+def _lines(values: xr.DataArray, along: Any, *others: Any) -> Figure:
+    """A number over one key, a line per value of another one."""
+    figure, (axes,) = new_figure(1)
+    places = _along(axes, "x", values[along])
+    parts = [values.isel({dim: k}) for dim in others for k in _spread(values.sizes[dim], MOST_LINES)] or [values]
+    for colour, marker, part in zip(COLOURS, MARKERS, parts, strict=False):
+        label = "".join(_value(part[dim]) for dim in others)
+        axes.plot(places, part.to_numpy(), label=label, color=colour, marker=marker, markersize=3.5)
+    axes.set_ylabel(_label(values))
+    if others:
+        axes.legend()
+    return figure
+
+
+@house_style()
 def scatter(data: xr.Dataset, name: str) -> Figure:
     """A number of each case over each varied key."""
     values = data[name]
-    keys = [str(key) for key in values.coords]
-    columns = min(3, len(keys))
-    figure, grid = new_grid(-(-len(keys) // columns), columns, 7.2, 2.6 if columns > 1 else 3.4)
-    for axes, key in itertools.zip_longest(grid.ravel(), keys):
-        if key is None:
-            axes.set_visible(False)
-            continue
-        column = values[key].to_numpy()
-        numbers = column.dtype.kind == "f"
-        places = column if numbers else np.unique(column.astype(str), return_inverse=True)[1]
+    figure, grid = _panels(len(values.coords), 3.4, 2.6)
+    for axes, key in zip(grid.ravel(), values.coords, strict=False):
+        places = _along(axes, "x", values[key])
         axes.plot(places, values.to_numpy(), ".", color=COLOURS[0], markersize=3.5, alpha=0.7)
-        if not numbers:
-            words = np.unique(column.astype(str))
-            axes.set_xticks(range(len(words)), list(words))
-        _logarithmic(axes, column if numbers else [])
-        axes.set_xlabel(_label(values[key]))
     for axes in grid[:, 0]:
         axes.set_ylabel(_label(values), wrap=True)
     return figure
 
 
-PAIR: tuple[dict[str, Any], ...] = tuple(
-    {"color": colour, "hatch": hatch, "alpha": 0.75, "edgecolor": "white"}
-    for colour, hatch in ((COLOURS[0], ""), (COLOURS[1], "///"))
-)
-"""Looks of the two bars of a key."""
-
-
 @house_style()
-def tornado(ends: Mapping[str, tuple[float, float]], attributes: Mapping[str, Any], middle: float) -> Figure:
-    """Bars from the mean at the low end of each varied key to that at its high end, the longest at the top; mean of all cases."""
-    keys = sorted(ends, key=lambda key: abs(ends[key][1] - ends[key][0]))
-    figure, axes = new_figure(1, height=max(1.8, 0.9 + 0.35 * len(keys)))
-    for place, key in enumerate(keys):
-        for value, label, look in zip(ends[key], ("low end", "high end"), PAIR, strict=True):
-            named = label if place == 0 else None
-            axes[0].barh(place, value - middle, left=middle, height=0.6, label=named, **look)
-    axes[0].axvline(middle, color="#444444", linewidth=1.0)
-    axes[0].set_yticks(range(len(keys)), [key.replace("_", " ") for key in keys])
-    unit = attributes["units"]
-    axes[0].set_xlabel(f"mean{f' [{unit}]' if unit not in ('', '1') else ''}")
-    axes[0].legend()
-    return figure
+def pair_bars(
+    pairs: Mapping[str, Any], names: tuple[str, str], label: str, errors: Any = None, middle: float = 0.0
+) -> Figure:
+    """Two bars for each varied key, from a middle value, the first key at the top.
 
-
-@house_style()
-def sobol_bars(found: Mapping[str, Mapping[str, float]]) -> Figure:
-    """First-order and total Sobol indices of each varied key with their intervals."""
-    keys = list(found)[::-1]
-    figure, axes = new_figure(1, height=max(1.8, 0.9 + 0.45 * len(keys)))
-    kinds = ((0.18, "first", "first order"), (-0.18, "total", "total"))
-    for (shift, kind, label), look in zip(kinds, PAIR, strict=True):
-        places = [place + shift for place in range(len(keys))]
-        sizes = [found[key][kind] for key in keys]
-        errors = [found[key][f"{kind}_confidence"] for key in keys]
-        axes[0].barh(places, sizes, xerr=errors, height=0.34, label=label, **look)
-    axes[0].set_yticks(range(len(keys)), [key.replace("_", " ") for key in keys])
-    axes[0].set_xlabel("part of the variance [-]")
-    axes[0].legend()
+    Args:
+        pairs: key -> both ends of its bars.
+        names: of the two bars.
+        label: of the abscissa.
+        errors: key -> half the interval of each, where there are any.
+        middle: where bars begin.
+    """
+    places = -np.arange(len(pairs), dtype=float)
+    figure, (axes,) = new_figure(1, height=max(1.8, 0.9 + 0.45 * len(pairs)))
+    for k, (shift, hatch) in enumerate(((0.18, ""), (-0.18, "///"))):
+        look: dict[str, Any] = {"color": COLOURS[k], "hatch": hatch, "alpha": 0.75, "edgecolor": "white"}
+        sizes = np.array([pair[k] for pair in pairs.values()]) - middle
+        spread = None if errors is None else [errors[key][k] for key in pairs]
+        axes.barh(places + shift, sizes, left=middle, height=0.34, label=names[k], xerr=spread, **look)
+    axes.axvline(middle, color="#444444", linewidth=1.0)
+    axes.set_yticks(places, [key.replace("_", " ") for key in pairs])
+    axes.set_xlabel(label)
+    axes.legend()
     return figure

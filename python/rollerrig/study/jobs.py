@@ -141,16 +141,15 @@ def _run_round(
     so_far: Callable[[Callable[[], Done]], None],
 ) -> bool:
     """Do one round; whether Ctrl-C ended it early."""
-    chain_of: dict[str, Chain] = {}  # a running job -> what it belongs to
-    started = finished = 0
+    chains = work.chains if isinstance(work, Chains) else ()
+    started, finished = set[str](), 0
 
-    def following(chain: Chain) -> dict[str, Job]:
-        nonlocal started
-        found = chain(done)
-        if found is None:
-            return {}
-        chain_of[found[0]], started = chain, started + 1
-        return dict([found])
+    def following() -> dict[str, Job]:
+        """Next jobs of the chains that are not at work yet."""
+        found = dict(filter(None, (chain(done) for chain in chains)))
+        new = {name: one for name, one in found.items() if name not in started}
+        started.update(new)
+        return new
 
     def keep(name: str, result: Any) -> dict[str, Job]:
         nonlocal finished
@@ -158,8 +157,8 @@ def _run_round(
             checkpoint.add(name, result)
         done[name] = result
         finished += 1
-        more = following(chain_of.pop(name)) if name in chain_of else {}
-        if finished < max(expected, started):
+        more = following()
+        if finished < max(expected, len(started)):
             so_far(in_order)
         return more
 
@@ -169,13 +168,13 @@ def _run_round(
 
     if isinstance(work, Chains):
         expected = work.expected - len(done.keys() & set(_names(work, done)))
-        jobs = {name: one for chain in work.chains for name, one in following(chain).items()}
+        jobs = following()
     else:
         jobs = {name: one for name, one in work.items() if name not in done}
         expected = len(jobs)
 
     def report_part(count: float, name: str) -> None:
-        report(min(1.0, count / max(expected, started)), name)
+        report(min(1.0, count / max(expected, len(started))), name)
 
     stopped = bool(jobs) and run_jobs(jobs, keep, report_part, processes=processes, executor=executor)
     ordered = in_order()

@@ -1,19 +1,16 @@
-"""What a sweep computes of each case: numbers with unit, meaning and how each is read off.
+"""What a sweep computes of each case: numbers with unit and meaning.
 
-case, table of the plan -> [Measure.measure] -> name -> number
+case, table of the plan -> [measured] -> name -> number
 
-To add one: a table in `config/schema/plan.py`, a table of quantities, a function here that says what the numbers are read off,
-and a Measure of it.
+To add one: a table in `config/schema/plan.py`, a table of quantities, and a function here that gives their numbers.
 """
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any
 
 import numpy as np
-import xarray as xr
 
 from rollerrig import _core
 from rollerrig.analysis.critical_speed import onset_from
@@ -32,44 +29,30 @@ from rollerrig.study.jobs import Progress, whole_modes, whole_run
 from rollerrig.study.runs import wsp
 from rollerrig.study.runs.adhesion import track_case
 
+Progressing = Progress | None
+Numbers = dict[str, Any]
 
-@dataclass(frozen=True)
-class Measure:
-    """A kind of measure.
 
-    Attributes:
-        kind: its name; the numbers are those of its table in results/quantities.toml.
-        source: case, its table of the plan, progress -> what the numbers are read off.
-        numbers: name -> function of the source's parts.
+def quantities(kind: str) -> dict[str, tuple[str, str]]:
+    """Name -> unit and meaning of the numbers of a measure."""
+    return {one.key: (one.unit, one.meaning) for one in registered(f"measure.{kind}")}
+
+
+def measured(case: Case, options: Any, progress: Progressing = None) -> dict[str, float]:
+    """The numbers that a table of the plan asks of a case.
+
+    Raises:
+        ConfigError: the case is not of the kind that the measure needs.
+        KeyboardInterrupt: Ctrl-C came before the end.
+        RuntimeError: a run left the validity of its model.
+        StartError: no rolling equilibrium.
+        ValueError: nothing is left to be assessed, or a wheel does not touch.
     """
-
-    kind: str
-    source: Callable[[Case, Any, Progress | None], tuple[Any, ...]]
-    numbers: Mapping[str, Callable[..., Any]]
-
-    @property
-    def quantities(self) -> dict[str, tuple[str, str]]:
-        """Name -> unit and meaning."""
-        return {one.key: (one.unit, one.meaning) for one in registered(f"measure.{self.kind}")}
-
-    def measure(self, case: Case, options: Any, progress: Progress | None = None) -> dict[str, float]:
-        """The numbers of a case.
-
-        Raises:
-            ConfigError: the case is not of the kind that the measure needs.
-            KeyboardInterrupt: Ctrl-C came before the end.
-            RuntimeError: a run left the validity of its model.
-            StartError: no rolling equilibrium.
-            ValueError: nothing is left to be assessed, or a wheel does not touch.
-        """
-        parts = self.source(case, options, progress)
-        return {name: float(read(*parts)) for name, read in self.numbers.items()}
+    return {name: float(value) for name, value in MEASURES[options.kind](case, options, progress).items()}
 
 
-def _run(
-    case: Case, options: plan.RunMeasure, progress: Progress | None
-) -> tuple[xr.Dataset, xr.DataArray, xr.Dataset]:
-    """Forces as EN 14363 assesses them, lateral motion of the wheelsets, both from `options.begin` on, and the run."""
+def _run(case: Case, options: plan.RunMeasure, progress: Progressing) -> Numbers:
+    """Forces as EN 14363 assesses them, and lateral motion of the wheelsets, both from `options.begin` on."""
     run = whole_run(case, progress)
     if run.attrs["status"] not in COMPLETED:
         raise RuntimeError(run.attrs["status_message"])
@@ -77,24 +60,37 @@ def _run(
     forces = filtered(wheel_forces(run)).sel(late)
     if forces.sizes["time"] < 2:
         raise ValueError(f"measure.begin: {options.begin:g} s is beyond the run, which ended at {run['time'][-1]:g} s")
-    return forces, run["lateral"].sel(late).sel(body=[body.name for body in RunInfo.of(run).wheelsets]), run
+    lateral = run["lateral"].sel(late).sel(body=[body.name for body in RunInfo.of(run).wheelsets])
+    size = abs(forces)
+    return {
+        "guiding_force_largest": size["guiding_force"].max(),
+        "guiding_force_mean": size["guiding_force"].mean("time").max(),
+        "guiding_force_sum_largest": size["guiding_force_sum"].max(),
+        "derailment_quotient_largest": size["derailment_quotient"].max(),
+        "wheel_load_least": forces["wheel_load"].min(),
+        "wheel_load_largest": forces["wheel_load"].max(),
+        "wear_number_largest": forces["wear_number"].mean("time").max(),
+        "lateral_largest": abs(lateral).max(),
+        "lateral_rms": lateral.std("time").max(),
+        "energy_relative_residual": run.attrs["energy_relative_residual"],
+    }
 
 
-def _modes(case: Case, _options: plan.StabilityMeasure, progress: Progress | None) -> tuple[xr.Dataset, xr.Dataset]:
-    """The mode that comes nearest to growing at the case's speed, and all modes there."""
+def _stability(case: Case, _options: plan.StabilityMeasure, progress: Progressing) -> Numbers:
+    """The mode that comes nearest to growing at the case's speed, and hunting there."""
     modes = whole_modes(case, [3.6 * case.motion.speed], progress).isel(speed=0)
-    return modes.isel(mode=int(np.nanargmax(modes["growth_rate"].to_numpy()))), modes
+    mode = modes.isel(mode=int(np.nanargmax(modes["growth_rate"].to_numpy())))
+    of_mode = {name: mode[name] for name in ("growth_rate", "damping", "frequency")}
+    return of_mode | {name: modes[name] for name in ("hunting_frequency", "hunting_damping")}
 
 
-def _onset(case: Case, options: plan.CriticalSpeedMeasure, progress: Progress | None) -> tuple[float]:
+def _onset(case: Case, options: plan.CriticalSpeedMeasure, progress: Progressing) -> Numbers:
     """Where an oscillatory mode begins to grow, looked for between two speeds and above them."""
     onset, _ = onset_from(case, [3.6 * options.slowest, 3.6 * options.fastest], progress)
-    return (math.nan if onset is None else 3.6 * onset.speed,)
+    return {"linear_critical_speed": math.nan if onset is None else 3.6 * onset.speed}
 
 
-def _contact(
-    case: Case, options: plan.ContactMeasure, _progress: Progress | None
-) -> tuple[xr.Dataset, dict[str, float]]:
+def _contact(case: Case, options: plan.ContactMeasure, _progress: Progressing) -> Numbers:
     """Patches of the leading wheelset at one position, and rolling radii by side."""
     table, radii = contact_table(case, [(options.lateral, options.yaw)]), {}
     for side in ("left", "right"):
@@ -102,10 +98,17 @@ def _contact(
         if not own.sizes["row"]:
             raise ValueError(f"the {side} wheel does not touch")
         radii[side] = float(own["rolling_radius"][int(np.argmax(own["normal"].to_numpy()))])
-    return table, radii
+    return {
+        "patches": table.sizes["row"],
+        "peak_pressure": table["peak_pressure"].max(),
+        "contact_area": table["area"].sum(),
+        "normal_largest": table["normal"].max(),
+        "contact_angle_largest": abs(table["angle"]).max(),
+        "rolling_radius_difference": radii["left"] - radii["right"],
+    }
 
 
-def _creep(case: Case, options: plan.CreepMeasure, _progress: Progress | None) -> tuple[Any, Any]:
+def _creep(case: Case, options: plan.CreepMeasure, _progress: Progressing) -> Numbers:
     """The patch with the largest normal force, wheelset centred, and the force of the case's creep law on it over that."""
     table = contact_table(case, [(0.0, 0.0)])
     patch = table.isel(row=int(np.argmax(table["normal"].to_numpy())))
@@ -113,10 +116,12 @@ def _creep(case: Case, options: plan.CreepMeasure, _progress: Progress | None) -
     creepage = np.array([[options.longitudinal, options.lateral, options.spin]])
     elastic = case.contact.creep_shear_modulus, case.contact.material.poisson_ratio
     law, friction = core_law(case.contact.creep), case.contact.friction.mu_0
-    return patch, _core.creep_forces(creepage, a, b, normal, friction, *elastic, law)[0] / normal
+    force = _core.creep_forces(creepage, a, b, normal, friction, *elastic, law)[0] / normal
+    names = ("longitudinal_force", "lateral_force", "semi_axis_along", "semi_axis_across", "normal_force")
+    return dict(zip(names, (force[0], force[1], a, b, normal), strict=True))
 
 
-def _test(case: Case, options: plan.AdhesionMeasure, progress: Progress | None) -> tuple[Any, Any]:
+def _test(case: Case, options: plan.AdhesionMeasure, progress: Progressing) -> Numbers:
     """Measures of the test on track and on the rig that is to reproduce it; the same track is run once per worker."""
     if options.longest is not None:
         case = case.with_changes({"time.duration": options.longest})
@@ -124,7 +129,15 @@ def _test(case: Case, options: plan.AdhesionMeasure, progress: Progress | None) 
     for place, record in (("track", track), ("rig", rig)):
         if not record.completed:
             raise RuntimeError(f"on the {place}: {record.message}")
-    return track.measures, rig.measures
+    distance = rig.measures["distance_m"]
+    found = {
+        "distance_error": distance / track.measures["distance_m"] - 1.0,
+        "tracking_rms": rig.measures["tracking_rms"],
+    }
+    for place, record in (("track", track), ("rig", rig)):
+        own = record.measures | {"air": 1e-3 * record.measures["air_litres"]}
+        found |= {f"{name}_{place}": own[key] for name, key in OF_A_TEST.items()}
+    return found
 
 
 @lru_cache(maxsize=64)
@@ -132,7 +145,7 @@ def _on_track(text: str) -> TestRecord:
     return recorded(case_from_toml(text, allow_code=True))
 
 
-def _stop(case: Case, options: plan.WspMeasure, progress: Progress | None) -> tuple[wsp.StopTests]:
+def _stop(case: Case, options: plan.WspMeasure, progress: Progressing) -> Numbers:
     """The stop on track, with its dry reference where it ends in a standstill; the same reference is run once per worker.
 
     Nothing slides in the reference, so that it has our law with the default thresholds whatever those of the case are. A stop
@@ -150,7 +163,8 @@ def _stop(case: Case, options: plan.WspMeasure, progress: Progress | None) -> tu
     bad = [*wsp.faults(found, must_slide=False), *(wsp.dry_faults(found) if stop.stops else ())]
     if bad:
         raise RuntimeError("; ".join(bad))
-    return (found,)
+    names = dict(wsp.MEASURES) | {"largest_slip": ("largest_slip", 1.0), "odometer_error": ("odometer_error_m", 1.0)}
+    return {criterion: factor * found.values(name)[0] for criterion, (name, factor) in names.items()}
 
 
 @lru_cache(maxsize=64)
@@ -158,78 +172,24 @@ def _dry_on_track(text: str) -> TestRecord:
     return wsp.stop_record(case_from_toml(text, allow_code=True), FlatWear(), keep=False).test
 
 
-OF_PROTECTION = {
+OF_A_TEST = {
+    "distance": "distance_m",
+    "mean_slip": "mean_slip",
+    "air": "air",
     "largest_slip": "largest_slip",
     "longest_lock": "longest_lock_s",
     "dump_cycles": "dump_cycles",
     "odometer_error": "odometer_error_m",
 }
-"""Number of the slide protection in a test -> measure of its record."""
+"""Number of a test on track or rig -> measure of its record."""
 
-
-def _of(support: int, key: str) -> Callable[..., Any]:
-    return lambda *records: records[support][key]
-
-
-def _of_stop(name: str, factor: float) -> Callable[..., Any]:
-    return lambda found: factor * found.values(name)[0]
-
-
-def _largest(name: str) -> Callable[..., Any]:
-    return lambda forces, *_: abs(forces[name]).max()
-
-
-MEASURES: Mapping[str, Measure] = {
-    "run": Measure("run", _run, {
-        "guiding_force_largest": _largest("guiding_force"),
-        "guiding_force_mean": lambda forces, *_: abs(forces["guiding_force"]).mean("time").max(),
-        "guiding_force_sum_largest": _largest("guiding_force_sum"),
-        "derailment_quotient_largest": _largest("derailment_quotient"),
-        "wheel_load_least": lambda forces, *_: forces["wheel_load"].min(),
-        "wheel_load_largest": lambda forces, *_: forces["wheel_load"].max(),
-        "wear_number_largest": lambda forces, *_: forces["wear_number"].mean("time").max(),
-        "lateral_largest": lambda _, lateral, __: abs(lateral).max(),
-        "lateral_rms": lambda _, lateral, __: lateral.std("time").max(),
-        "energy_relative_residual": lambda _, __, run: run.attrs["energy_relative_residual"],
-    }),
-    "stability": Measure("stability", _modes, {
-        "growth_rate": lambda mode, _: mode["growth_rate"],
-        "damping": lambda mode, _: mode["damping"],
-        "frequency": lambda mode, _: mode["frequency"],
-        "hunting_frequency": lambda _, modes: modes["hunting_frequency"],
-        "hunting_damping": lambda _, modes: modes["hunting_damping"],
-    }),
-    "critical_speed": Measure("critical_speed", _onset, {"linear_critical_speed": lambda speed: speed}),
-    "contact": Measure("contact", _contact, {
-        "patches": lambda table, _: table.sizes["row"],
-        "peak_pressure": lambda table, _: table["peak_pressure"].max(),
-        "contact_area": lambda table, _: table["area"].sum(),
-        "normal_largest": lambda table, _: table["normal"].max(),
-        "contact_angle_largest": lambda table, _: abs(table["angle"]).max(),
-        "rolling_radius_difference": lambda _, radii: radii["left"] - radii["right"],
-    }),
-    "adhesion": Measure("adhesion", _test, {
-        "distance_track": lambda track, _: track["distance_m"],
-        "distance_rig": lambda _, rig: rig["distance_m"],
-        "distance_error": lambda track, rig: rig["distance_m"] / track["distance_m"] - 1.0,
-        "tracking_rms": lambda _, rig: rig["tracking_rms"],
-        "mean_slip_track": lambda track, _: track["mean_slip"],
-        "mean_slip_rig": lambda _, rig: rig["mean_slip"],
-        "air_track": lambda track, _: 1e-3 * track["air_litres"],
-        "air_rig": lambda _, rig: 1e-3 * rig["air_litres"],
-        **{f"{name}_{on}": _of(k, key) for name, key in OF_PROTECTION.items() for k, on in enumerate(("track", "rig"))},
-    }),
-    "wsp": Measure("wsp", _stop, {
-        **{criterion: _of_stop(*one) for criterion, one in wsp.MEASURES.items()},
-        "largest_slip": _of_stop("largest_slip", 1.0),
-        "odometer_error": _of_stop("odometer_error_m", 1.0),
-    }),
-    "creep": Measure("creep", _creep, {
-        "longitudinal_force": lambda _, force: force[0],
-        "lateral_force": lambda _, force: force[1],
-        "semi_axis_along": lambda patch, _: patch["a"],
-        "semi_axis_across": lambda patch, _: patch["b"],
-        "normal_force": lambda patch, _: patch["normal"],
-    }),
-}  # fmt: skip
-"""Kind of a measure in a plan -> what it computes."""
+MEASURES: Mapping[str, Callable[..., Numbers]] = {
+    "run": _run,
+    "stability": _stability,
+    "critical_speed": _onset,
+    "contact": _contact,
+    "adhesion": _test,
+    "wsp": _stop,
+    "creep": _creep,
+}
+"""Kind of a measure in a plan -> case, its table of the plan, progress -> the numbers of its table in results/quantities.toml."""

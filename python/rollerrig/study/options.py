@@ -28,7 +28,6 @@ class Option:
         unit: of UNITS.
         least, most: range.
         default: its default.
-        switch: whether it has no `--no-` beside it.
         commas: whether one text holds its values; else it is repeated.
         ordered: whether its numbers are put in ascending order.
         quantity: table and key of the configuration whose quantity it is, written with its unit.
@@ -40,7 +39,6 @@ class Option:
     least: float | None = None
     most: float | None = None
     default: Any = None
-    switch: bool = False
     commas: bool = False
     ordered: bool = False
     quantity: tuple[str, str] | None = None
@@ -52,7 +50,6 @@ HIDDEN = ("progress", "folder", "parameters")
 
 Processes = Annotated[int, Option(least=1, most=64, default=2, meaning="runs at a time.")]
 OneProcess = Annotated[int, Option(least=1, most=64, meaning="runs at a time.")]
-Switch = Annotated[bool, Option(switch=True)]
 SpeedsKmh = Annotated[Sequence[float], Option(meaning="speeds [km/h] as start:stop:step, or a list with commas.")]
 
 

@@ -66,16 +66,14 @@ class Quantities:
             caption: of the table.
             head: of the column of labels.
         """
-        columns = self._chosen(names, entries.values() if isinstance(entries, Mapping) else entries)
-        if not isinstance(entries, Mapping):
-            return Table(
-                [q.heading for q in columns], [[q.cell(_value(one, q)) for q in columns] for one in entries], caption
-            )
-        rows = [
-            [label.replace("_", " "), *(q.cell(_value(values, q)) for q in columns)]
-            for label, values in entries.items()
-        ]
-        return Table((head, *(q.heading for q in columns)), rows, caption)
+        given = list(entries.values() if isinstance(entries, Mapping) else entries)
+        columns = self._chosen(names, given)
+        header: Sequence[str] = [quantity.heading for quantity in columns]
+        rows = [[quantity.cell(_value(one, quantity)) for quantity in columns] for one in given]
+        if isinstance(entries, Mapping):
+            header = (head, *header)
+            rows = [[label.replace("_", " "), *row] for label, row in zip(entries, rows, strict=True)]
+        return Table(header, rows, caption)
 
     def list_table(self, entries: Mapping[str, Numbers], names: Sequence[str] | str, caption: str = "") -> Table:
         """A row per quantity, a column per entry; arguments as `table`."""

@@ -15,7 +15,6 @@ from functools import cached_property, lru_cache
 from itertools import islice
 from typing import Any
 
-import numpy as np
 import xarray as xr
 
 from rollerrig.common.formatting import number
@@ -23,50 +22,16 @@ from rollerrig.config import Case, ConfigError, ConfigProblem, Plan, WholePlan, 
 from rollerrig.config.errors import nearest, one_of, show_value
 from rollerrig.config.validate.messages import validate
 from rollerrig.plot import sweep as figures
-from rollerrig.study.frame import Study
+from rollerrig.study.frame import Study, dataset_rows
 from rollerrig.study.jobs import Done, Job, Progress, Round
-from rollerrig.study.measures import MEASURES
+from rollerrig.study.measures import MEASURES, measured, quantities
 from rollerrig.study.quantities import Numbers
 from rollerrig.study.report import Block, Picture, Section, Table, Text
 from rollerrig.study.runs import sweep as runs
-from rollerrig.study.runs.sweep import FAILED, Points, Record, Statistics, statistics
+from rollerrig.study.runs.sweep import FAILED, Points, Record, statistics
 
 MOST_PICTURED = 12
 """Numbers that have pictures of their own; all are in the tables and files."""
-
-
-def _of_number(data: xr.Dataset, name: str, one: Statistics, points: Points) -> Section:
-    """Pictures and tables of one number."""
-    meaning, title = data[name].attrs["long_name"], name.replace("_", " ")
-    blocks: list[Block] = [
-        Text(f"{meaning[:1].upper()}{meaning[1:]}."),
-        Picture(f"map_{name}", figures.grid_map(data, name), f"{title} over what is varied.")
-        if points.design.kind == "grid"
-        else Picture(f"scatter_{name}", figures.scatter(data, name), f"{title} of each case over each varied key."),
-    ]
-    ends = {key: ends for key, ends in one.tornado.items() if np.isfinite(ends).all()}
-    if len(ends) > 1:
-        what = "lowest and highest value" if not points.design.samples else "lowest and highest fifth of values"
-        picture = figures.tornado(ends, data[name].attrs, float(np.nanmean(one.values)))
-        blocks.append(Picture(f"tornado_{name}", picture, f"Mean of {title} at the {what} of each varied key."))
-    if one.quantiles:
-        shares = [
-            [share, *(number(own[key]) for key in ("value", "low", "high"))] for share, own in one.quantiles.items()
-        ]
-        caption = (
-            f"Quantiles of the {int(np.isfinite(one.values).sum())} samples that gave a number, with intervals of 95 % as of "
-            "independent ones; –: an end that so few do not have."
-        )
-        blocks.append(Table(("of the samples are below", title, "from", "to"), shares, caption))
-    if one.sobol:
-        names = ("first", "first_confidence", "total", "total_confidence")
-        header = ("varied", "first order", "±", "total", "±")
-        rows = [[k.replace("_", " "), *(float(f"{own[name]:.3g}") for name in names)] for k, own in one.sobol.items()]
-        caption = f"Sobol indices of {title}, intervals of 95 %."
-        blocks.append(Table(header, rows, "Sobol indices with their intervals of 95 %."))
-        blocks.append(Picture(f"sobol_{name}", figures.sobol_bars(one.sobol), caption))
-    return Section(title[:1].upper() + title[1:], blocks)
-
 
 MOST_UNASKED = 100_000
 """More cases than that are probably a slip of the pen."""
@@ -79,15 +44,7 @@ Compute = Callable[[Case], Mapping[str, float]]
 
 
 @dataclass(frozen=True)
-class Sweep:
-    """What a sweep found: its Dataset, and statistics of each number."""
-
-    data: xr.Dataset
-    statistics: Mapping[str, Statistics]
-
-
-@dataclass(frozen=True)
-class SweepStudy(Study[Sweep]):
+class SweepStudy(Study[xr.Dataset]):
     """All cases of a plan; more than MOST_UNASKED only if `many` says so.
 
     `compute` is a measure of the user's own, beside or in place of those of the plan.
@@ -117,7 +74,7 @@ class SweepStudy(Study[Sweep]):
     def _check_kept(self) -> list[ConfigProblem]:
         problems, seen = [], [axis.name for axis in self.points.axes]
         for index, measure in enumerate(self.whole.plan.measure):
-            known = MEASURES[measure.kind].quantities
+            known = quantities(measure.kind)
             for place, name in enumerate(measure.keep or known):
                 at = f"measure[{index}].keep" + (f"[{place}]" if measure.keep else "")
                 if name not in known:
@@ -175,40 +132,34 @@ class SweepStudy(Study[Sweep]):
         self._seen["seen"] = max(seen, len(done))
         return int(self._seen["failed"])
 
-    def collect(self, done: Done) -> Sweep | None:
+    def collect(self, done: Done) -> xr.Dataset | None:
         records: list[Record | None] = [done.get(_name(i)) for i in range(len(self.points))]
         if not any(records):
             return None
-        data = runs.sweep_dataset(self.whole, self.points, records, self._units(records))
-        return Sweep(data, statistics(data, self.points))
+        return runs.sweep_dataset(self.whole, self.points, records, self._units(records))
 
     def _units(self, records: list[Record | None]) -> dict[str, tuple[str, str]]:
         """Name of each kept number -> unit and meaning."""
         found: dict[str, tuple[str, str]] = {}
         for measure in self.whole.plan.measure:
-            known = MEASURES[measure.kind].quantities
+            known = quantities(measure.kind)
             found |= {name: known[name] for name in measure.keep or known}
         for record in records:
             for name in (record or {}).get("numbers", {}):
                 found.setdefault(name, ("", name.replace("_", " ")))
         return found
 
-    def numbers(self, results: Sweep) -> dict[str, Any]:
-        data = results.data
+    def numbers(self, results: xr.Dataset) -> dict[str, Any]:
         return {
             "plan": self.whole.plan.name,
             "case": self.whole.case.name,
             "design": self.whole.plan.design.kind,
-            "cases": data.attrs["cases"],
-            "finished": data.attrs["finished"],
-            "failed": data.attrs["failed"],
-            "failures": dict(Counter(filter(None, data[FAILED].to_numpy().ravel().tolist())).most_common()),
-            "numbers": {
-                name: {"unit": data[name].attrs["units"], **one.as_dict()} for name, one in results.statistics.items()
-            },
+            **{name: results.attrs[name] for name in ("cases", "finished", "failed")},
+            "failures": dict(Counter(filter(None, results[FAILED].to_numpy().ravel().tolist())).most_common()),
+            "numbers": statistics(results, self.points),
         }
 
-    def summary(self, results: Sweep, numbers: Numbers) -> list[str]:
+    def summary(self, results: xr.Dataset, numbers: Numbers) -> list[str]:
         lines = [f"{numbers['finished']} of {numbers['cases']} cases finished, {numbers['failed']} failed."]
         for name, one in numbers["numbers"].items():
             if one["least"] is not None:
@@ -220,33 +171,84 @@ class SweepStudy(Study[Sweep]):
                     lines[-1] += f" It follows {widest.replace('_', ' ')} most."
         return lines
 
-    def files(self, results: Sweep, numbers: Numbers) -> Mapping[str, Any]:
-        return {"sweep.nc": results.data, "sweep.csv": runs.sweep_rows(results.data, self.points)}
+    def files(self, results: xr.Dataset, numbers: Numbers) -> Mapping[str, Any]:
+        return {"sweep.nc": results, "sweep.csv": sweep_rows(results)}
 
-    def sections(self, results: Sweep, numbers: Numbers) -> list[Section]:
-        data, found, points = results.data, results.statistics, self.points
-        rows: list[list[object]] = []
+    def sections(self, results: xr.Dataset, numbers: Numbers) -> list[Section]:
+        points, rows = self.points, list[list[object]]()
         for axis, column in zip(points.axes, points.columns, strict=True):
             ends = [min(column), max(column), len(axis.values) or ""] if axis.is_number else ["", "", len(axis.values)]
             rows.append([axis.name.replace("_", " "), axis.key, axis.unit if axis.unit != "1" else "", *ends])
         varied = Table(("varied", "key of the case", "unit", "from", "to", "values"), rows)
         seed = f", seed {points.design.seed}." if points.design.samples else "."
         how = f"Design: {points.design.kind.replace('_', ' ')}, {len(points)} cases{seed}"
-        rows = []
-        for name, one in numbers["numbers"].items():
-            ends = ["–" if one[key] is None else one[key] for key in ("least", "median", "largest")]
-            rows.append([name.replace("_", " "), one["unit"] if one["unit"] != "1" else "", *ends])
-        overview = Table(("number", "unit", "least", "median", "largest"), rows, "Of all finished cases.")
-        sections = [Section("Overview", [Text(how), varied, overview, *_word_tables(numbers["numbers"])])]
-        pictured = [name for name, one in found.items() if np.isfinite(one.values).any()]
-        sections += [_of_number(data, name, found[name], points) for name in pictured[:MOST_PICTURED]]
-        if more := ", ".join(pictured[MOST_PICTURED:]):
-            sections.append(Section("Further numbers", [Text(f"Without pictures: {more}.")]))
+        asked, caption = ("unit", "least", "median", "largest"), "Of all finished cases."
+        overview = self.quantities.table(numbers["numbers"], asked, caption, "number")
+        sections = [Section("Overview", [Text(how), varied, overview])]
+        for place, (name, one) in enumerate(numbers["numbers"].items()):
+            blocks = self._pictures(results, name, one) if place < MOST_PICTURED and one["least"] is not None else []
+            meaning, title = results[name].attrs["long_name"], name.replace("_", " ").capitalize()
+            said = Text(f"{meaning[:1].upper()}{meaning[1:]}.")
+            sections.append(Section(title, [said, *blocks, *self._tables(one)]))
         if numbers["failures"]:
             reasons = Table(("reason", "cases"), [[reason, count] for reason, count in numbers["failures"].items()])
             note = Text("Each failed case is in sweep.csv with its reason.")
             sections.append(Section("Failed cases", [note, reasons]))
         return sections
+
+    def _pictures(self, data: xr.Dataset, name: str, one: Numbers) -> list[Block]:
+        """Pictures of one number."""
+        title, design = name.replace("_", " "), self.points.design
+        if design.kind == "grid":
+            found: list[Block] = [Picture(f"map_{name}", figures.grid_map(data, name), f"{title} over what is varied.")]
+        else:
+            caption = f"{title} of each case over each varied key."
+            found = [Picture(f"scatter_{name}", figures.scatter(data, name), caption)]
+        known = {key: tuple(ends.values()) for key, ends in one["tornado"].items() if None not in ends.values()}
+        if len(known) > 1:
+            pairs = dict(sorted(known.items(), key=lambda item: -abs(item[1][1] - item[1][0])))
+            unit = f" [{one['unit']}]" if one["unit"] not in ("", "1") else ""
+            middle = float(data[name].mean())
+            picture = figures.pair_bars(pairs, ("low end", "high end"), f"mean{unit}", middle=middle)
+            what = "lowest and highest fifth of values" if design.samples else "lowest and highest value"
+            found.append(Picture(f"tornado_{name}", picture, f"Mean of {title} at the {what} of each varied key."))
+        if sobol := one.get("sobol"):
+            pairs, errors = (
+                {key: (own[f"first{end}"], own[f"total{end}"]) for key, own in sobol.items()}
+                for end in ("", "_confidence")
+            )
+            picture = figures.pair_bars(pairs, ("first order", "total"), "part of the variance [-]", errors)
+            found.append(Picture(f"sobol_{name}", picture, f"Sobol indices of {title}, intervals of 95 %."))
+        return found
+
+    def _tables(self, one: Numbers) -> list[Block]:
+        """Tables of one number."""
+        alike = (
+            "Means of all finished cases with a word; the change from the first word is that of cases that are otherwise alike, "
+            "with its interval of 95 %."
+        )
+        found: list[Block] = [
+            self.quantities.table(words, "numbers.*.words.*.*", alike, key.replace("_", " "))
+            for key, words in one.get("words", {}).items()
+        ]
+        for part, caption, head in (
+            (
+                "quantiles",
+                "Intervals of 95 % as of independent samples; –: an end that so few do not have.",
+                "of the samples are below",
+            ),
+            ("sobol", "Sobol indices; confidence: half of the interval of 95 %.", "varied"),
+        ):
+            if part in one:
+                found.append(self.quantities.table(one[part], f"numbers.*.{part}.*", caption, head))
+        return found
+
+
+def sweep_rows(data: xr.Dataset) -> list[list[object]]:
+    """A row per case, header first: values of the varied keys in SI, numbers, reason of failure."""
+    units = {str(name): data[name].attrs["units"] for name in (*data.coords, *data.data_vars)}
+    columns = {name if unit in ("", "1") else f"{name} [{unit}]": name for name, unit in units.items()}
+    return dataset_rows(data, columns, *map(str, data[FAILED].dims))
 
 
 def sweep_study(case: Case, vary: Mapping[str, Any], measure: Any, design: Any, *, many: bool = False) -> SweepStudy:
@@ -268,32 +270,6 @@ def _listed(values: Any) -> list[Any]:
     if hasattr(values, "tolist"):
         return list(values.tolist())
     return list(values) if isinstance(values, Iterable) and not isinstance(values, str) else [values]
-
-
-def _word_tables(numbers: Numbers) -> Iterator[Table]:
-    """A table of all numbers for each varied key whose values are words."""
-    first = next(iter(numbers.values()), None)
-    for key, words in (first["words"] if first and "words" in first else {}).items():
-        units = ["" if one["unit"] in ("1", "") else f" [{one['unit']}]" for one in numbers.values()]
-        header = [f"{name.replace('_', ' ')}{unit}" for name, unit in zip(numbers, units, strict=True)]
-        rows = [
-            [word.replace("_", " "), *(_word_text(one["words"][key][word]) for one in numbers.values())]
-            for word in words
-        ]
-        caption = (
-            "Means of all finished cases with a word; in brackets the change from the first word, of cases that are otherwise "
-            "alike, with its interval of 95 % where there are several."
-        )
-        yield Table((key.replace("_", " "), *header), rows, caption)
-
-
-def _word_text(one: Numbers) -> str:
-    if one["mean"] is None:
-        return "–"
-    text = number(one["mean"])
-    if one["low"] is None or one["low"] == one["high"]:
-        return text
-    return f"{text} ({one['change']:+.3g}, {one['low']:+.3g} … {one['high']:+.3g})"
 
 
 def _span(ends: Mapping[str, float | None]) -> float:
@@ -323,7 +299,7 @@ def run_case(packed: bytes, changes: Mapping[str, Any], progress: Progress | Non
     try:
         changed = case.with_changes(changes)
         for measure in measures:
-            found = MEASURES[measure.kind].measure(changed, measure, progress)
+            found = measured(changed, measure, progress)
             numbers |= {name: float(found[name]) for name in measure.keep or found}
         if compute is not None:
             numbers |= {str(name): float(value) for name, value in compute(changed).items()}

@@ -4,12 +4,11 @@
 
 One job at a time runs in this process. Several run in worker processes: a third to two thirds of a short run, and all of a
 linearisation, are Python, where threads wait for each other; code of a user may hold the interpreter or keep a state of its
-own; and a process that dies costs one job. A thread per worker hands over the jobs, so that it is known which job a process
-died of.
+own; and a process that dies costs one job.
 
-Libraries in place of this file: `ProcessPoolExecutor` and loky lose all running jobs with one process, and do not say which of
-them was the cause; pebble does, but has no progress, leaves its workers where the program is killed, and is under the LGPL;
-a `LocalCluster` of dask takes seconds to start. A cluster that is there already is used (cluster.py).
+A ProcessPoolExecutor loses all its running jobs with one process, and does not say which of them was the cause: here each
+worker is one of its own, with a number in shared memory for its progress. loky is alike; pebble is under the LGPL. A cluster
+that is there already is used (cluster.py).
 """
 
 from __future__ import annotations
@@ -19,29 +18,25 @@ import inspect
 import math
 import multiprocessing
 import os
-import pickle
 import signal
 import sys
 import threading
 import time
-import traceback
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping
-from concurrent.futures import CancelledError, Executor, Future, ThreadPoolExecutor
+from concurrent.futures import FIRST_COMPLETED, CancelledError, Executor, Future, ProcessPoolExecutor, wait
+from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
 from dataclasses import dataclass
 from multiprocessing import resource_tracker
-from multiprocessing.connection import Connection
-from multiprocessing.process import BaseProcess
-from queue import Empty, SimpleQueue
 from types import FrameType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:  # a worker watches its parent before it imports what its jobs need
     from rollerrig.simulation.run import Progress
 
-AHEAD, ELSEWHERE_AHEAD = 4, 256
-"""Jobs per worker that are handed out before one is done; the same of an executor whose workers are not counted here."""
+ELSEWHERE_AHEAD = 256
+"""Jobs that an executor is given whose workers are not counted here."""
 
 GRACE_SECONDS = 3.0
 """After Ctrl-C a job has so long to return what it has; then its process is killed."""
@@ -50,7 +45,6 @@ POLL_SECONDS = 0.1
 """Between two looks at the progress of the jobs, and at whether they shall stop."""
 
 _CONTEXT = multiprocessing.get_context("spawn")
-_STOP = b"stop"
 _PR_SET_PDEATHSIG = 1  # <linux/prctl.h>
 
 
@@ -65,10 +59,6 @@ class WorkerError(RuntimeError):
             else "a worker process ended before its first job: out of memory, or a script without "
             "`if __name__ == '__main__':` around what it runs"
         )
-
-
-class _WorkerDiedError(Exception):
-    """The process of a job ended."""
 
 
 @dataclass(frozen=True)
@@ -121,10 +111,7 @@ def run_jobs(
 
 
 class _Run:
-    """The jobs of one call: those that wait, those that are running, and what runs them.
-
-    Worker processes each have a thread of this process that gives them one job after the other.
-    """
+    """The jobs of one call: those that wait, those that are running, and what runs them."""
 
     def __init__(
         self,
@@ -135,15 +122,14 @@ class _Run:
         executor: Executor | None,
     ):
         self._keep, self._report, self._elsewhere = keep, report, executor
-        self._threads = None if executor or count < 2 else ThreadPoolExecutor(count, initializer=_block_interrupts)
-        self._room = ELSEWHERE_AHEAD if executor else AHEAD * count if self._threads else 1
-        self._own = threading.local()  # pipe and process of each thread
-        self._processes = list[BaseProcess]()  # all of them
+        self._in_processes = count > 1 and not executor
+        self._free = list(range(ELSEWHERE_AHEAD if executor else max(count, 1)))  # places of jobs
+        # how far the job of each place is, negative before its process is ready; the last one: whether they shall stop
+        self._state = _CONTEXT.RawArray("d", [-1.0 if self._in_processes else 0.0] * len(self._free) + [0.0])
+        self._pools: dict[int, ProcessPoolExecutor] = {}
         self._waiting, self._alone, self._died = deque(jobs.items()), deque[tuple[str, Job]](), set[str]()
-        self._running: dict[Future[Any], tuple[str, Job]] = {}
-        self._finished: SimpleQueue[Future[Any]] = SimpleQueue()
-        self._stopped = threading.Event()
-        self._fractions: dict[int, float] = {}  # thread -> how far its job is
+        self._running: dict[Future[Any], tuple[str, Job, int]] = {}
+        self._stopped = math.inf  # when
         self._count, self._last, self._shown = 0, next(iter(jobs), ""), 0.0
 
     def all_jobs(self) -> bool:
@@ -151,77 +137,93 @@ class _Run:
         try:
             self._look()
             while self._hand_out():
-                self._take_next()
+                done, _ = wait(self._running, POLL_SECONDS, FIRST_COMPLETED)
+                if time.monotonic() > self._stopped + GRACE_SECONDS:
+                    self._kill()
+                found = [(future, *self._running.pop(future)) for future in done]
+                died = [self._released(future, place) for future, _, _, place in found]
+                if self._elsewhere or self._pools:
+                    self._hand_out()  # before results are kept, which takes a while
+                for (future, name, job, _), lost in zip(found, died, strict=True):
+                    self._take(future, name, job, lost)
                 self._look()
-            return self._stopped.is_set()
+            return self._stopped < math.inf
         finally:
-            self._stopped.set()
-            for process in list(self._processes):
-                process.kill()
-            if self._threads:
-                self._threads.shutdown()
-            for process in self._processes:
-                process.join()
+            self.stop()
+            self._kill()
+            for pool in self._pools.values():
+                pool.shutdown()
 
     def stop(self) -> None:
         """Ask the jobs to end."""
-        self._stopped.set()
+        self._state[-1], self._stopped = 1.0, min(self._stopped, time.monotonic())
         for future in list(self._running):
             future.cancel()
 
+    def _kill(self) -> None:
+        for pool in self._pools.values():
+            for process in list((pool._processes or {}).values()):  # `kill_workers` from Python 3.14 on
+                process.kill()
+
     def _hand_out(self) -> bool:
         """Submit jobs as long as there is room; whether any are running."""
-        while not self._stopped.is_set():
-            if self._waiting and len(self._running) < self._room:
-                name, job = self._waiting.popleft()
-            elif self._alone and not self._running:
-                name, job = self._alone.popleft()
-            else:
-                break
-            future = self._submit(job)
-            self._running[future] = name, job
-            future.add_done_callback(self._finished.put)
+        while self._stopped == math.inf and self._free and (self._waiting or (self._alone and not self._running)):
+            name, job = (self._waiting or self._alone).popleft()
+            place = self._free.pop(0)
+            self._running[self._submit(job, place)] = name, job, place
         return bool(self._running)
 
-    def _submit(self, job: Job) -> Future[Any]:
+    def _submit(self, job: Job, place: int) -> Future[Any]:
         if self._elsewhere:
             return self._elsewhere.submit(_call, job)
-        if self._threads:
-            return self._threads.submit(self._in_worker, job)
+        if self._in_processes:
+            with _interrupts_blocked():
+                if place not in self._pools:
+                    self._pools[place] = ProcessPoolExecutor(1, _CONTEXT, _begin, (self._state, place))
+                return self._pools[place].submit(_work, Job(job.function, job.arguments))
         future: Future[Any] = Future()
 
         def progress(fraction: float, _text: str) -> None:
-            self._fractions[0] = fraction
+            self._state[place] = fraction
             self._look()
-            if self._stopped.is_set():
+            if self._stopped < math.inf:
                 raise KeyboardInterrupt
 
         try:
             future.set_result(job.call(progress))
         except (Exception, KeyboardInterrupt) as error:
             future.set_exception(error)
-        self._fractions.clear()
         return future
 
-    def _take_next(self) -> None:
-        """Wait a moment for the next job that is done, and keep its result."""
-        try:
-            future = self._finished.get(timeout=POLL_SECONDS)
-        except Empty:
-            return
-        name, job = self._running.pop(future)
+    def _released(self, future: Future[Any], place: int) -> bool:
+        """Make the place of a job free for another one; whether its process has ended.
+
+        Raises:
+            WorkerError: before it was ready.
+        """
+        died = place in self._pools and not future.cancelled() and isinstance(future.exception(), BrokenProcessPool)
+        if died:
+            if self._state[place] < 0.0 and self._stopped == math.inf:
+                raise WorkerError
+            self._pools.pop(place).shutdown()
+        self._state[place] = -1.0 if died else 0.0
+        self._free.append(place)
+        return died
+
+    def _take(self, future: Future[Any], name: str, job: Job, died: bool) -> None:
+        """Keep the result of a job that is done."""
         try:
             result = future.result()
         except (KeyboardInterrupt, CancelledError):
             self.stop()
             return
         except Exception as error:
-            if isinstance(error, _WorkerDiedError) and name not in self._died:
+            if died and (name not in self._died or self._stopped < math.inf):
                 self._died.add(name)
                 self._alone.append((name, job))
                 return
             # KilledWorker: of dask, which need not be installed; its scheduler has tried the job on several workers
-            if type(error).__name__ not in (_WorkerDiedError.__name__, "KilledWorker"):
+            if not died and type(error).__name__ != "KilledWorker":
                 raise
             if job.lost is None:
                 raise WorkerError(name) from None
@@ -231,61 +233,12 @@ class _Run:
 
     def _look(self) -> None:
         """Report what is done, never less than before."""
-        if not self._stopped.is_set():
-            self._shown = max(self._shown, self._count + sum(list(self._fractions.values())))
+        if self._stopped == math.inf:
+            self._shown = max(self._shown, self._count + sum(max(one, 0.0) for one in self._state[:-1]))
             try:
                 self._report(self._shown, self._last)
             except KeyboardInterrupt:
                 self.stop()
-
-    def _in_worker(self, job: Job) -> Any:
-        """Let the process of this thread do a job.
-
-        Raises:
-            KeyboardInterrupt: the jobs were stopped.
-            WorkerError: the process ended before it was ready.
-            _WorkerDiedError: it ended in the middle of the job.
-        """
-        content, deadline = pickle.dumps(Job(job.function, job.arguments)), math.inf
-        try:
-            if self._stopped.is_set():
-                raise EOFError
-            if not hasattr(self._own, "pipe"):
-                self._begin_worker()
-            pipe: Connection = self._own.pipe
-            pipe.send_bytes(content)
-            while True:
-                if self._stopped.is_set() and deadline == math.inf:
-                    deadline = time.monotonic() + GRACE_SECONDS
-                    pipe.send_bytes(_STOP)
-                if time.monotonic() > deadline:
-                    self._own.process.kill()
-                if pipe.poll(POLL_SECONDS):
-                    kind, value = pickle.loads(pipe.recv_bytes())
-                    if kind != "progress":
-                        break
-                    self._fractions[threading.get_ident()] = value
-        except (EOFError, OSError):
-            ready = self._own.__dict__.pop("pipe", None) is not None
-            raise KeyboardInterrupt if self._stopped.is_set() else _WorkerDiedError if ready else WorkerError from None
-        finally:
-            self._fractions.pop(threading.get_ident(), None)
-        if kind == "error":
-            raise value
-        return value
-
-    def _begin_worker(self) -> None:
-        """Start the process of this thread, and wait until it is ready."""
-        pipe, other = _CONTEXT.Pipe()
-        self._own.process = _CONTEXT.Process(target=_serve, args=(other,))
-        self._own.process.start()
-        self._processes.append(self._own.process)
-        other.close()
-        while not pipe.poll(POLL_SECONDS):
-            if self._stopped.is_set():
-                self._own.process.kill()
-        pipe.recv_bytes()
-        self._own.pipe = pipe
 
 
 @contextmanager
@@ -314,11 +267,18 @@ def _interrupt_calls(stop: Callable[[], None]) -> Iterator[None]:
         signal.signal(signal.SIGINT, before)
 
 
-def _block_interrupts() -> None:
-    """Ctrl-C in a terminal reaches every process; those that this thread starts leave it to this process."""
-    if hasattr(signal, "pthread_sigmask"):
-        resource_tracker.ensure_running()  # started with the first process otherwise, and unblocks the signal then
-        signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+@contextmanager
+def _interrupts_blocked() -> Iterator[None]:
+    """Ctrl-C in a terminal reaches every process; those that are started within this leave it to this process."""
+    if not hasattr(signal, "pthread_sigmask"):
+        yield
+        return
+    resource_tracker.ensure_running()  # started with the first process otherwise, and unblocks the signal then
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 # ----------------------------------------------------------------------------------------- on another process
@@ -331,46 +291,34 @@ def _call(job: Job, progress: Progress = lambda _fraction, _text: None) -> Any:
         return job.call(progress)
 
 
-def _serve(pipe: Connection) -> None:
-    """Do the jobs that come through a pipe until its other end is closed: then the parent process has ended."""
+_PLACE: list[Any] = []
+"""In a worker: the shared numbers, and which of them is its own."""
+
+
+def _begin(state: Any, place: int) -> None:
+    """Make this process a worker, which ends with its parent."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # where it could not be blocked
     if sys.platform == "linux":  # also in the middle of a call into the core that holds the interpreter
         ctypes.CDLL(None).prctl(_PR_SET_PDEATHSIG, signal.SIGKILL, 0, 0, 0)
-    jobs: SimpleQueue[bytes] = SimpleQueue()
-    stop = threading.Event()
-
-    def listen() -> None:
-        try:
-            while True:
-                message = pipe.recv_bytes()
-                stop.set() if message == _STOP else jobs.put(message)
-        except (EOFError, OSError):
-            os._exit(1)  # no cleanup: there is nobody to report it to
-
-    threading.Thread(target=listen, daemon=True).start()
-    pipe.send_bytes(b"ready")
-    while True:
-        pipe.send_bytes(_answer(jobs.get(), pipe, stop))
+    threading.Thread(target=_end_with_parent, daemon=True).start()
+    _PLACE[:] = state, place
+    state[place] = 0.0
 
 
-def _answer(content: bytes, pipe: Connection, stop: threading.Event) -> bytes:
-    """The result of a job, or its error."""
-    sent = -math.inf
+def _end_with_parent() -> None:
+    parent = multiprocessing.parent_process()
+    assert parent is not None
+    parent.join()
+    os._exit(1)  # no cleanup: there is nobody to report it to
+
+
+def _work(job: Job) -> Any:
+    state, place = _PLACE
 
     def progress(fraction: float, _text: str) -> None:
-        nonlocal sent
-        if stop.is_set():
+        if state[-1]:
             raise KeyboardInterrupt
-        if time.monotonic() > sent + POLL_SECONDS:
-            sent = time.monotonic()
-            pipe.send_bytes(pickle.dumps(("progress", fraction)))
+        state[place] = fraction
 
-    try:
-        progress(0.0, "")
-        return pickle.dumps(("result", _call(pickle.loads(content), progress)))
-    except BaseException as error:
-        error.add_note(f"in a worker process:\n{traceback.format_exc()}")
-        try:
-            return pickle.dumps(("error", error))
-        except Exception:
-            return pickle.dumps(("error", RuntimeError(f"{type(error).__name__}: {error}")))
+    progress(0.0, "")
+    return _call(job, progress)

@@ -19,7 +19,7 @@ from rollerrig.config import Case, ConfigError, Rig
 from rollerrig.interfaces.plant import assembled_model
 from rollerrig.simulation.starting_state import StartError
 from rollerrig.viewer import parts
-from rollerrig.viewer.contacts import PATCH, LiveContacts
+from rollerrig.viewer.contacts import PATCH, Standing, live_places
 from rollerrig.viewer.scene import head_of, plots
 
 _RANGE = (0.1, 4.0)
@@ -178,7 +178,8 @@ class LiveRun:
         """Time, values in the order of the scene's columns, and the message to show; None where there is no number."""
         own = self.plant.values(self._indices).tolist()
         own[self._forces] = [v - r for v, r in zip(own[self._forces], self._rest, strict=True)]
-        found = [*own, *self._contacts.values(dict(zip(self._columns, own, strict=True)))]
+        named = dict(zip(self._columns, own, strict=True))
+        found = [*own, *live_places(self._standing, self._model.bodies, named)]
         values = [float(f"{v:.6g}") if math.isfinite(v) else None for v in found]
         return {"time": round(self.time, 4), "values": values, "told": self.told}
 
@@ -269,7 +270,7 @@ class LiveRun:
         self._forces = slice(first, len(self._columns))
         loads = self.plant.values(self._indices).tolist()[self._forces]
         self._rest = [v if one["carries"] else 0.0 for v, one in zip(loads, elements, strict=True)]
-        self._contacts = LiveContacts(model)
+        self._standing = [Standing(model, wheel) for wheel in model.wheels]
         self.scene = self._scene(model, elements)
         self.version += 1
 

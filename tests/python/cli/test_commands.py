@@ -207,9 +207,8 @@ def test_check_prints_the_line_and_how_the_vehicle_runs_on_it() -> None:
     done = Done("check", "vehicle_curve")
     assert done.code == 0
     (row,) = [line.split() for line in done.out.splitlines() if line.startswith("2 curve")]
-    assert row[2:8] == ["130", "330", "600", "left", "110", "74.9"]
-    speed, deficiency, highest = map(float, row[8:])
-    assert speed == 100.0
+    assert row[2:9] == ["130", "330", "100.0", "600", "left", "110", "74.9"]
+    deficiency, highest = map(float, row[9:])
     # 11.8 V^2 / R - h; the cosine of the cant and g take half a per cent
     assert deficiency == pytest.approx(11.8 * 100**2 / 600 - 110, abs=2)
     assert 200 < highest < 230

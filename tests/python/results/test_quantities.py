@@ -24,7 +24,7 @@ def test_every_table_is_read_and_has_each_key_once(table: str) -> None:
 
 def test_no_table_is_left_that_nobody_names() -> None:
     named = {study.command for study in STUDIES} | {"test", "running_safety"}
-    named |= {f"measure.{measure.kind}" for measure in MEASURES.values()}
+    named |= {f"measure.{kind}" for kind in MEASURES}
     taken_in = {
         one["group"] for table in TABLES.values() for one in table.values() if isinstance(one, dict) and "group" in one
     }

@@ -32,9 +32,9 @@ from rollerrig.study import measures
 from rollerrig.study.checkpoint import NAME
 from rollerrig.study.report import Table
 from rollerrig.study.runs.adhesion import track_case
-from rollerrig.study.runs.sweep import FAILED, Axis, Points, quantile, resized, sobol_indices, statistics, sweep_rows
+from rollerrig.study.runs.sweep import FAILED, Axis, Points, quantile, resized, sobol_indices, statistics
 from rollerrig.study.runs.wsp import StopRecord, stop_record
-from rollerrig.study.sweep import SweepStudy, sweep_study
+from rollerrig.study.sweep import SweepStudy, sweep_rows, sweep_study
 
 PLAN = """
 name = "small"
@@ -155,7 +155,7 @@ def test_work_beside_the_cases_grows_with_their_number_only(monkeypatch: pytest.
     assert found is not None
     whole = Axis.is_number.fget  # type: ignore[attr-defined]
     monkeypatch.setattr(Axis, "is_number", property(lambda axis: asked.append(1) or whole(axis)))
-    assert len(sweep_rows(found.data, study.points)) == count + 1
+    assert len(sweep_rows(found)) == count + 1
     assert len(asked) < 10  # it looks at all values: of each axis, not of each case
 
 
@@ -188,7 +188,7 @@ def test_every_measure_gives_all_its_numbers(kind: str) -> None:
     case = load_case(name).with_changes(changes)
     found = rr.sweep(case, {"contact.friction.mu_0": [0.25]}, measure=measure)
     assert found["failed"].item() == ""
-    quantities = measures.MEASURES[kind].quantities
+    quantities = measures.quantities(kind)
     assert set(quantities) | {"failed"} == set(found.data_vars)
     assert not [name for name in quantities if not np.isfinite(found[name].item())]
     assert {name: found[name].attrs["units"] for name in quantities} == {n: unit for n, (unit, _) in quantities.items()}
@@ -295,7 +295,7 @@ def run(folder: Path, vary: dict[str, Any] = VARY) -> xr.Dataset | None:
     outcome = study.run(folder=folder)
     assert outcome is not None
     outcome.write(folder)
-    return None if outcome.interrupted else outcome.results.data
+    return None if outcome.interrupted else outcome.results
 
 
 def test_an_interrupted_sweep_goes_on_and_ends_in_the_same_bytes(tmp_path: Path) -> None:
@@ -381,7 +381,7 @@ def test_a_worker_that_is_killed_ends_neither_the_sweep_nor_other_cases(
     )
     found = study.run(folder=tmp_path / "out", processes=2)
     assert found is not None
-    data = found.results.data
+    data = found.results
     np.testing.assert_array_equal(data["its_speed"], [20.0, 10.0, 25.0, 35.0, 40.0, math.nan])
     reason = "its worker process ended in the middle, twice: killed, or out of memory"
     assert data[FAILED].to_numpy().tolist() == ["", "", "", "", "", reason]
@@ -399,9 +399,7 @@ def test_ctrl_c_within_a_case_leaves_no_line_of_it() -> None:
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        measures.MEASURES["critical_speed"].measure(
-            load_case("bogie_rollers_constant"), CriticalSpeedMeasure(kind="critical_speed"), progress
-        )
+        measures.measured(load_case("bogie_rollers_constant"), CriticalSpeedMeasure(kind="critical_speed"), progress)
 
 
 def test_another_plan_is_refused_with_what_changed(tmp_path: Path) -> None:
@@ -469,8 +467,8 @@ def test_words_that_are_varied_have_their_means_and_changes_in_pairs() -> None:
     table = next(block for block in tables if isinstance(block, Table) and block.header[0] == "creep")
     assert [row[0] for row in table.rows] == ["table", "kalker saturated"]
     values = {"longitudinal_force": [1.0, 5.0, 2.0, 3.0, 9.0, math.nan]}
-    data = xr.Dataset({name: ("case", one) for name, one in values.items()})
-    change = statistics(data, study.points)["longitudinal_force"].words["creep"]["kalker_saturated"]
+    data = xr.Dataset({name: ("case", one, {"units": "1"}) for name, one in values.items()})
+    change = statistics(data, study.points)["longitudinal_force"]["words"]["creep"]["kalker_saturated"]
     half = float(stats.t.ppf(0.975, 1)) * 1.0  # two pairs, +2 and +4: standard error sqrt(2) / sqrt(2)
     assert change == pytest.approx({"mean": 6.0, "change": 3.0, "low": 3.0 - half, "high": 3.0 + half})
 

@@ -92,7 +92,7 @@ def test_an_error_of_a_job_is_its_own_and_says_where() -> None:
     """Also one of the kind that a broken pipe has."""
     with pytest.raises(FileNotFoundError, match=r"no [ab]") as error:
         run(fails, {"a": "a", "b": "b"}, processes=2)
-    assert "in fails" in error.value.__notes__[0]
+    assert "in fails" in str(error.value.__cause__)
     with pytest.raises(TypeError, match="cannot pickle"):
         run(unpicklable, {"a": 1, "b": 2}, processes=2)
 

@@ -95,10 +95,7 @@ def export_fmu(
         ExportError: this package was built without a library for FMUs.
         OutputError: the file cannot be written, or is somebody else's.
     """
-    case = as_case(case)
-    check_format(case.name, fmi, kind)
-    target = output_file(path, force=force)
-    carried = carried_shells()
+    case, target, carried = _begun(case, path, fmi, kind, force=force)
     assembled = assembled_model(case, external=external)
     plant = _core.Plant(assembled)
     states, rates, indicators = ((), (), ()) if kind == "cs" else _core.continuous_variables(assembled)
@@ -118,15 +115,16 @@ def export_fmu(
     return _written(target, unit, fmi, _of_a_rig(unit), {"resources/rig.model": model}, carried, force=force)
 
 
-def carried_shells() -> list[Shell]:
-    """The libraries of the package.
-
-    Raises:
-        ExportError: there is none.
-    """
+def _begun(case: Case | str, path: str | Path, fmi: str, kind: str, *, force: bool) -> tuple[Case, Path, list[Shell]]:
+    """The case, the file of its FMU and the libraries of the package, refused where one of them cannot be used."""
+    case = as_case(case)
+    for key, value, offered in (("fmi", fmi, tuple(DESCRIPTIONS)), ("kind", kind, KINDS)):
+        if value not in offered:
+            raise ConfigError.of(case.name, key, repr(value), f"allowed: {', '.join(offered)}")
+    target = output_file(path, force=force)
     if not (carried := shells()):
         raise ExportError("fmu: this package has no library for FMUs; they are built on Linux, with the package")
-    return carried
+    return case, target, carried
 
 
 def _written(
@@ -173,13 +171,6 @@ def _of_a_rig(unit: Unit) -> str:
     return f"<p>Roller rig, written by {TOOL}. SI; x forward, y to the left, z upwards.</p>\n{offered}"
 
 
-def check_format(case: str, fmi: str, kind: str) -> None:
-    """Refuse with a ConfigError what is not offered."""
-    for key, value, allowed in (("fmi", fmi, tuple(DESCRIPTIONS)), ("kind", kind, KINDS)):
-        if value not in allowed:
-            raise ConfigError.of(case, key, repr(value), f"allowed: {', '.join(allowed)}")
-
-
 def export_part(case: Case | str, part: str, path: str | Path, *, fmi: str = "2", force: bool = False) -> Path:
     """Write one of our controllers alone as an FMU for co-simulation, with the parameters that the case gives it.
 
@@ -204,10 +195,7 @@ def export_part(case: Case | str, part: str, path: str | Path, *, fmi: str = "2"
         >>> rr.export_part("adhesion_brake", "slide_protection", "build/wsp.fmu").name
         'wsp.fmu'
     """
-    case = as_case(case)
-    check_format(case.name, fmi, "cs")
-    target = output_file(path, force=force)
-    carried = carried_shells()
+    case, target, carried = _begun(case, path, fmi, "cs", force=force)
     alone = controller_part(case, part)
     try:
         content = _core.write_part(alone)

@@ -5,7 +5,7 @@ description, sensors <- [client] <- server;  commands -> [client] -> server
 
 import json
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from types import TracebackType
 from typing import Any
@@ -86,11 +86,17 @@ class Client:
         Raises:
             ClientError: none arrive within the timeout.
         """
-        frame = self._newest()
-        if frame is None:
+        found, wait = None, self._timeout
+        while (
+            frame := self._next(lambda one: one.kind == frames.SENSORS and one.session == self._session, wait)
+        ) is not None:
+            self._last, wait = frame, 0.0
+            found = Sensors(1e-9 * frame.time_ns, frames.STATES[min(frame.state, 4)], frame.values, frame.sequence)
+            if found.state == "ended":
+                break
+        if found is None:
             raise ClientError(f"no sensors for {self._timeout:g} s; is the server still there?")
-        self._last = frame
-        return Sensors(1e-9 * frame.time_ns, frames.STATES[min(frame.state, 4)], frame.values, frame.sequence)
+        return found
 
     def sensors(self) -> Iterator[Sensors]:
         """Sensors until the run has ended; the last ones have the state 'ended'.
@@ -140,37 +146,16 @@ class Client:
     def _send(self, frame: Frame) -> None:
         self._link.send(pack(frame))
 
-    def _frame(self, wait: float) -> Frame | None:
-        """The next sound frame; None where there is none within so long [s]."""
-        until = time.monotonic() + wait
-        while (data := self._link.receive(max(0.0, until - time.monotonic()))) is not None:
-            if (frame := unpack(data)) is not None:
-                return frame
-        return None
-
-    def _next_of(self, kind: int, wait: float) -> Frame | None:
-        """The next frame of a kind; None where there is none within so long [s], whatever else arrives."""
-        until = time.monotonic() + wait
-        while (left := until - time.monotonic()) > 0.0:
-            frame = self._frame(left)
-            if frame is not None and frame.kind == kind:
-                return frame
-        return None
-
-    def _newest(self) -> Frame | None:
-        found, wait = None, self._timeout
+    def _next(self, wanted: Callable[[Frame], bool], wait: float) -> Frame | None:
+        """The next sound frame that is wanted; None where there is none within so long [s], whatever else arrives."""
         until = time.monotonic() + wait
         while True:
-            frame = self._frame(wait)
-            if frame is None:
-                if found is not None or time.monotonic() >= until:
-                    return found
-                wait = max(0.0, until - time.monotonic())
-                continue
-            if frame.kind == frames.SENSORS and frame.session == self._session:
-                found, wait = frame, 0.0
-                if frames.STATES[min(frame.state, 4)] == "ended":
-                    return found
+            data = self._link.receive(max(0.0, until - time.monotonic()))
+            frame = None if data is None else unpack(data)
+            if frame is not None and wanted(frame):
+                return frame
+            if (data is None or wait) and time.monotonic() >= until:
+                return None
 
     def _ask(self, address: str) -> tuple[int, dict[str, Any]]:
         """Session and description of the server, part by part."""
@@ -180,7 +165,7 @@ class Client:
         while len(parts) < count:
             missing = next(i for i in range(count) if i not in parts)
             self._send(Frame(frames.ASK, answers=missing))
-            part = self._next_of(frames.DESCRIPTION, 0.2)
+            part = self._next(lambda one: one.kind == frames.DESCRIPTION, 0.2)
             if part is None:
                 if time.monotonic() > until:
                     raise ClientError(f"{address}: nobody answers; start `rollerrig serve CASE` with this address")

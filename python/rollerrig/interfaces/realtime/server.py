@@ -18,6 +18,7 @@ import numpy as np
 from rollerrig import _core
 from rollerrig.cases import as_case
 from rollerrig.common.arrays import Array
+from rollerrig.common.formatting import quantity
 from rollerrig.config import Case, ConfigError
 from rollerrig.config.errors import nearest, one_of
 from rollerrig.config.schema.units import Quantity
@@ -180,9 +181,9 @@ def _period(name: str, rate: str | float, step: float) -> float:
         return 1.0 / found
     steps = 1.0 / found / step
     if round(steps) < 1 or abs(steps - round(steps)) > 1e-6 * steps:
-        near = hertz(1.0 / (max(1, round(steps)) * step))
+        near = quantity(1.0 / (max(1, round(steps)) * step), "Hz")
         allowed = f"allowed: a rate whose period is a multiple of time.sampling_step, {1e3 * step:g} ms; the nearest is {near}"
-        raise ConfigError.of(name, "rate", hertz(found), allowed)
+        raise ConfigError.of(name, "rate", quantity(found, "Hz"), allowed)
     return round(steps) * step
 
 
@@ -219,11 +220,6 @@ def _is_measured(variable: _core.Variable) -> bool:
 
 def _finite(value: float) -> float | None:
     return value if np.isfinite(value) else None
-
-
-def hertz(rate: float) -> str:
-    """A rate as people say it."""
-    return f"{rate / 1e3:.3g} kHz" if rate >= 1e3 else f"{rate:.3g} Hz"
 
 
 MEASURED_PERIODS = 1000
@@ -322,10 +318,10 @@ def check_rate(served: Served) -> float:
     rate = LOAD / longest if longest > 0 else float("inf")
     if rate < 1.0 / served.period:
         allowed = (
-            f"one core of this machine holds {hertz(rate)} of this case: 99 of 100 steps take at most "
+            f"one core of this machine holds {quantity(rate, 'Hz')} of this case: 99 of 100 steps take at most "
             f"{1e3 * longest:.3g} ms, {100 * LOAD:.0f} % of a period is allowed"
         )
-        raise ConfigError.of(served.name, "rate", hertz(1.0 / served.period), allowed)
+        raise ConfigError.of(served.name, "rate", quantity(1.0 / served.period, "Hz"), allowed)
     return rate
 
 

@@ -8,7 +8,7 @@ Source of the samples for Sobol indices: A. Saltelli et al., Comput. Phys. Commu
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -312,72 +312,36 @@ def _text(value: Any) -> str:
     return ("true" if value else "false") if isinstance(value, bool) else str(value)
 
 
-def sweep_rows(data: xr.Dataset, points: Points) -> list[list[object]]:
-    """A row per case, header first: values of the varied keys in SI, numbers, reason of failure."""
-    numbers = [name for name in map(str, data.data_vars) if name != FAILED]
-    columns = [
-        list(column) if axis.is_number else [_text(v) for v in column]
-        for axis, column in zip(points.axes, points.columns, strict=True)
-    ]
-    columns += [data[name].to_numpy().ravel().tolist() for name in (*numbers, FAILED)]
-    heads = [
-        *((axis.name, axis.unit) for axis in points.axes),
-        *((name, data[name].attrs["units"]) for name in numbers),
-    ]
-    header: list[object] = [*(name if unit in ("", "1") else f"{name} [{unit}]" for name, unit in heads), FAILED]
-    return [header, *map(list, zip(*columns, strict=True))]
-
-
 QUANTILES = (0.05, 0.25, 0.5, 0.75, 0.95)
 FIFTH = 0.2
 LEAST_SAMPLES = 8
 """Fewer whole samples give no Sobol index."""
 
 
-@dataclass(frozen=True)
-class Statistics:
-    """Statistics of one number.
+def statistics(data: xr.Dataset, points: Points) -> dict[str, dict[str, Any]]:
+    """Number of a sweep -> its statistics, as summary.json has them: `numbers.*` of its quantities.
 
-    Attributes:
-        values: of all cases in their order; NaN where there is none.
-        tornado: varied key -> mean at its low and at its high end.
-        words: varied key whose values are words -> each of them -> mean there, change from the first one, low, high.
-        quantiles: share of the samples below -> value, low, high; empty for a grid or list.
-        sobol: varied key -> first, first_confidence, total, total_confidence.
+    Samples have `quantiles`, a design `saltelli` has `sobol`; `tornado` has the keys that are numbers, `words` the others.
     """
-
-    values: Array
-    tornado: Mapping[str, tuple[float, float]] = field(default_factory=dict)
-    words: Mapping[str, Mapping[str, Mapping[str, float]]] = field(default_factory=dict)
-    quantiles: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
-    sobol: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
-
-    def as_dict(self) -> dict[str, Any]:
-        """Dictionary for summary.json."""
-        known = self.values[np.isfinite(self.values)]
-        least, median, most = (float(f(known)) if known.size else math.nan for f in (np.min, np.median, np.max))
-        ends = {key: {"low": low, "high": high} for key, (low, high) in self.tornado.items()}
-        found = {"least": least, "median": median, "largest": most, "tornado": ends}
-        return found | {name: table for name in ("words", "quantiles", "sobol") if (table := getattr(self, name))}
-
-
-def statistics(data: xr.Dataset, points: Points) -> dict[str, Statistics]:
-    """Statistics of every number of a sweep."""
-    columns = {
-        axis.name: np.asarray(column, dtype=np.float64)
-        for axis, column in zip(points.axes, points.columns, strict=True)
-        if axis.is_number
-    }
     found = {}
+    sampled = points.design.kind not in ("grid", "list")
     for name in (str(name) for name in data.data_vars if name != FAILED):
         values = data[name].to_numpy().ravel()
-        sampled = points.design.kind not in ("grid", "list")
         known = values[np.isfinite(values)]
-        asked = QUANTILES if sampled and known.size else ()
-        quantiles = {f"{100 * q:g} %": quantile(known, q) for q in asked}
-        tornado = {key: _ends(column, values, sampled=sampled) for key, column in columns.items()}
-        sobol = sobol_indices(values, [axis.name for axis in points.axes]) if points.design.kind == "saltelli" else {}
-        found[name] = Statistics(values, tornado, _by_word(values, points), quantiles, sobol)
+        least, median, most = (float(f(known)) if known.size else math.nan for f in (np.min, np.median, np.max))
+        tables: dict[str, Any] = {
+            "tornado": {
+                axis.name: _ends(np.asarray(column, dtype=np.float64), values, sampled=sampled)
+                for axis, column in zip(points.axes, points.columns, strict=True)
+                if axis.is_number
+            },
+            "words": _by_word(values, points),
+            "quantiles": {f"{100 * q:g} %": quantile(known, q) for q in QUANTILES if sampled and known.size},
+        }
+        if points.design.kind == "saltelli":
+            tables["sobol"] = sobol_indices(values, [axis.name for axis in points.axes])
+        kept = {key: table for key, table in tables.items() if table or key == "tornado"}
+        found[name] = {"unit": data[name].attrs["units"], "least": least, "median": median, "largest": most, **kept}
     return found
 
 
@@ -414,14 +378,11 @@ def quantile(values: Array, share: float) -> dict[str, float]:
     return {"value": float(np.quantile(values, share)), "low": low, "high": high}
 
 
-def _ends(column: Array, values: Array, *, sampled: bool) -> tuple[float, float]:
+def _ends(column: Array, values: Array, *, sampled: bool) -> dict[str, float]:
     """Mean of a number where a varied key is low, and where it is high."""
-    known = np.isfinite(values)
-    if not known.any():
-        return math.nan, math.nan
     low, high = np.quantile(column, (FIFTH, 1.0 - FIFTH)) if sampled else (column.min(), column.max())
-    lower, upper = known & (column <= low), known & (column >= high)
-    return tuple(float(values[part].mean()) if part.any() else math.nan for part in (lower, upper))  # type: ignore[return-value]
+    parts = {"low": values[column <= low], "high": values[column >= high]}
+    return {end: float(np.nanmean(part)) if np.isfinite(part).any() else math.nan for end, part in parts.items()}
 
 
 def sobol_indices(values: Array, names: list[str], seed: int = 1) -> dict[str, dict[str, float]]:
