@@ -104,7 +104,7 @@ void bind_assembled(nb::module_& m) {
       [](nb::bytes const& content) {
         return model_token({static_cast<std::byte const*>(content.data()), content.size()});
       },
-      "content"_a, "The checksum of a model file as text.");
+      "content"_a, "The checksum of the file of a model or a controller as text.");
   m.attr("model_layout") = model_layout();
 }
 
@@ -117,12 +117,6 @@ void bind_part(nb::module_& m) {
         return nb::bytes(bytes.data(), bytes.size());
       },
       "part"_a, "The bytes of a controller for an FMU of it alone.");
-  m.def(
-      "part_token",
-      [](nb::bytes const& content) {
-        return part_token({static_cast<std::byte const*>(content.data()), content.size()});
-      },
-      "content"_a, "The checksum of such bytes as text.");
 }
 
 std::vector<Variable> variables_of(auto const& plant) {
@@ -173,7 +167,7 @@ void bind_controller_plant(nb::module_& m) {
       .def("set_input", &set_input<ControllerPlant>, "index"_a, "value"_a, "Holds from the next sample on.")
       .def(
           "get",
-          [](ControllerPlant const& self, int index) {
+          [](ControllerPlant& self, int index) {
             bool const known = index >= 0 && index < static_cast<int>(self.variables().size());
             return known ? self.get(index) : std::numeric_limits<double>::quiet_NaN();
           },

@@ -3,10 +3,10 @@
 #include <array>
 #include <fstream>
 #include <iterator>
-#include <stdexcept>
 #include <vector>
 
-#include "rollerrig/plant/model_file.hpp"
+#include "rollerrig/plant/controller_plant.hpp"
+#include "rollerrig/plant/plant.hpp"
 
 namespace rollerrig::fmu {
 namespace {
@@ -65,10 +65,6 @@ std::string needed_instructions() {
   return names([](Instructions const& i) { return i.compiled; });
 }
 
-std::string missing_instructions() {
-  return names([](Instructions const& i) { return i.compiled && !i.there; });
-}
-
 std::filesystem::path path_of_uri(std::string_view uri) {
   if (!uri.starts_with("file:")) return {};
   uri.remove_prefix(5);
@@ -91,19 +87,22 @@ std::filesystem::path path_of_uri(std::string_view uri) {
   return utf8_path(drive ? text.substr(1) : text);
 }
 
-std::unique_ptr<AnyPlant> AnyShell::open(std::filesystem::path const& resources, std::string_view token) {
-  if (std::string const lacks = missing_instructions(); !lacks.empty())
-    throw std::runtime_error("this library was built for a processor with " + lacks +
-                             "; export the FMU with a package that was built with ROLLERRIG_NATIVE=OFF");
+std::unique_ptr<AnyPlant> open_plant(std::filesystem::path const& resources, std::string_view token) {
+  std::string const missing = names([](Instructions const& i) { return i.compiled && !i.there; });
+  need(missing.empty(), "this library was built for a processor with " + missing +
+                            "; export the FMU with a package that was built with ROLLERRIG_NATIVE=OFF");
   bool const alone = std::filesystem::exists(resources / "controller.part");
-  char const* const name = alone ? "controller.part" : "rig.model";
+  std::string const name = alone ? "controller.part" : "rig.model";
   std::ifstream file(resources / name, std::ios::binary);
-  if (!file) throw std::runtime_error(std::string("cannot open ") + name + " among the resources");
+  need(file.good(), "cannot open " + name + " among the resources");
   std::vector<char> const text{std::istreambuf_iterator<char>(file), {}};
   auto const bytes = std::as_bytes(std::span(text));
-  auto plant = alone ? std::make_unique<AnyPlant>(read_part(bytes)) : std::make_unique<AnyPlant>(read_model(bytes));
-  if (token != (alone ? part_token(bytes) : model_token(bytes)))
-    throw std::runtime_error("the token of modelDescription.xml is not that of the model among the resources");
+  std::unique_ptr<AnyPlant> plant;
+  if (alone)
+    plant = std::make_unique<ControllerPlant>(read_part(bytes));
+  else
+    plant = std::make_unique<Plant>(read_model(bytes));
+  need(token == model_token(bytes), "the token of modelDescription.xml is not that of the model among the resources");
   return plant;
 }
 

@@ -37,7 +37,6 @@ CORE_LAYERS = [
     {"system"},
     {"simulate"},
     {"plant"},
-    {"controller_part"},
 ]
 """From left to right: folders, or single headers with their ending. What stands together does not see each other."""
 

@@ -61,7 +61,6 @@ constexpr auto members(Members... all) {
   return [=](auto&& visit) -> decltype(auto) { return visit(all...); };
 }
 
-/// A struct that names its fields.
 template <class S>
 concept Described = requires { S::fields(); };
 

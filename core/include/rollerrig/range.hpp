@@ -52,6 +52,11 @@ inline constexpr Range an_index{0.0, 2147483646.0, "an index from 0"};
 inline constexpr Range index_or_none{-1.0, 2147483646.0, "an index from 0, or -1 for none"};
 inline constexpr Range any_integer{0.0, 1.8446744073709552e19, "an integer", false, false, true};
 
+/// Throws std::invalid_argument where the condition does not hold.
+inline void need(bool condition, std::string const& message) {
+  if (!condition) throw std::invalid_argument(message);
+}
+
 /// What a message calls a value.
 struct Label {
   constexpr Label(char const* own, char const* in = "") : name{own}, unit{in} {}  // NOLINT: a name alone is one

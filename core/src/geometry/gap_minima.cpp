@@ -43,8 +43,7 @@ bool polish(WheelRollerPair const& pair, ArcLength const& arc, RelativePose<Alon
 GapMinima find_minima(WheelRollerPair const& pair, GapNodes const& nodes, RelativePose<double> const& pose,
                       double reach) {
   GapScan const scan = scan_minima(pair, nodes, pose, reach);
-  auto const fixed = [](Vec3<double> const& v) { return lift<Along>(v); };
-  RelativePose<Along> const at_rest{fixed(pose.o), {fixed(pose.R.ex), fixed(pose.R.ey), fixed(pose.R.ez)}};
+  auto const at_rest = lift<Along>(pose);
   GapMinima out;
   GapRoot top{0.0, 1.0, -1.0};  // the highest since the minimum before
   for (int i = 0; i < scan.minima; ++i) {

@@ -1,24 +1,62 @@
 #include "rollerrig/geometry/gap_nodes.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <span>
 
 #include "rollerrig/geometry/reduction.hpp"
 #include "rollerrig/math/dual.hpp"
 
 namespace rollerrig {
+
+namespace {
+
+/// Slopes of the pieces' ends are given: cubic Hermite pieces.
+UniformSpline hermite_spline(double start, double step, std::vector<double> const& value,
+                             std::vector<double> const& slope) {
+  UniformSpline spline{start, step, {}};
+  for (std::size_t i = 0; i + 1 < value.size(); ++i)
+    spline.pieces.push_back(hermite(step, value[i], value[i + 1], slope[i], slope[i + 1]));
+  return spline;
+}
+
+}  // namespace
+
+ArcLength::ArcLength(UniformSpline const& profile) {
+  auto const rate = [&](double s) {
+    double const slope = profile.at(s).slope;
+    return std::sqrt(1.0 + slope * slope);
+  };
+  double const step = 0.1e-3;
+  auto const n = at(std::ceil((profile.end() - profile.start) / step - 1e-9));
+  std::vector<double> length{0.0}, slope{rate(profile.start)};
+  for (std::size_t i = 0; i < n; ++i) {
+    double const s = profile.start + step * static_cast<double>(i);
+    slope.push_back(rate(s + step));
+    length.push_back(length.back() + step / 6.0 * (slope[i] + 4.0 * rate(s + 0.5 * step) + slope.back()));
+  }
+  length_ = hermite_spline(profile.start, step, length, slope);
+
+  auto const m = at(length.back() / step) + 1;
+  std::vector<double> abscissa, inverse;
+  double s = profile.start;
+  for (std::size_t i = 0; i <= m; ++i) {
+    double const wanted = step * static_cast<double>(i);
+    for (int k = 0; k < 4; ++k) {
+      auto const at_s = length_.at(s);
+      s -= (at_s.value - wanted) / at_s.slope;
+    }
+    abscissa.push_back(s);
+    inverse.push_back(1.0 / length_.at(s).slope);
+  }
+  abscissa_ = hermite_spline(0.0, step, abscissa, inverse);
+}
+
 namespace {
 
 using V = Lanes<native_lanes>;
 constexpr double no_gap = 1.0;  // where there is no generatrix under the wheel [m]
 using Row = std::array<double, GapNodes::capacity + native_lanes>;
-
-/// A pose that stays while something else moves.
-template <class T>
-RelativePose<T> lifted(RelativePose<double> const& pose) {
-  auto const fixed = [](Vec3<double> const& v) { return Vec3<T>{T(v.x), T(v.y), T(v.z)}; };
-  return {fixed(pose.o), {fixed(pose.R.ex), fixed(pose.R.ey), fixed(pose.R.ez)}};
-}
 
 /// One wheel in one pose.
 class Scan {
@@ -35,7 +73,7 @@ class Scan {
         reach_(reach),
         every_minimum_(every_minimum) {
     lane_pair_.set_all(pair_, nodes_.arc().abscissae());
-    lane_pose_ = lifted<V>(pose_);
+    lane_pose_ = lift<V>(pose_);
   }
 
   GapScan run() {
@@ -113,7 +151,7 @@ class Scan {
     if (p.found() && !(p.gap < near_ && std::abs(p.gap + reach_) > nearly_touching * pair_.size)) return p;
     using Along = Dual<1>;
     double const s = nodes_.arc().abscissa(p.position);
-    auto const exact = reduce(pair_, lifted<Along>(pose_), Along::variable(s, 0));
+    auto const exact = reduce(pair_, lift<Along>(pose_), Along::variable(s, 0));
     if (!exact.rail_point.found) return {p.position, no_gap, 0.0};
     double const slope = pair_.wheel->at(s).slope;
     return {p.position, exact.gap.value - reach_, exact.gap.d[0] / std::sqrt(1.0 + slope * slope)};

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "rollerrig/mechatronics/orifice.hpp"
-
 namespace rollerrig {
 namespace {
 

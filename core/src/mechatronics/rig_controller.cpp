@@ -67,7 +67,7 @@ void RigController::step(State& s, Measurements const& now, double period, PerAx
   }
 }
 
-/// The laws of feedbacks.hpp take the error of a wheel, which turns R/r times as fast as the roller that it rolls on.
+/// The laws of rig_laws.hpp take the error of a wheel, which turns R/r times as fast as the roller that it rolls on.
 double RigController::torque_for_speed(StateOf<AnyFeedback>& state, double feed_forward, double wanted,
                                        double roller_speed, double period) const {
   double const error = assumed.roller_radius / assumed.wheel_radius * (wanted - roller_speed);

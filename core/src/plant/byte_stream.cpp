@@ -37,6 +37,23 @@ std::uint64_t crc64(std::span<std::byte const> bytes, std::uint64_t before) {
   return ~crc;
 }
 
+std::vector<std::byte> sealed(std::uint64_t identity, std::span<std::byte const> state) {
+  ByteWriter out;
+  out.number(identity);
+  out.number(crc64(state, identity));
+  out.numbers(state.data(), state.size());
+  return out.take();
+}
+
+std::span<std::byte const> unsealed(std::uint64_t identity, std::span<std::byte const> bytes) {
+  constexpr std::size_t head = 2 * sizeof(std::uint64_t);
+  if (bytes.size() < head) return {};
+  ByteReader in(bytes);
+  auto const owner = in.number<std::uint64_t>(), expected = in.number<std::uint64_t>();
+  auto const state = bytes.subspan(head);
+  return owner == identity && crc64(state, identity) == expected ? state : std::span<std::byte const>{};
+}
+
 std::string hexadecimal(std::span<std::byte const> bytes) {
   std::string text;
   for (std::byte const byte : bytes)

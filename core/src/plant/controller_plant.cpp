@@ -230,22 +230,16 @@ void ControllerPlant::sample() {
 std::vector<std::byte> ControllerPlant::save() {
   StateWriter archive;
   archive(state_, value_, time_, samples_);
-  auto const seed = crc64(write_part(part_));
-  ByteWriter out;
-  out.number(crc64(archive.out.bytes(), seed));
-  out.numbers(archive.out.bytes().data(), archive.out.bytes().size());
-  return out.take();
+  return sealed(crc64(write_part(part_)), archive.out.bytes());
 }
 
 bool ControllerPlant::restore(std::span<std::byte const> bytes) {
-  constexpr std::size_t head = sizeof(std::uint64_t);
-  if (bytes.size() < head) return false;
-  ByteReader in(bytes);
-  if (in.number<std::uint64_t>() != crc64(bytes.subspan(head), crc64(write_part(part_)))) return false;
+  auto const wanted = unsealed(crc64(write_part(part_)), bytes);
+  if (wanted.empty()) return false;
   auto const before = std::tuple(state_, value_, samples_, time_);
   try {
     start(no_limit);
-    StateReader archive(bytes.subspan(head));
+    StateReader archive(wanted);
     archive(state_, value_, time_);
     std::int64_t const every = part_.controller.sampling.every;
     archive.within(samples_, std::int64_t{0}, (std::int64_t{1} << 60) / every);

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "rollerrig/integrate/integrator.hpp"
-#include "rollerrig/plant/model_file.hpp"
+#include "rollerrig/plant/continuous_plant.hpp"
 #include "rollerrig/plant/state_archive.hpp"
 
 namespace rollerrig {
@@ -34,6 +34,17 @@ Plant::Plant(AssembledModel assembled)
     if (list_.places[i].kind == Place::rise_time) at_rise_time_ = i;
   }
   for (WheelContact const& contact : assembled_.model->contacts) wheels_.push_back(wheel_name(assembled_, contact));
+}
+
+Plant::~Plant() = default;
+
+ContinuousPlant* Plant::continuous() {
+  if (started() && !continuous_) continuous_ = std::make_unique<ContinuousPlant>(*this);
+  return continuous_.get();
+}
+
+std::string_view Plant::failed_wheel() const {
+  return continuous_ ? continuous_->failed_wheel() : wheel_of(driver_->failed_contact());
 }
 
 int Plant::find(std::string_view name) const {
@@ -66,6 +77,7 @@ bool Plant::set_parameter(int index, double value) {
 }
 
 Status Plant::start(double final_time) {
+  continuous_.reset();
   if (changed_ || started()) renew();  // nothing of a run before is left
   integrate::Options options = assembled_.options;
   options.final_time = final_time;
@@ -83,6 +95,7 @@ Status Plant::start(double final_time) {
 }
 
 Status Plant::advance(double t) {
+  continuous_.reset();
   if (!started()) return Status::not_finite;
   if (status_ != Status::ok || !(t > time_)) return status_;
   shown_ = {};
@@ -105,6 +118,7 @@ bool Plant::set_input(int index, double value) {
   if (value_[i] == value) return true;
   value_[i] = value;
   apply(list_.places[i], value);
+  if (continuous_) continuous_->forget();
   return true;
 }
 
@@ -188,30 +202,25 @@ std::vector<std::byte> Plant::save() {
   if (!started()) return {};
   StateWriter archive;
   state(archive);
-  ByteWriter out;
-  out.number(identity());
-  out.number(crc64(archive.out.bytes(), identity()));
-  out.numbers(archive.out.bytes().data(), archive.out.bytes().size());
-  return out.take();
+  return sealed(identity(), archive.out.bytes());
 }
 
 bool Plant::restore(std::span<std::byte const> bytes) {
-  constexpr std::size_t head = 2 * sizeof(std::uint64_t);
-  if (bytes.size() < head) return false;
-  ByteReader in(bytes);
-  auto const model = in.number<std::uint64_t>(), expected = in.number<std::uint64_t>();
-  if (model != identity() || crc64(bytes.subspan(head), model) != expected) return false;
+  continuous_.reset();
+  std::uint64_t const model = identity();
+  auto const wanted = unsealed(model, bytes);
+  if (wanted.empty()) return false;
   std::vector<std::byte> const before = save();
   std::vector<double> const values = value_;
   try {
-    read(bytes.subspan(head));
+    read(wanted);
     if (identity() == model) return true;
   } catch (FormatError const&) {  // the checksum is right: whoever made it knew how
   }
   value_ = values;
   take_parameters();
   if (!before.empty()) {
-    read(std::span(before).subspan(head));
+    read(unsealed(identity(), before));
     return false;
   }
   renew();

@@ -106,7 +106,7 @@ std::int64_t Driver::steps_until(double t_stop) const {
   return std::llround(std::clamp(steps, -1.0, longest_count));
 }
 
-Status Driver::advance(double t_stop, Observer observer) {
+Status Driver::advance(double t_stop, Observer const& observer) {
   if (!system_) {
     if (held_) integrator_->hold_until(t_stop);
     return status_ = integrator_->advance(t_stop, observer);

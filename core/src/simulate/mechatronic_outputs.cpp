@@ -64,6 +64,12 @@ constexpr Field axle_table[] = {
      "pipe"},
 };
 
+consteval std::size_t column(std::string_view name) {
+  auto const found = std::ranges::find(axle_table, name, &Field::name);
+  if (found == std::end(axle_table)) throw "there is no such column";
+  return at(found - std::begin(axle_table));
+}
+
 constexpr Field train_table[] = {
     {"train_speed", "m/s",
      "speed of the train: on track the real one, on a rig the virtual one, or else of the rollers"},
@@ -175,8 +181,28 @@ void MechatronicSystem::measure(std::size_t controller, double* row) const {
 
 void MechatronicSystem::record(Dynamics const& plant, std::int64_t step, double const* z, Inputs const& inputs,
                                double* row) const {
-  for (std::size_t i = 0; i < axles(); ++i, row += std::size(axle_table))
+  for (std::size_t i = 0; i < axles(); ++i, row += std::size(axle_table)) {
+    ActuatorStates::Axle const& actuators = actuators_.axle(i);
+    Cylinder const& cylinder = actuators_.cylinder(i);
+    std::fill_n(row, std::size(axle_table), 0.0);
+    row[column("measured_axle_speed")] = measured_.axle_speed[i];
+    row[column("vehicle_axle_speed")] = measured_.vehicle_axle_speed[i];
+    row[column("measured_load")] = measured_.axle_load[i];
+    row[column("valve")] = acting_[at(Command::dump_valve)][i];
+    row[column("torque_factor")] = acting_[at(Command::torque_factor)][i];
+    row[column("traction_torque")] = actuators.motor[0];
+    row[column("electrodynamic_torque")] = actuators.electrodynamic.torque;
+    row[column("asked_brake_torque")] = actuators.asked;
+    row[column("cylinder_pressure")] = cylinder.pressure;
+    row[column("air")] = cylinder.air;
+    row[column("exhausted_air")] = cylinder.exhausted;
+    row[column("dump_cycles")] = static_cast<double>(cylinder.dump_cycles);
+    row[column("inlet_open")] = static_cast<double>(cylinder.inlet_open);
+    row[column("outlet_open")] = static_cast<double>(cylinder.outlet_open);
+    row[column("reservoir_pressure")] = actuators_.cylinders().supply(i).reservoir;
+    row[column("pipe_pressure")] = actuators_.cylinders().pipe_pressure(i);
     i < under_test() ? record_axle(plant, i, inputs, row) : record_simulated(i, row);
+  }
   auto const* control = frame_moves() ? nullptr : rig_state();
   double const t = time(step);
   Travel<double> train = running_motion(plant, t, z, inputs);  // on a rig without a virtual train: that of the rollers
@@ -200,106 +226,65 @@ void MechatronicSystem::record(Dynamics const& plant, std::int64_t step, double 
 void MechatronicSystem::record_axle(Dynamics const& plant, std::size_t i, Inputs const& inputs, double* out) const {
   AxleParts const& parts = setup_.axles[i];
   auto const& actuators = actuators_.axle(i);
-  auto const& cylinder = actuators_.cylinder(i);
-  auto const* control = rig_state();
-  auto const own = control != nullptr ? control->axle[i] : RigController::AxleState{};
   int const axle = static_cast<int>(i);
   auto const spin = [&](int body) { return plant.work().motion[at(body)].rate[coord_pitch]; };
-  auto const command = [&](Command c) { return acting_[at(static_cast<int>(c))][i]; };
-  WheelContact const& contact = plant.model().contacts[at(parts.contacts[0])];
+  std::size_t const left = at(parts.contacts[0]);
+  WheelContact const& contact = plant.model().contacts[left];
   double const wheel = spin(parts.wheelset), roller = parts.roller != absent ? -spin(parts.roller) : 0.0;
   double const ground_speed = frame_moves() ? train_.speed() : setup_.speed;
   double const surface = parts.roller != absent ? roller * contact.roller_radius() : ground_speed;
   auto const force = longitudinal_force(plant, parts, axle);
-  auto const limited = [&](DriveLimit of) { return actuators.drive_limited[at(static_cast<int>(of))]; };
-  double const row[] = {wheel,
-                        measured_.axle_speed[i],
-                        roller,
-                        cylinder.pressure,
-                        command(Command::dump_valve),
-                        setup_.actuators.motors_stand_in ? actuators.stand_in
-                        : parts.brake != absent          ? plant.evaluation().brake_torque[at(parts.brake)]
-                                                         : 0.0,
-                        actuators.motor[0],
-                        command(Command::torque_factor),
-                        actuators.drive[0],
-                        command(Command::roller_torque),
-                        own.estimate.force,
-                        own.estimate.torque,
-                        control != nullptr ? control->train.axle_speed(axle) : 0.0,
-                        control != nullptr ? control->train.force(axle) : 0.0,
-                        cylinder.air,
-                        static_cast<double>(cylinder.dump_cycles),
-                        force.total,
-                        force.creep,
-                        contact.pair.wheel_radius * wheel - surface - plant.work().motion[at(parts.wheelset)].v.x,
-                        sensors_.torque_reading(i),
-                        measured_.axle_load[i],
-                        control != nullptr ? own.energy : inputs.dissipated_energy[at(parts.contacts[0])],
-                        static_cast<double>(cylinder.inlet_open),
-                        static_cast<double>(cylinder.outlet_open),
-                        actuators.drive[0] * roller,
-                        measured_.vehicle_axle_speed[i],
-                        cylinder.exhausted,
-                        actuators.electrodynamic.torque,
-                        actuators.asked,
-                        control != nullptr    ? own.sand
-                        : inputs.sand.empty() ? 0.0
-                                              : inputs.sand[at(parts.contacts[0])],
-                        actuators.drive_wanted,
-                        limited(DriveLimit::torque),
-                        limited(DriveLimit::power),
-                        limited(DriveLimit::speed),
-                        0.0,
-                        0.0,
-                        0.0,
-                        actuators_.cylinders().supply(i).reservoir,
-                        actuators_.cylinders().pipe_pressure(i)};
-  static_assert(std::size(row) == std::size(axle_table));
-  std::copy(std::begin(row), std::end(row), out);
+  out[column("axle_speed")] = wheel;
+  out[column("roller_speed")] = roller;
+  out[column("brake_torque")] = setup_.actuators.motors_stand_in ? actuators.stand_in
+                                : parts.brake != absent          ? plant.evaluation().brake_torque[at(parts.brake)]
+                                                                 : 0.0;
+  out[column("roller_torque")] = actuators.drive[0];
+  out[column("roller_command")] = acting_[at(Command::roller_torque)][i];
+  out[column("contact_force")] = force.total;
+  out[column("creep_force")] = force.creep;
+  out[column("real_sliding")] =
+      contact.pair.wheel_radius * wheel - surface - plant.work().motion[at(parts.wheelset)].v.x;
+  out[column("measured_roller_torque")] = sensors_.torque_reading(i);
+  out[column("roller_power")] = actuators.drive[0] * roller;
+  out[column("wanted_roller_power")] = actuators.drive_wanted;
+  auto const limited = [&](DriveLimit of) { return actuators.drive_limited[at(of)]; };
+  out[column("drive_torque_limited")] = limited(DriveLimit::torque);
+  out[column("drive_power_limited")] = limited(DriveLimit::power);
+  out[column("drive_speed_limited")] = limited(DriveLimit::speed);
+  if (auto const* control = rig_state()) {
+    auto const& own = control->axle[i];
+    out[column("estimated_force")] = own.estimate.force;
+    out[column("estimated_torque")] = own.estimate.torque;
+    out[column("virtual_speed")] = control->train.axle_speed(axle);
+    out[column("virtual_force")] = control->train.force(axle);
+    out[column("dissipated_energy_density")] = own.energy;
+    out[column("sand")] = own.sand;
+  } else {
+    out[column("dissipated_energy_density")] = inputs.dissipated_energy[left];
+    out[column("sand")] = inputs.sand.empty() ? 0.0 : inputs.sand[left];
+  }
 }
 
 /// Of an axle outside the model there are no rollers, and the virtual rail's force is all that acts on it.
 void MechatronicSystem::record_simulated(std::size_t i, double* out) const {
   auto const& own = simulated_.axle(i - under_test());
-  auto const& actuators = actuators_.axle(i);
-  auto const& cylinder = actuators_.cylinder(i);
-  bool const on_rig = rig_state() != nullptr;
-  std::fill_n(out, std::size(axle_table), 0.0);
-  auto const set = [&](std::string_view name, double value) {
-    auto const found = std::find_if(std::begin(axle_table), std::end(axle_table),
-                                    [&](Field const& field) { return field.name == name; });
-    out[found - std::begin(axle_table)] = value;
-  };
   double const force = own.wheels.force();
-  set("axle_speed", own.wheels.speed());
-  set("measured_axle_speed", measured_.axle_speed[i]);
-  set("vehicle_axle_speed", measured_.vehicle_axle_speed[i]);
-  set("virtual_speed", on_rig ? own.wheels.speed() : 0.0);
-  set("virtual_force", on_rig ? force : 0.0);
-  set("contact_force", force);
-  set("creep_force", force);
-  set("real_sliding", on_rig ? 0.0 : own.slip);  // nothing slides on a roller
-  set("measured_load", measured_.axle_load[i]);
-  set("dissipated_energy_density", own.energy);
-  set("sand", own.sand);
-  set("cylinder_pressure", cylinder.pressure);
-  set("valve", acting_[at(Command::dump_valve)][i]);
-  set("torque_factor", acting_[at(Command::torque_factor)][i]);
-  set("brake_torque", setup_.actuators.motors_stand_in ? actuators.stand_in : own.wheels.brake_torque());
-  set("traction_torque", actuators.motor[0]);
-  set("electrodynamic_torque", actuators.electrodynamic.torque);
-  set("demanded_brake_torque", actuators.asked);
-  set("air", cylinder.air);
-  set("exhausted_air", cylinder.exhausted);
-  set("dump_cycles", static_cast<double>(cylinder.dump_cycles));
-  set("inlet_open", static_cast<double>(cylinder.inlet_open));
-  set("outlet_open", static_cast<double>(cylinder.outlet_open));
-  set("reservoir_pressure", actuators_.cylinders().supply(i).reservoir);
-  set("pipe_pressure", actuators_.cylinders().pipe_pressure(i));
-  set("axle_work", own.work);
-  set("work_on_train", own.to_train);
-  set("slip_dissipation", own.dissipated);
+  out[column("axle_speed")] = own.wheels.speed();
+  out[column("contact_force")] = out[column("creep_force")] = force;
+  out[column("dissipated_energy_density")] = own.energy;
+  out[column("sand")] = own.sand;
+  out[column("brake_torque")] =
+      setup_.actuators.motors_stand_in ? actuators_.axle(i).stand_in : own.wheels.brake_torque();
+  out[column("axle_work")] = own.work;
+  out[column("work_on_train")] = own.to_train;
+  out[column("slip_dissipation")] = own.dissipated;
+  if (rig_state() != nullptr) {  // nothing slides on a roller
+    out[column("virtual_speed")] = own.wheels.speed();
+    out[column("virtual_force")] = force;
+  } else {
+    out[column("real_sliding")] = own.slip;
+  }
 }
 
 }  // namespace rollerrig

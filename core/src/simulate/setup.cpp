@@ -12,10 +12,6 @@ namespace {
 
 constexpr double motor_resolution = 1000.0;  ///< of a second-order torque loop: bandwidth times step; it is cut finer
 
-void need(bool condition, std::string const& message) {
-  if (!condition) throw std::invalid_argument(message);
-}
-
 template <class Item>
 void need_item(std::vector<Item> const& items, int index, std::string const& owner, char const* name,
                bool may_be_absent) {

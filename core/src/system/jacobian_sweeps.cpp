@@ -14,7 +14,7 @@ BodyMotion<JacobianDual> constant(BodyMotion<double> const& m) {
     out.rate[c] = JacobianDual(m.rate[c]);
   }
   auto const up = [](Vec3<double> const& v) { return lift<JacobianDual>(v); };
-  out.R = {up(m.R.ex), up(m.R.ey), up(m.R.ez)};
+  out.R = lift<JacobianDual>(m.R);
   out.p = up(m.p);
   out.v = up(m.v);
   out.omega_body = up(m.omega_body);

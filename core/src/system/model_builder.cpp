@@ -8,9 +8,6 @@
 namespace rollerrig {
 namespace {
 
-void need(bool condition, std::string const& message) {
-  if (!condition) throw std::invalid_argument(message);
-}
 /// Of an inner node: beyond it a step of any length looks infinitely long to it, and an error estimate loses its digits.
 constexpr Range relaxation_rate{0.0, 1e12, "at most 1e12"};
 

@@ -1,4 +1,4 @@
-#include "rollerrig/system/model_parts.hpp"
+#include "rollerrig/system/model_builder.hpp"
 
 #include <algorithm>
 

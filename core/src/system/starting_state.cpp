@@ -5,7 +5,7 @@
 #include <stdexcept>
 
 #include "rollerrig/system/equilibrium.hpp"
-#include "rollerrig/system/model_parts.hpp"
+#include "rollerrig/system/model_builder.hpp"
 
 namespace rollerrig {
 namespace {

@@ -1,7 +1,7 @@
 #include <doctest/doctest.h>
 
 #include "explicit_real.hpp"
-#include "rollerrig/contact/creep/kalker.hpp"
+#include "rollerrig/contact/creep/creep_query.hpp"
 #include "rollerrig/math/dual.hpp"
 
 using namespace rollerrig;

@@ -5,7 +5,7 @@
 
 #include "exact/hertz_impact.hpp"
 #include "explicit_real.hpp"
-#include "rollerrig/contact/normal/normal_force.hpp"
+#include "rollerrig/contact/normal/normal_patch.hpp"
 #include "rollerrig/math/dual.hpp"
 
 using namespace rollerrig;

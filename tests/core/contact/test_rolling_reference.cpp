@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "rollerrig/contact/creep/kalker.hpp"
+#include "rollerrig/contact/creep/creep_query.hpp"
 #include "rollerrig/contact/creep/rolling_reference.hpp"
 #include "rollerrig/scalar.hpp"
 

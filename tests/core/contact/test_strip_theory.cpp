@@ -4,7 +4,7 @@
 #include <random>
 
 #include "explicit_real.hpp"
-#include "rollerrig/contact/bent_patch.hpp"
+#include "rollerrig/contact/patch.hpp"
 #include "rollerrig/math/dual.hpp"
 
 using namespace rollerrig;

@@ -7,10 +7,10 @@
 
 namespace rollerrig::test {
 
-class SummingPlant {
+class SummingPlant : public AnyPlant {
  public:
-  std::span<Variable const> variables() const { return variables_; }
-  Status start(double final_time) {
+  std::span<Variable const> variables() const override { return variables_; }
+  Status start(double final_time) override {
     end = final_time;
     started_ = true;
     time_ = sum_ = 0.0;
@@ -18,26 +18,28 @@ class SummingPlant {
     status_ = Status::ok;
     return starts;
   }
-  Status advance(double t) {
+  Status advance(double t) override {
     double const reached = std::min(t, fails_at);
     sum_ += rate_ * (reached - time_);
     time_ = reached;
     return status_ = t > fails_at ? Status::derailed : status_;
   }
-  bool set_input(int index, double value) {
+  bool set_input(int index, double value) override {
     rate_ = index == 0 ? value : rate_;
     return index == 0;
   }
-  bool set_parameter(int index, double value) {
+  bool set_parameter(int index, double value) override {
     bool const may = index == 2 && !started_;
     mass_ = may ? value : mass_;
     return may;
   }
-  std::vector<std::byte> save() { return {std::byte{1}}; }
-  bool restore(std::span<std::byte const> bytes) { return bytes.size() == 1; }
-  double get(int index) { return index == 1 ? sum_ : index == 0 ? rate_ : mass_; }
-  double time() const { return time_; }
-  std::string_view failed_wheel() const { return status_ == Status::derailed ? "wheelset_1_left" : ""; }
+  std::vector<std::byte> save() override { return {std::byte{1}}; }
+  bool restore(std::span<std::byte const> bytes) override { return bytes.size() == 1; }
+  double get(int index) override { return index == 1 ? sum_ : index == 0 ? rate_ : mass_; }
+  double time() const override { return time_; }
+  std::string_view failed_wheel() const override { return status_ == Status::derailed ? "wheelset_1_left" : ""; }
+
+  std::unique_ptr<AnyPlant> anew() const override { return std::make_unique<SummingPlant>(); }
 
   double fails_at{1e300}, end{};
   Status starts{Status::ok};
@@ -50,7 +52,5 @@ class SummingPlant {
   bool started_{false};
   Status status_{};
 };
-
-inline std::unique_ptr<SummingPlant> anew(SummingPlant const&) { return std::make_unique<SummingPlant>(); }
 
 }  // namespace rollerrig::test

@@ -50,7 +50,7 @@ struct ControllerFmu {
     return fmi2Instantiate("part", fmi2CoSimulation, token.c_str(), uri.c_str(), &functions, 0, 0);
   }
   fmi2Component begun() const {
-    fmi2Component c = made(part_token(bytes));
+    fmi2Component c = made(model_token(bytes));
     REQUIRE(c != nullptr);
     REQUIRE(fmi2SetupExperiment(c, 0, 0.0, 0.0, 0, 0.0) == fmi2OK);
     REQUIRE(fmi2EnterInitializationMode(c) == fmi2OK);

@@ -9,7 +9,7 @@
 #include "rollerrig/contact/adhesion/friction.hpp"
 #include "rollerrig/contact/adhesion/rail_memory.hpp"
 #include "rollerrig/math/dual.hpp"
-#include "rollerrig/mechatronics/delayed_commands.hpp"
+#include "rollerrig/mechatronics/measurements.hpp"
 #include "rollerrig/mechatronics/motor.hpp"
 #include "rollerrig/mechatronics/sensors.hpp"
 #include "rollerrig/mechatronics/wheel_slide_protection.hpp"

@@ -5,10 +5,8 @@
 
 #include "explicit_real.hpp"
 #include "rollerrig/math/dual.hpp"
-#include "rollerrig/mechatronics/electrodynamic_brake.hpp"
-#include "rollerrig/mechatronics/friction_brake.hpp"
+#include "rollerrig/mechatronics/brakes.hpp"
 #include "rollerrig/mechatronics/motor.hpp"
-#include "rollerrig/mechatronics/track_brake.hpp"
 #include "rollerrig/mechatronics/virtual_train.hpp"
 
 using namespace rollerrig;

@@ -3,9 +3,8 @@
 
 #include <cmath>
 
-#include "rollerrig/mechatronics/axle_torques.hpp"
-#include "rollerrig/mechatronics/drive_commands.hpp"
 #include "rollerrig/mechatronics/motor.hpp"
+#include "rollerrig/mechatronics/rig_laws.hpp"
 #include "rollerrig/scalar.hpp"
 
 using namespace rollerrig;

@@ -7,7 +7,7 @@
 
 #include "explicit_real.hpp"
 #include "rollerrig/math/dual.hpp"
-#include "rollerrig/mechatronics/friction_brake.hpp"
+#include "rollerrig/mechatronics/brakes.hpp"
 #include "rollerrig/mechatronics/pneumatics.hpp"
 
 using namespace rollerrig;

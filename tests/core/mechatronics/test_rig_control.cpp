@@ -5,9 +5,9 @@
 #include <cmath>
 
 #include "rollerrig/mechatronics/estimators.hpp"
-#include "rollerrig/mechatronics/feedbacks.hpp"
 #include "rollerrig/mechatronics/motor.hpp"
 #include "rollerrig/mechatronics/rig_controller.hpp"
+#include "rollerrig/mechatronics/rig_laws.hpp"
 
 using namespace rollerrig;
 

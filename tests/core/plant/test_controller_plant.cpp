@@ -88,7 +88,7 @@ TEST_CASE("a controller alone: saved in a slide, it goes on with the same comman
 TEST_CASE("a controller alone: the same bytes for the same part; what is cut, changed or foreign is refused") {
   auto const bytes = write_part(slide_protection());
   CHECK(bytes == write_part(read_part(bytes)));
-  CHECK(part_token(bytes).size() == 16);
+  CHECK(model_token(bytes).size() == 16);
   std::span<std::byte const> const all(bytes);
   for (std::size_t const size : {std::size_t{0}, std::size_t{20}, bytes.size() - 1})
     CHECK_THROWS_AS(read_part(all.first(size)), std::invalid_argument);

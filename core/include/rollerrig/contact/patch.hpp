@@ -14,7 +14,6 @@
 
 namespace rollerrig {
 
-/// What a contact is made of.
 struct ContactLaws {
   Material material{};
   NormalLaw normal{};
@@ -207,7 +206,7 @@ struct MovingPatch {
   Vec3<T> const* wheelset;  ///< its centre, b components [m]
   ContactMotion<T> const* motion;
   Friction const* friction;
-  PatchStrips<T> const* strips{nullptr};  ///< if the creep law follows them: contact/bent_patch.hpp
+  PatchStrips<T> const* strips{nullptr};  ///< if the creep law follows them: contact/patch.hpp
 
   /// @param slip  velocity [m/s]
   RailSurface<T> surface(T const& time, T const& slip) const {
@@ -217,7 +216,6 @@ struct MovingPatch {
   }
 };
 
-/// The forces of one patch, in place.
 template <Scalar T>
 void add_creep_force(ContactLaws const& laws, T const& time, MovingPatch<T> const& m) {
   PatchForces<T>& out = *m.patch;

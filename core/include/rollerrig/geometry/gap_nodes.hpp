@@ -9,10 +9,28 @@
 #include <array>
 #include <vector>
 
-#include "rollerrig/geometry/arc_length.hpp"
 #include "rollerrig/geometry/pair.hpp"
+#include "rollerrig/math/spline.hpp"
 
 namespace rollerrig {
+
+/// Both functions as cubic pieces with exact slopes, 0.1 mm each.
+class ArcLength {
+ public:
+  explicit ArcLength(UniformSpline const& profile);
+  template <Scalar T>
+  T length(T const& abscissa) const {
+    return length_.at(abscissa).value;
+  }
+  template <Scalar T>
+  T abscissa(T const& length) const {
+    return abscissa_.at(length).value;
+  }
+  UniformSpline const& abscissae() const { return abscissa_; }
+
+ private:
+  UniformSpline length_, abscissa_;
+};
 
 /// What nodes need of a wheel profile, whichever rail it stands on.
 class GapNodes {
@@ -37,7 +55,6 @@ class GapNodes {
   int count_;
 };
 
-/// A minimum or maximum of the gap along the wheel.
 struct GapExtreme {
   double position{0.0};         ///< along the arc [m]
   double gap{0.0};              ///< [m]
@@ -51,7 +68,6 @@ struct RegionEnd {
   bool is_root{true};                ///< false: a profile ends there
 };
 
-/// A stretch with negative gap.
 struct InterpenetrationRegion {
   RegionEnd left, right;
   int first{0}, last{0};    ///< its minima, of GapScan::minimum

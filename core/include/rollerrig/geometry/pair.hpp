@@ -48,5 +48,9 @@ struct RelativePose {
   Vec3<T> o;      ///< o_r^b [m], eq. (2)
   Rotation<T> R;  ///< R_br, eq. (2)
 };
+template <Scalar T>
+RelativePose<T> lift(RelativePose<double> const& pose) {
+  return {lift<T>(pose.o), lift<T>(pose.R)};
+}
 
 }  // namespace rollerrig

@@ -104,7 +104,6 @@ GeneratrixPoint<T> generatrix_point(WheelRollerPair const& pair, WheelNormalLine
   return point;
 }
 
-/// One evaluation of the reduced equation.
 template <Scalar T>
 struct Reduced {
   WheelNormalLine<T> line;

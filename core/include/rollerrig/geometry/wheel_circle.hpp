@@ -7,12 +7,75 @@
 // point; Newton finds it from where the wheel's normal meets the roller's axis, (7), which it is without yaw.
 // Frame b, left wheel. One wheel per lane, or one place of a wheel per lane.
 #pragma once
-#include "rollerrig/geometry/lane_pair.hpp"
+#include "rollerrig/geometry/pair.hpp"
 #include "rollerrig/math/dual.hpp"
+#include "rollerrig/math/lane.hpp"
+#include "rollerrig/math/lane_spline.hpp"
 
 namespace rollerrig {
 
-/// A circle of the wheel, and how the profile runs through it.
+/// WheelRollerPair, one per lane.
+template <class N>
+struct LanePair {
+  LaneSpline<N> wheel_profile, rail_profile, arc_to_abscissa;
+  LaneSpline<N> const* wheel{&wheel_profile};
+  LaneSpline<N> const* rail{&rail_profile};
+  N wheel_radius{}, tape_circle_y{}, rail_origin_y{}, curvature{}, seen_by_hertz{};
+
+  LanePair() = default;
+  LanePair(LanePair const&) = delete;
+  LanePair& operator=(LanePair const&) = delete;
+
+  N const& geometry_curvature() const { return curvature; }
+  N const& hertz_curvature() const { return seen_by_hertz; }
+
+  void set(int i, WheelRollerPair const& pair, UniformSpline const& abscissa_over_arc) {
+    wheel_profile.set(i, *pair.wheel);
+    rail_profile.set(i, *pair.rail);
+    arc_to_abscissa.set(i, abscissa_over_arc);
+    set_lane(wheel_radius, i, pair.wheel_radius);
+    set_lane(tape_circle_y, i, pair.tape_circle_y);
+    set_lane(rail_origin_y, i, pair.rail_origin_y);
+    set_lane(curvature, i, pair.geometry_curvature());
+    set_lane(seen_by_hertz, i, pair.hertz_curvature());
+  }
+
+  void set_all(WheelRollerPair const& pair, UniformSpline const& abscissa_over_arc) {
+    wheel_profile.set_all(*pair.wheel);
+    rail_profile.set_all(*pair.rail);
+    arc_to_abscissa.set_all(abscissa_over_arc);
+    wheel_radius = N(pair.wheel_radius), tape_circle_y = N(pair.tape_circle_y), rail_origin_y = N(pair.rail_origin_y);
+    curvature = N(pair.geometry_curvature()), seen_by_hertz = N(pair.hertz_curvature());
+  }
+};
+
+template <class T, class One>
+void set_lane(RelativePose<T>& pose, int i, RelativePose<One> const& one) {
+  auto const put = [i](Vec3<T>& to, Vec3<One> const& from) {
+    if constexpr (std::same_as<T, One>) {
+      to = from;
+    } else {
+      set_lane(to.x, i, from.x);
+      set_lane(to.y, i, from.y);
+      set_lane(to.z, i, from.z);
+    }
+  };
+  put(pose.o, one.o);
+  put(pose.R.ex, one.R.ex);
+  put(pose.R.ey, one.R.ey);
+  put(pose.R.ez, one.R.ez);
+}
+
+template <class T>
+RelativePose<NumberOf<T>> numbers_of(RelativePose<T> const& pose) {
+  using N = NumberOf<T>;
+  auto const plain = [](Vec3<T> const& v) { return Vec3<N>{value_of(v.x), value_of(v.y), value_of(v.z)}; };
+  return {plain(pose.o), {plain(pose.R.ex), plain(pose.R.ey), plain(pose.R.ez)}};
+}
+
+template <class N>
+using MaskOf = decltype(std::declval<N>() < std::declval<N>());
+
 template <class T>
 struct WheelCircle {
   T radius;         ///< [m]
@@ -183,16 +246,13 @@ void lowest_points(Pair const& pair, RelativePose<T> const& pose, std::array<Whe
     } else {  // derivatives of the angle, by the implicit function theorem
       T sine(angle[k][0]), cosine(angle[k][1]);
       using Turn = Dual<1>;
-      auto const constant = [](Vec3<N> const& v) { return lift<Turn>(v); };
-      auto const& R = numbers.R;
       Turn turned_sine(angle[k][0]), turned_cosine(angle[k][1]);
       turn_by(Turn::variable(0.0, 0), turned_sine, turned_cosine);
-      double const rate =
-          circle_point<Turn>(
-              pair, {constant(numbers.o), {constant(R.ex), constant(R.ey), constant(R.ez)}},
-              {Turn(circle[k].radius), Turn(circle[k].slope), Turn(circle[k].cosine), constant(circle[k].centre)},
-              turned_sine, turned_cosine)
-              .tilt.d[0];
+      double const rate = circle_point<Turn>(pair, lift<Turn>(numbers),
+                                             {Turn(circle[k].radius), Turn(circle[k].slope), Turn(circle[k].cosine),
+                                              lift<Turn>(circle[k].centre)},
+                                             turned_sine, turned_cosine)
+                              .tilt.d[0];
       T const tilt = circle_point(pair, pose, circles[k], sine, cosine).tilt;
       turn_by(T((value_of(tilt) - tilt) / rate), sine, cosine);
       points[k] = circle_point(pair, pose, circles[k], sine, cosine);

@@ -11,6 +11,7 @@
 #include <span>
 #include <vector>
 
+#include "rollerrig/integrate/options.hpp"
 #include "rollerrig/status.hpp"
 
 namespace rollerrig {
@@ -40,7 +41,6 @@ class StiffModes {
   };
 
   StiffModes() = default;
-  /// Everything is allocated here.
   StiffModes(std::size_t most_modes, std::size_t most_entries, std::size_t longest_origin) {
     mode_.reserve(most_modes);
     entry_.reserve(most_entries);
@@ -77,8 +77,6 @@ class StiffModes {
 
   std::vector<double> origin;  ///< what the system made them from, for it to compare
 
-  /// Everything that changes in a run, for plant/state_archive.hpp.
-  ///
   /// @param states  numbers that a mode may move
   void state(auto& archive, int states) {
     archive.list(origin, origin.capacity());
@@ -156,3 +154,49 @@ concept HasStiffModes = requires(S& system, StiffModes const& now, StiffModes& n
 };
 
 }  // namespace rollerrig
+
+namespace rollerrig::integrate {
+
+// The system as the methods see it: one vector y = (x, z), calls counted.
+
+using Vector = Eigen::VectorXd;
+
+/// One attempted step.
+struct Step {
+  double t;    ///< [s] start
+  double h;    ///< [s] length
+  double end;  ///< [s] time given to the stages at the end: t + h, or just before a breakpoint, so
+               ///< that an input which jumps there is still taken from the left
+};
+
+template <DifferentialEquation System>
+class Evaluator {
+ public:
+  explicit Evaluator(System& system) : system_{&system}, sizes_{system.sizes()} {}
+
+  Sizes sizes() const { return sizes_; }
+  System& system() const { return *system_; }
+
+  /// y_dot = (f, g) at (t, y); the z-part of y is not read.
+  Status derivative(double t, Vector const& y, Vector& y_dot) {
+    ++statistics.derivative_calls;
+    return system_->derivative(t, y.data(), y_dot.data(), y_dot.data() + sizes_.states);
+  }
+
+  Status jacobian(double t, Vector const& y, JacobianData& j) {
+    ++statistics.jacobian_calls;
+    if constexpr (HasJacobian<System>) {
+      return system_->jacobian(t, y.data(), j);
+    } else {
+      return Status::not_finite;  // unreachable: Integrator's constructor refuses such a method
+    }
+  }
+
+  Statistics statistics;
+
+ private:
+  System* system_;
+  Sizes sizes_;
+};
+
+}  // namespace rollerrig::integrate

@@ -7,7 +7,7 @@
 #pragma once
 #include <utility>
 
-#include "rollerrig/integrate/evaluator.hpp"
+#include "rollerrig/integrate/differential_equation.hpp"
 
 namespace rollerrig::integrate {
 
@@ -103,7 +103,6 @@ class DormandPrince {
     out = y + theta * (y_new - y) + w * bend_ + (w * theta) * (y_new - y - h * k_[6] - bend_) + (w * w) * quartic_;
   }
 
-  /// Everything that changes in a run, for plant/state_archive.hpp.
   void state(auto& archive) { archive(k_, error_, bend_, quartic_, has_end_slope_, has_polynomial_); }
 
  private:

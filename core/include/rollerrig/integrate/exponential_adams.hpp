@@ -66,7 +66,6 @@ class ExponentialAdams {
 
   void restart() { has_end_slope_ = planned_ = false; }
 
-  /// Once before each new step (not before its repetitions).
   template <class System>
   Status prepare(Evaluator<System>& f, double t, Vector const& y) {
     if (std::exchange(has_end_slope_, false)) {

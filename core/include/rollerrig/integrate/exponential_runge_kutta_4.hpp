@@ -29,7 +29,7 @@
 #include <utility>
 #include <vector>
 
-#include "rollerrig/integrate/evaluator.hpp"
+#include "rollerrig/integrate/differential_equation.hpp"
 
 namespace rollerrig::integrate {
 
@@ -76,7 +76,6 @@ class ExponentialRungeKutta4 {
 
   void restart() { has_end_slope_ = false; }
 
-  /// Once before each new step (not before its repetitions).
   template <class System>
   Status prepare(Evaluator<System>& f, double t, Vector const& y) {
     if (std::exchange(has_end_slope_, false)) {
@@ -140,7 +139,6 @@ class ExponentialRungeKutta4 {
     }
   }
 
-  /// Everything that changes in a run, for plant/state_archive.hpp.
   void state(auto& archive) {
     for (StiffModes* modes : {&now_, &next_}) modes->state(archive, static_cast<int>(k1_.size()));
     archive.list(modes_, now_.size());
@@ -155,7 +153,6 @@ class ExponentialRungeKutta4 {
     double half, b1, b2, c1, c3, d1, d2, d4;
     void state(auto& archive) { archive(rate, step, decay_half, decay, half, b1, b2, c1, c3, d1, d2, d4); }
   };
-  /// One mode in the present step.
   struct ModeState {
     Weights w;
     double start, now;  ///< s at the step's start, and at the last stage less the trend until then

@@ -134,7 +134,6 @@ class Integrator {
     if (z != nullptr) std::copy_n(y_out_.data() + n_, y_out_.size() - n_, z);
   }
 
-  /// Everything that changes in a run, for plant/state_archive.hpp.
   template <class Archive>
   void state(Archive& archive) {
     archive(f_.statistics, method_, controller_, y_, y_old_, y_new_, y_out_, t0_, t_, t_old_, h_, step_length_,

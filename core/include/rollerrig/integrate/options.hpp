@@ -3,8 +3,9 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <stdexcept>
 #include <vector>
+
+#include "rollerrig/range.hpp"
 
 namespace rollerrig::integrate {
 
@@ -32,25 +33,22 @@ struct Options {
 /// Throws std::invalid_argument for what no integrator of so many states can do.
 inline void check_options(Options const& o, int states, bool has_jacobian) {
   constexpr double least_tolerance = 1e-30;  // of a state that stays zero
-  auto const require = [](bool condition, char const* message) {
-    if (!condition) throw std::invalid_argument(message);
-  };
   auto const tolerances = static_cast<int>(o.absolute_tolerance.size());
-  require(o.step >= 0, "step must be positive, or 0 to let the error choose it");
-  require(o.method >= Method::rk4 && o.method <= Method::rodas4, "there is no such method");
+  need(o.step >= 0, "step must be positive, or 0 to let the error choose it");
+  need(o.method >= Method::rk4 && o.method <= Method::rodas4, "there is no such method");
   bool const free = o.method == Method::dormand_prince || o.method == Method::rodas4;
-  require(o.step > 0 || free, "methods rk4, exponential_rk4 and exponential_adams need a step");
+  need(o.step > 0 || free, "methods rk4, exponential_rk4 and exponential_adams need a step");
   bool const linearised = o.method == Method::exponential_adams || o.method == Method::rodas4;
-  require(!linearised || has_jacobian, "methods exponential_adams and rodas4 need a Jacobian");
-  require(std::isfinite(o.step) && std::isfinite(o.output_step), "step and output_step must be finite");
-  require(o.relative_tolerance > 0 && std::isfinite(o.relative_tolerance), "relative_tolerance must be positive");
-  require(tolerances == 1 || tolerances == states, "absolute_tolerance must hold one value, or one per state");
+  need(!linearised || has_jacobian, "methods exponential_adams and rodas4 need a Jacobian");
+  need(std::isfinite(o.step) && std::isfinite(o.output_step), "step and output_step must be finite");
+  need(o.relative_tolerance > 0 && std::isfinite(o.relative_tolerance), "relative_tolerance must be positive");
+  need(tolerances == 1 || tolerances == states, "absolute_tolerance must hold one value, or one per state");
   for (double a : o.absolute_tolerance)
-    require(a >= least_tolerance && std::isfinite(a), "absolute_tolerance must be 1e-30 or more");
-  require(o.maximum_step > 0, "maximum_step must be positive");
-  require(o.initial_step >= 0 && std::isfinite(o.initial_step), "initial_step must be finite and not negative");
-  require(o.output_step >= 0, "output_step must not be negative");
-  for (double b : o.breakpoints) require(std::isfinite(b), "a breakpoint must be a finite time");
+    need(a >= least_tolerance && std::isfinite(a), "absolute_tolerance must be 1e-30 or more");
+  need(o.maximum_step > 0, "maximum_step must be positive");
+  need(o.initial_step >= 0 && std::isfinite(o.initial_step), "initial_step must be finite and not negative");
+  need(o.output_step >= 0, "output_step must not be negative");
+  for (double b : o.breakpoints) need(std::isfinite(b), "a breakpoint must be a finite time");
 }
 
 /// Counts of one run.  Tests assert them, so that a slower integrator fails a test.

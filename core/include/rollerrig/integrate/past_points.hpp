@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <utility>
 
-#include "rollerrig/integrate/evaluator.hpp"
+#include "rollerrig/integrate/differential_equation.hpp"
 #include "rollerrig/scalar.hpp"
 
 namespace rollerrig::integrate {
@@ -67,7 +67,6 @@ class PastPoints {
     for (int k = 0; k < known_; ++k) point_[at(k)].nonlinear.noalias() += part * point_[at(k)].x;
   }
 
-  /// Everything that changes in a run, for plant/state_archive.hpp.
   void state(auto& archive) {
     archive(point_);
     archive.within(known_, 0, most);

@@ -8,11 +8,12 @@
 // Dense output of order 3 (local error h^4 where the solution is smooth and the step resolves the stiff modes).
 // Source  Hairer, Wanner, Solving ODEs II (1996), IV.7 and VI.4.
 #pragma once
+#include <cassert>
 #include <utility>
 #include <vector>
 
-#include "rollerrig/integrate/evaluator.hpp"
-#include "rollerrig/integrate/shifted_solver.hpp"
+#include "rollerrig/integrate/differential_equation.hpp"
+#include "rollerrig/math/lu.hpp"
 
 namespace rollerrig::integrate::rodas4_tableau {
 
@@ -62,6 +63,49 @@ inline constexpr double cubic[5] = {-0.6762803392801253, 6.087714651680015, 16.4
 }  // namespace rollerrig::integrate::rodas4_tableau
 
 namespace rollerrig::integrate {
+
+/// (s I - J) k = r for the Jacobian J of states and quadratures.
+///
+///         [ kinematic states q  ]   0     S     0        S selects the velocity of each q
+///     J = [ other states     v  ]   A_vq  A_vv  0
+///         [ quadratures      z  ]   G_q   G_v   0
+///
+/// Only a matrix of the size of v is factored: q and z are eliminated exactly,
+///
+///     (s I - A_vv - A_vq S / s) k_v = r_v + A_vq r_q / s
+///     k_q = (r_q + S k_v) / s,      k_z = (r_z + G (k_q, k_v)) / s.
+///
+/// A system without kinematic states is the case of an empty q.
+/// Source  block elimination; Hairer, Wanner, Solving ODEs II (1996), IV.8 "second order equations".
+class ShiftedSolver {
+ public:
+  /// @param velocity_columns  for each kinematic state the index of its velocity in x
+  ShiftedSolver(Sizes sizes, std::vector<int> velocity_columns)
+      : columns_{std::move(velocity_columns)},
+        q_{static_cast<int>(columns_.size())},
+        v_{sizes.states - q_},
+        z_{sizes.quadratures},
+        matrix_(v_, v_),
+        right_(v_),
+        lu_(v_) {
+    for ([[maybe_unused]] int c : columns_) assert(c >= q_ && c < sizes.states);
+  }
+
+  /// Factor for shift s [1/s]; J must stay alive and unchanged until the last solve.
+  void factor(JacobianData const& j, double shift);
+
+  /// r -> k in place, r = (r_q, r_v, r_z).
+  void solve(Eigen::VectorXd& r);
+
+ private:
+  std::vector<int> columns_;
+  int q_, v_, z_;
+  Eigen::MatrixXd matrix_;
+  Eigen::VectorXd right_;
+  Eigen::PartialPivLU<Eigen::MatrixXd> lu_;
+  JacobianData const* j_ = nullptr;
+  double inverse_shift_ = 0;  // [s]
+};
 
 class Rodas4 {
  public:
@@ -140,7 +184,6 @@ class Rodas4 {
     out = rest * y + theta * y_new + (theta * rest) * (bend_ + theta * cubic_);
   }
 
-  /// Everything that changes in a run, for plant/state_archive.hpp.
   void state(auto& archive) { archive(jacobian_, u_, f0_, f_t_, stage_, error_, bend_, cubic_, has_polynomial_); }
 
  private:

@@ -26,16 +26,8 @@ struct Dual {
     return x;
   }
 
-  Dual& operator+=(Dual const& b) {
-    value += b.value;
-    d += b.d;
-    return *this;
-  }
-  Dual& operator-=(Dual const& b) {
-    value -= b.value;
-    d -= b.d;
-    return *this;
-  }
+  Dual& operator+=(Dual const& b) { return value += b.value, d += b.d, *this; }
+  Dual& operator-=(Dual const& b) { return value -= b.value, d -= b.d, *this; }
 
   friend Dual operator-(Dual const& a) { return {-a.value, -a.d}; }
   friend Dual operator+(Dual const& a, Dual const& b) { return {a.value + b.value, a.d + b.d}; }

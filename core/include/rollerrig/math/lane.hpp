@@ -81,14 +81,8 @@ struct Lane<double, W> {
   double operator[](int i) const { return v[at(i)]; }
   void set(int i, double x) { v[at(i)] = x; }
 
-  Lane& operator+=(Lane const& b) {
-    v += b.v;
-    return *this;
-  }
-  Lane& operator-=(Lane const& b) {
-    v -= b.v;
-    return *this;
-  }
+  Lane& operator+=(Lane const& b) { return v += b.v, *this; }
+  Lane& operator-=(Lane const& b) { return v -= b.v, *this; }
   friend Lane operator-(Lane const& a) { return Lane(-a.v); }
   friend Lane operator+(Lane const& a, Lane const& b) { return Lane(a.v + b.v); }
   friend Lane operator-(Lane const& a, Lane const& b) { return Lane(a.v - b.v); }

@@ -89,7 +89,6 @@ struct PiecewiseCubic {
   /// Where the piece ends; infinite for the last.
   double end_of(int piece) const;
 
-  /// Whether f vanishes everywhere from `low` to `high`.
   bool vanishes(double low, double high) const;
 };
 

@@ -15,18 +15,8 @@ struct Vec3 {
   friend Vec3 operator-(Vec3 const& a, Vec3 const& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
   friend Vec3 operator-(Vec3 const& a) { return {-a.x, -a.y, -a.z}; }
   friend Vec3 operator*(T const& s, Vec3 const& a) { return {s * a.x, s * a.y, s * a.z}; }
-  Vec3& operator+=(Vec3 const& b) {
-    x += b.x;
-    y += b.y;
-    z += b.z;
-    return *this;
-  }
-  Vec3& operator-=(Vec3 const& b) {
-    x -= b.x;
-    y -= b.y;
-    z -= b.z;
-    return *this;
-  }
+  Vec3& operator+=(Vec3 const& b) { return x += b.x, y += b.y, z += b.z, *this; }
+  Vec3& operator-=(Vec3 const& b) { return x -= b.x, y -= b.y, z -= b.z, *this; }
 };
 
 template <Scalar T>
@@ -53,6 +43,11 @@ struct Rotation {
   Vec3<T> operator*(Vec3<T> const& a) const { return a.x * ex + a.y * ey + a.z * ez; }
   Vec3<T> transposed_times(Vec3<T> const& a) const { return {dot(ex, a), dot(ey, a), dot(ez, a)}; }
 };
+
+template <Scalar T>
+Rotation<T> lift(Rotation<double> const& R) {
+  return {lift<T>(R.ex), lift<T>(R.ey), lift<T>(R.ez)};
+}
 
 /// R_A^T R_B: the orientation of B seen from A.
 template <Scalar T>

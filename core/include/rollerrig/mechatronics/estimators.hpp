@@ -5,7 +5,6 @@
 #include <array>
 #include <cmath>
 #include <optional>
-#include <string_view>
 #include <variant>
 
 #include "rollerrig/fields.hpp"

@@ -6,8 +6,10 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <iterator>
 #include <string_view>
+#include <vector>
 
 #include "rollerrig/scalar.hpp"
 
@@ -41,7 +43,6 @@ struct Measurements {
   /// What really acts: T of (D1) [N], torque of motor and brake [N m]; for the estimator `exact` alone.
   PerAxle<double> true_force{}, true_torque{};
 
-  /// For plant/state_archive.hpp: what changes in a run.
   void state(auto& archive) {
     archive(time, axle_speed, roller_speed, vehicle_axle_speed, roller_torque, drive_torque, motor_torque, brake_torque,
             axle_load, dump_valve, brake_demand, sand_flow, track_brake_force, force_of_others, rail_friction,
@@ -76,5 +77,55 @@ inline constexpr CommandField command_fields[] = {
      highest_pressure, false},
 };
 constexpr std::size_t command_count = std::size(command_fields);
+
+// Commands of one controller between their sample and their acting.
+
+class DelayedCommands {
+ public:
+  /// @param initial  acts before the first command
+  /// @param delay    steps from a sample to the command's acting
+  DelayedCommands(double initial, int delay) : delay_{delay}, sent_(at(delay) + 2) { acting_.fill(initial); }
+
+  void send(PerAxle<double> const& value, std::int64_t step) {
+    sent_[(first_ + count_++) % sent_.size()] = {value, step + delay_};
+  }
+
+  /// Takes up what acts from this step on.
+  void advance(std::int64_t step) {
+    for (; count_ > 0 && sent_[first_].acts_at <= step; --count_) {
+      acting_ = sent_[first_].value;
+      first_ = (first_ + 1) % sent_.size();
+    }
+  }
+
+  PerAxle<double> const& acting() const { return acting_; }
+  /// What was sent last, acting or still to act.
+  PerAxle<double> const& newest() const {
+    return count_ > 0 ? sent_[(first_ + count_ - 1) % sent_.size()].value : acting_;
+  }
+
+  void state(auto& archive) {
+    archive(acting_, sent_);
+    archive.within(first_, std::size_t{0}, sent_.size() - 1);
+    archive.within(count_, std::size_t{0}, sent_.size());
+  }
+  /// Those that act and those that will.
+  void each(auto const& look) const {
+    look(acting_);
+    for (Sent const& sent : sent_) look(sent.value);
+  }
+
+ private:
+  struct Sent {
+    PerAxle<double> value{};
+    std::int64_t acts_at{0};
+    void state(auto& archive) { archive(value, acts_at); }
+  };
+
+  int delay_;
+  PerAxle<double> acting_{};
+  std::vector<Sent> sent_;  ///< ring
+  std::size_t first_{0}, count_{0};
+};
 
 }  // namespace rollerrig

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <limits>
 #include <optional>
-#include <tuple>
 
 #include "rollerrig/fields.hpp"
 #include "rollerrig/math/piecewise_linear.hpp"

@@ -1,6 +1,6 @@
 // mechatronics/pneumatics.hpp - from brake demand and dump valves' commands to the pressures of all cylinders.
 //
-//   demand -> [control valve] -> [air: one of the laws in air/] -> cylinder pressures -> friction_brake.hpp
+//   demand -> [control valve] -> [law of the air] -> cylinder pressures -> brakes.hpp
 //
 // To add a law of the air: a struct here, its line in AnyAir, its parameters in python/rollerrig/config/schema/actuators.py.
 #pragma once
@@ -12,10 +12,97 @@
 #include <variant>
 
 #include "rollerrig/fields.hpp"
-#include "rollerrig/mechatronics/dump_valve.hpp"
-#include "rollerrig/mechatronics/orifice.hpp"
+#include "rollerrig/scalar.hpp"
 
 namespace rollerrig {
+
+/// What slide protection switches at a brake cylinder, an inlet and an outlet valve. Without current the inlet is open and the outlet
+/// closed: an axle brakes when its slide protection fails.
+enum class DumpValve : int { fill, hold, vent };
+
+/// Of a magnet valve, in steps.
+struct SwitchingSteps {
+  int opening{}, closing{};  ///< from a changed command to the valve's moving
+  int least_pulse{};         ///< that a command stays at least; a shorter one is prolonged
+};
+
+/// A valve that moves some time after its command; a command shorter than that does not move it.
+class MagnetValve {
+ public:
+  explicit MagnetValve(bool open) : open_{open}, commanded_{open} {}
+
+  void step(bool command, SwitchingSteps const& steps) {
+    if (command != commanded_ && age_ >= steps.least_pulse) {
+      commanded_ = command;
+      age_ = 0;
+    }
+    if (open_ != commanded_ && age_ >= (commanded_ ? steps.opening : steps.closing)) open_ = commanded_;
+    if (age_ < settled) ++age_;
+  }
+  bool open() const { return open_; }
+  void state(auto& archive) {
+    archive(open_, commanded_);
+    archive.within(age_, 0, settled);
+  }
+
+ private:
+  static constexpr int settled = 1 << 30;
+  bool open_, commanded_;
+  int age_{settled};  ///< of the command [steps]
+};
+
+class DumpUnit {
+ public:
+  void step(DumpValve command, SwitchingSteps const& steps) {
+    inlet_.step(command == DumpValve::fill, steps);
+    outlet_.step(command == DumpValve::vent, steps);
+  }
+  bool inlet_open() const { return inlet_.open(); }
+  bool outlet_open() const { return outlet_.open(); }
+  void state(auto& archive) { archive(inlet_, outlet_); }
+
+ private:
+  MagnetValve inlet_{true}, outlet_{false};
+};
+
+// Air through an orifice: choked up to a critical pressure ratio, subsonic beyond.
+//     q = C p_1 phi(p_2/p_1),   phi = 1 up to b,   sqrt(1 - ((p_2/p_1 - b)/(1 - b))^2) beyond        (A12)
+// q is a volume per time of air at the reference state (100 kPa, 20 degrees C), to which the air always returns: isothermal.
+// Source  ISO 6358-1: sonic conductance C, critical pressure ratio b, and the straight line near equal pressures.
+
+/// Sonic conductance C [m^3/(s Pa)] and b.
+struct Orifice {
+  double conductance{}, critical_ratio{};
+};
+
+/// Two orifices one behind the other as one, (A26).
+inline Orifice in_series(Orifice const& one, Orifice const& other) {
+  double const a = one.conductance, b = other.conductance, least = std::fmin(a, b);
+  if (!(least > 0.0)) return {0.0, one.critical_ratio};
+  double const both = least / std::cbrt(std::pow(least / a, 3.0) + std::pow(least / b, 3.0));
+  auto const lost = [&](Orifice const& own) {
+    return (1.0 - own.critical_ratio) * std::pow(both / own.conductance, 2.0);
+  };
+  return {both, std::fmax(0.0, 1.0 - lost(one) - lost(other))};
+}
+
+/// phi of (A12): flow over that of choked flow, 1 to 0.
+///
+/// @param ratio     absolute downstream over absolute upstream pressure; beyond 1 nothing flows
+/// @param critical  b, of pneumatic valves 0.2 to 0.5
+template <Scalar T>
+T orifice_flow(T const& ratio, double critical) {
+  using std::sqrt;
+  constexpr double laminar = 0.999;  // from here on a straight line to 0: keeps the slope at equal pressures finite
+  auto const subsonic = [&](T const& at) {
+    T const part = (at - critical) / (1.0 - critical);
+    return sqrt(1.0 - part * part);
+  };
+  T const begun = select(ratio > critical, ratio, T(critical));
+  T const inside = subsonic(select(begun > laminar, T(laminar), begun));
+  T const left = select(ratio < 1.0, 1.0 - ratio, T(0.0));
+  return select(ratio > laminar, subsonic(T(laminar)) * left / (1.0 - laminar), inside);
+}
 
 /// The pressure that a brake's control valve asks for, and the cylinders behind it.
 ///

@@ -5,21 +5,17 @@
 //     U = J_r (r/R) w_v' - R T_v  +  feedback of w_v - w        (D5)
 //     U = -R T_v                       while the wheel is locked (D15)
 //
-// C comes from the laws of axle_torques.hpp, and the drives are asked for U by one of drive_commands.hpp.
+// C comes from the laws of rig_laws.hpp, and the drives are asked for U by another.
 //
 // Signs   U positive drives the wheel forward, see estimators.hpp.
 // Source  Malvezzi, Pugi et al.: the law of the rig under the pure-rolling assumption; docs/theory/rig_control.md.
 #pragma once
-#include <string_view>
-#include <tuple>
 
 #include "rollerrig/contact/adhesion/rail_memory.hpp"
 #include "rollerrig/fields.hpp"
-#include "rollerrig/mechatronics/axle_torques.hpp"
-#include "rollerrig/mechatronics/drive_commands.hpp"
 #include "rollerrig/mechatronics/estimators.hpp"
-#include "rollerrig/mechatronics/feedbacks.hpp"
 #include "rollerrig/mechatronics/measurements.hpp"
+#include "rollerrig/mechatronics/rig_laws.hpp"
 #include "rollerrig/mechatronics/virtual_rail.hpp"
 #include "rollerrig/mechatronics/virtual_train.hpp"
 

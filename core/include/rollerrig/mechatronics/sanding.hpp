@@ -11,7 +11,6 @@
 
 namespace rollerrig {
 
-/// What decides whether sand is wanted.
 struct SandingMoment {
   double time{};      ///< [s]
   double distance{};  ///< of the train since the start [m]

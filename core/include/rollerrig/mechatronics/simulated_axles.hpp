@@ -12,13 +12,12 @@
 #include <algorithm>
 #include <cmath>
 #include <span>
-#include <tuple>
 #include <vector>
 
 #include "rollerrig/contact/adhesion/rail_memory.hpp"
 #include "rollerrig/fields.hpp"
-#include "rollerrig/mechatronics/virtual_axle.hpp"
 #include "rollerrig/mechatronics/virtual_rail.hpp"
+#include "rollerrig/mechatronics/virtual_train.hpp"
 
 namespace rollerrig {
 
@@ -119,7 +118,6 @@ class SimulatedAxleStates {
   Axle const& axle(std::size_t i) const { return axle_[i]; }
   double force() const { return force_; }  ///< (N2), mean of the last step [N]
 
-  /// Everything that changes in a run, for plant/state_archive.hpp.
   void state(auto& archive) { archive(axle_, force_); }
 
  private:

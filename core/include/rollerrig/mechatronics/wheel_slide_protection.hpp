@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "rollerrig/fields.hpp"
-#include "rollerrig/mechatronics/dump_valve.hpp"
 #include "rollerrig/mechatronics/measurements.hpp"
+#include "rollerrig/mechatronics/pneumatics.hpp"
 #include "rollerrig/mechatronics/reference_speed.hpp"
 
 namespace rollerrig {
@@ -42,7 +42,6 @@ struct BrakedAxles {
     return state;
   }
 
-  /// One sample of a law: new valve states.
   template <class Law>
   void step(Law const& law, Measurements const& now, double period, PerAxle<double>& valve) {
     observe(law, now, period);
@@ -206,7 +205,6 @@ struct ThresholdTable {
                "duration without slip after which an axle counts as gripping again"});
   }
 
-  /// The entry for an axle with this slip and acceleration.
   Entry entry(double slip, double acceleration) const {
     std::size_t const row = band(slip_thresholds, slip), column = band(acceleration_thresholds, acceleration);
     return static_cast<Entry>(entries[row * (acceleration_thresholds.size() + 1) + column]);
@@ -260,7 +258,6 @@ struct WheelSlideProtection {
     return State::at(train_speed);
   }
 
-  /// One sample: new valve states.
   void step(State& s, Measurements const& now, double period, PerAxle<double>& valve) const {
     std::visit([&](auto const& one) { s.step(one, now, period, valve); }, law);
   }

@@ -7,7 +7,6 @@
 // only as the rate theta_dot, so hours of running cost no accuracy.
 #pragma once
 #include <array>
-#include <tuple>
 
 #include "rollerrig/fields.hpp"
 #include "rollerrig/math/vector.hpp"
@@ -67,7 +66,6 @@ struct Body {
   }
 };
 
-/// Motion of one body.
 template <Scalar T>
 struct BodyMotion {
   std::array<T, 6> q{T(0.0), T(0.0), T(0.0), T(0.0), T(0.0), T(0.0)};

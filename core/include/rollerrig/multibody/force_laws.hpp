@@ -161,7 +161,6 @@ double potential(std::variant<Laws...> const& law, double d, double s) {
 /// Beyond it a vehicle is thrown wheels deep into the rail, where a step takes milliseconds.
 inline constexpr Range preload_range{0.0, 1e8, "at most 1e8", false, false, true};
 
-/// Force over deflection and rate in one direction.
 struct DirectionLaw {
   double preload{0.0};
   std::vector<ForceLaw> laws{};  ///< in parallel

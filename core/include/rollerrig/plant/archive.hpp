@@ -17,7 +17,7 @@
 #include "rollerrig/integrate/options.hpp"
 #include "rollerrig/plant/byte_stream.hpp"
 #include "rollerrig/simulate/setup.hpp"
-#include "rollerrig/system/model_parts.hpp"
+#include "rollerrig/system/model_builder.hpp"
 
 namespace rollerrig {
 
@@ -99,7 +99,6 @@ namespace archive {
 struct Type;
 using TypeOf = Type const& (*)();
 
-/// A field of a struct, or a law of a registry.
 struct Part {
   char const* name;
   TypeOf type;

@@ -17,7 +17,6 @@ namespace rollerrig {
 static_assert(std::endian::native == std::endian::little,
               "files are little endian: swap bytes here for another machine");
 
-/// Bytes that are not what they should be.
 struct FormatError : std::invalid_argument {
   using std::invalid_argument::invalid_argument;
 };
@@ -94,6 +93,11 @@ class ByteReader {
 
 /// CRC-64/XZ: ECMA-182, reflected; of bytes behind others whose checksum is `before`.
 std::uint64_t crc64(std::span<std::byte const> bytes, std::uint64_t before = 0);
+
+/// The state of a plant as bytes for plants of the same identity: that, the checksum of both, the state.
+std::vector<std::byte> sealed(std::uint64_t identity, std::span<std::byte const> state);
+/// Such a state; none: cut, changed, or of another plant. A state is never empty.
+std::span<std::byte const> unsealed(std::uint64_t identity, std::span<std::byte const> bytes);
 
 /// Two digits per byte.
 std::string hexadecimal(std::span<std::byte const> bytes);

@@ -12,36 +12,36 @@
 #include <string_view>
 #include <vector>
 
-#include "rollerrig/plant/controller_part.hpp"
 #include "rollerrig/plant/variable.hpp"
 #include "rollerrig/status.hpp"
 
 namespace rollerrig {
 
-class ControllerPlant {
+class ControllerPlant : public AnyPlant {
  public:
   /// Throws std::invalid_argument for a part that is not whole.
   explicit ControllerPlant(ControllerPart part);
 
   /// Inputs, then outputs, then parameters.
-  std::span<Variable const> variables() const { return variables_; }
+  std::span<Variable const> variables() const override { return variables_; }
 
   /// Before the first sample; a parameter that is set afterwards acts from the next start on.
-  Status start(double final_time);
+  Status start(double final_time) override;
   /// To a time [s], with a sample at every sample time from the last one on and before it; not further than 10^7 of them.
-  Status advance(double time);
+  Status advance(double time) override;
   /// False: refused, nothing changed.
-  bool set_input(int index, double value) { return set(index, value, Causality::input); }
-  bool set_parameter(int index, double value) { return set(index, value, Causality::parameter); }
-  double get(int index) const { return value_[at(index)]; }
+  bool set_input(int index, double value) override { return set(index, value, Causality::input); }
+  bool set_parameter(int index, double value) override { return set(index, value, Causality::parameter); }
+  double get(int index) override { return value_[at(index)]; }
 
-  double time() const { return time_; }
+  double time() const override { return time_; }
   double period() const { return part_.step * part_.controller.sampling.every; }  ///< of its samples [s]
-  std::string_view failed_wheel() const { return {}; }                            ///< it has none
+  std::string_view failed_wheel() const override { return {}; }                   ///< it has none
 
   /// Everything that changes in a run, for a plant of the same part.
-  std::vector<std::byte> save();
-  bool restore(std::span<std::byte const> bytes);
+  std::vector<std::byte> save() override;
+  bool restore(std::span<std::byte const> bytes) override;
+  std::unique_ptr<AnyPlant> anew() const override { return std::make_unique<ControllerPlant>(part_); }
 
   ControllerPart const& part() const { return part_; }
 

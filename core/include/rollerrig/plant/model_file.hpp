@@ -1,12 +1,13 @@
-// plant/model_file.hpp - an assembled model as bytes: one file that stands on its own. docs/model_file.md.
+// plant/model_file.hpp - an assembled model, or one controller of a case alone, as bytes: a file that stands on its own.
+// docs/model_file.md.
 //
-//   AssembledModel -> [write_model] -> bytes -> [read_model] -> the same AssembledModel, or a refusal by name
+//   AssembledModel, ControllerPart -> [write] -> bytes -> [read] -> the same, or a refusal by name
 //
-//   bytes  0  "rollerrig model\n"
+//   bytes  0  "rollerrig model\n", or "rollerrig part\n" and a zero
 //         16  version of what follows, u32; 0, u32
 //         24  length of the layout, u64; length of the model, u64
 //         40  CRC-64 of everything but these eight bytes, u64
-//         48  layout: a text, a line for each field; then the model
+//         48  layout: a text, a line for each field; then the model, or the part
 //
 // The layout is that of the core that wrote the file: another core reads only what has the same.
 #pragma once
@@ -48,8 +49,30 @@ struct AssembledModel {
   std::vector<Disturbance> disturbances{};  ///< of it
 };
 
+/// What stands in an FMU of a controller alone.
+struct ControllerPart {
+  std::string name{};  ///< of the case
+  double step{};
+  SampledController controller{};  ///< its delay belongs to the case, and is not part of it
+  std::vector<std::string> axles{};
+  double train_speed{};
+  std::vector<double> axle_speed{}, roller_speed{};
+
+  static constexpr auto fields() {
+    using P = ControllerPart;
+    return members(Member{"name", &P::name}, Member{"step", &P::step, "s", "sampling step of the case", positive},
+                   Member{"controller", &P::controller}, Member{"axles", &P::axles},
+                   Member{"train_speed", &P::train_speed, "m/s", "train speed at the start"},
+                   Member{"axle_speed", &P::axle_speed, "rad/s", "speed of each axle at the start"},
+                   Member{"roller_speed", &P::roller_speed, "rad/s", "speed of each roller axle at the start"});
+  }
+};
+
 /// Throws std::invalid_argument for what cannot be run, or lacks a name.
 void check_assembled(AssembledModel const& assembled);
+
+/// Throws std::invalid_argument: numbers of axles that do not fit, or an estimator that takes what no rig measures.
+void check_part(ControllerPart const& part);
 
 constexpr std::uint32_t model_file_version = 1;
 
@@ -58,11 +81,13 @@ std::string const& model_layout();
 
 /// The same model, the same bytes.
 std::vector<std::byte> write_model(AssembledModel const& assembled);
+std::vector<std::byte> write_part(ControllerPart const& part);
 
 /// Throws std::invalid_argument that says what is wrong: no model, cut, changed, of another version, or a number out of its range.
 AssembledModel read_model(std::span<std::byte const> bytes);
+ControllerPart read_part(std::span<std::byte const> bytes);
 
-/// The checksum of a model file as text: what names its model. Throws std::invalid_argument for bytes that are too few.
+/// The checksum of such a file as text: what names its model or part. Throws std::invalid_argument for bytes that are too few.
 std::string model_token(std::span<std::byte const> bytes);
 
 }  // namespace rollerrig

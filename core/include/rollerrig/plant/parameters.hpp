@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "rollerrig/plant/variable.hpp"
-#include "rollerrig/system/model_parts.hpp"
+#include "rollerrig/system/model_builder.hpp"
 
 namespace rollerrig {
 

@@ -15,12 +15,13 @@
 
 namespace rollerrig {
 
-class Plant {
+class Plant : public AnyPlant {
  public:
   /// Throws std::invalid_argument for a model that cannot be run.
   explicit Plant(AssembledModel assembled);
+  ~Plant() override;
 
-  std::span<Variable const> variables() const { return list_.variables; }
+  std::span<Variable const> variables() const override { return list_.variables; }
   /// Index of a variable; -1: there is none of that name.
   int find(std::string_view name) const;
 
@@ -28,24 +29,27 @@ class Plant {
   ///
   /// @param final_time  that the steps end at exactly [s]; that of the case: assembled().options.final_time; infinite: none
   /// Throws std::invalid_argument for an end that the steps would never reach.
-  Status start(double final_time);
+  Status start(double final_time) override;
   /// To the last sampling step at or before t, or without sampled blocks to t. What is not ok is final.
-  Status advance(double t);
+  Status advance(double t) override;
 
   /// Fixed parameters before start() only: the run then starts from the equilibrium that the model has with them. Tunable ones
   /// also between steps. False, and nothing is changed: it is no parameter, its limits do not allow the number, or it is too late.
-  bool set_parameter(int index, double value);
+  bool set_parameter(int index, double value) override;
   /// False, and nothing is changed: it is no input, or its limits do not allow the number.
-  bool set_input(int index, double value);
+  bool set_input(int index, double value) override;
   /// Of an input or a parameter what was set; of an output its value at time(). NaN: there is no such variable, or no run.
-  double get(int index);
+  double get(int index) override;
 
   /// The complete state of a run that has begun, as bytes: integrator, sampled blocks, memory of wheels and rails, inputs. Going
   /// on from it gives the same numbers as never having stopped. Empty: no run has begun.
-  std::vector<std::byte> save();
+  std::vector<std::byte> save() override;
   /// Goes on from there; also in another plant of the same model, begun or not. False, and nothing is changed: bytes of another
   /// model, cut or changed, or numbers that no run has. Allocates.
-  bool restore(std::span<std::byte const> bytes);
+  bool restore(std::span<std::byte const> bytes) override;
+  std::unique_ptr<AnyPlant> anew() const override { return std::make_unique<Plant>(parameters_.given()); }
+  bool exchangeable() const override { return true; }
+  ContinuousPlant* continuous() override;
 
   /// Outputs are from here on those at t in these states and quadratures, which live longer; of none: those of the run again.
   void show(double t, std::span<double const> states);
@@ -57,13 +61,13 @@ class Plant {
   Place const& place(std::size_t index) const { return list_.places[index]; }
 
   bool started() const { return driver_->started(); }
-  double time() const { return time_; }  ///< [s]
+  double time() const override { return time_; }  ///< [s]
   Status status() const { return status_; }
   double sampling_step() const {
     return assembled_.setup ? assembled_.setup->step : 0.0;
   }  ///< [s]; 0: nothing is sampled
   /// The wheel that ended the run, wheelset_1.left; empty: none did.
-  std::string_view failed_wheel() const { return wheel_of(driver_->failed_contact()); }
+  std::string_view failed_wheel() const override;
   std::string_view wheel_of(int contact) const;                   ///< empty: of none
   AssembledModel const& assembled() const { return assembled_; }  ///< with its parameters as at the last start()
   Driver& driver() { return *driver_; }
@@ -101,6 +105,7 @@ class Plant {
   Status status_{Status::ok};
   std::uint64_t identity_{0};  ///< of the model as given; 0: not yet known
   bool changed_{false};        ///< a fixed parameter, since the driver was made
+  std::unique_ptr<ContinuousPlant> continuous_;
 };
 
 }  // namespace rollerrig

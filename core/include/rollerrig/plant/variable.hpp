@@ -1,12 +1,16 @@
-// plant/variable.hpp - what a tool sees of a plant: numbers with names, units and limits.
+// plant/variable.hpp - what a tool sees of a plant: numbers with names, units and limits; and how it drives one.
 //
 //   AssembledModel -> [variables] -> index, name, unit of every input and output
 #pragma once
 #include <cstddef>
+#include <memory>
+#include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "rollerrig/plant/model_file.hpp"
+#include "rollerrig/status.hpp"
 
 namespace rollerrig {
 
@@ -26,6 +30,30 @@ struct Variable {
   bool whole{false};       ///< only whole numbers are
 
   bool allows(double value) const;  ///< finite, in the limits, and whole where that is asked for
+};
+
+class ContinuousPlant;
+
+/// What a tool drives: a whole rig, plant.hpp, which says what each function does; or one controller alone, controller_plant.hpp.
+class AnyPlant {
+ public:
+  virtual ~AnyPlant() = default;
+  virtual std::span<Variable const> variables() const = 0;
+  virtual Status start(double final_time) = 0;
+  virtual Status advance(double t) = 0;
+  virtual bool set_input(int index, double value) = 0;
+  virtual bool set_parameter(int index, double value) = 0;
+  virtual double get(int index) = 0;
+  virtual std::vector<std::byte> save() = 0;
+  virtual bool restore(std::span<std::byte const> bytes) = 0;
+  virtual double time() const = 0;
+  virtual std::string_view failed_wheel() const = 0;
+  /// Another plant of the same model, as it was before its first run.
+  virtual std::unique_ptr<AnyPlant> anew() const = 0;
+  /// Whether another program can integrate it: a controller alone has no such states.
+  virtual bool exchangeable() const { return false; }
+  /// For that other program; null where it cannot, or no run has begun. Gone with the next start(), advance() or restore().
+  virtual ContinuousPlant* continuous() { return nullptr; }
 };
 
 /// Where the number behind a variable stands.

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "rollerrig/mechatronics/delayed_commands.hpp"
+#include "rollerrig/mechatronics/measurements.hpp"
 #include "rollerrig/simulate/setup.hpp"
 #include "rollerrig/system/inputs.hpp"
 
@@ -62,7 +62,6 @@ class ActuatorStates {
   Cylinder const& cylinder(std::size_t i) const { return cylinders_.cylinder(i); }
   double track_brake() const { return track_brake_; }  ///< excitation, 0 to 1
 
-  /// Everything that changes in a run, for plant/state_archive.hpp.
   void state(auto& archive) { archive(axle_, cylinders_, track_brake_, counted_); }
 
  private:

@@ -11,8 +11,8 @@
 // (D8). An adaptive method evaluates it anew.
 #pragma once
 #include <cmath>
-#include <concepts>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -30,21 +30,8 @@ template <DifferentialEquation System>
 class Integrator;
 }
 
-/// Who sees the outputs of a run, see(t, x, z); it must outlive the call that it is given to.
-class Observer {
- public:
-  template <class See>
-    requires(!std::same_as<See, Observer>)
-  Observer(See const& see)  // NOLINT: a function is an observer
-      : see_{&see}, call_{[](void const* of, double t, double const* x, double const* z) {
-          (*static_cast<See const*>(of))(t, x, z);
-        }} {}
-  void operator()(double t, double const* x, double const* z) const { call_(see_, t, x, z); }
-
- private:
-  void const* see_;
-  void (*call_)(void const*, double, double const*, double const*);
-};
+/// Who sees the outputs of a run.
+using Observer = std::function<void(double t, double const* x, double const* z)>;
 
 /// Every number of the settings, and every length of a step that a run may be cut into against its duration: throws
 /// std::invalid_argument for a run that would not end.
@@ -62,7 +49,7 @@ class Driver {
   Status start(integrate::Options options, double t0, double const* x0);
 
   /// Runs to time t_stop, to where an external controller waits, or to the end; shows the observer each output time.
-  Status advance(double t_stop, Observer observer);
+  Status advance(double t_stop, Observer const& observer);
 
   /// Reads the sensors and asks the controllers at this instant, as advance() would before its next step.
   void sample_now();

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "rollerrig/contact/adhesion/rail_memory.hpp"
-#include "rollerrig/mechatronics/delayed_commands.hpp"
+#include "rollerrig/mechatronics/measurements.hpp"
 #include "rollerrig/simulate/actuator_states.hpp"
 #include "rollerrig/simulate/recorder.hpp"
 #include "rollerrig/simulate/sensor_readings.hpp"
@@ -70,7 +70,6 @@ class MechatronicSystem {
   /// Answers for an external controller; throws std::invalid_argument where there is none of that name.
   void set_command(std::string_view controller, std::span<double const> command, std::int64_t step);
 
-  /// Everything that changes in a run, for plant/state_archive.hpp.
   void state(auto& archive) {
     archive(measured_, sensors_, actuators_, train_, simulated_, impulse_of_simulated_);
     for (Controller& own : controllers_) {

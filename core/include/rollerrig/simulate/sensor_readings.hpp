@@ -30,7 +30,6 @@ class SensorReadings {
   void read_roller_torques(MechatronicSetup const& setup, PerAxle<double> const* command, Measurements& measured);
   double torque_reading(std::size_t axle) const { return axle_[axle].torque; }  ///< of the torque flange [N m]
 
-  /// Everything that changes in a run, for plant/state_archive.hpp.
   void state(auto& archive) { archive(axle_); }
 
  private:

@@ -9,15 +9,13 @@
 #include <vector>
 
 #include "rollerrig/fields.hpp"
+#include "rollerrig/mechatronics/brakes.hpp"
 #include "rollerrig/mechatronics/controllers.hpp"
-#include "rollerrig/mechatronics/electrodynamic_brake.hpp"
-#include "rollerrig/mechatronics/friction_brake.hpp"
 #include "rollerrig/mechatronics/motor.hpp"
 #include "rollerrig/mechatronics/pneumatics.hpp"
 #include "rollerrig/mechatronics/sanding.hpp"
 #include "rollerrig/mechatronics/sensors.hpp"
 #include "rollerrig/mechatronics/simulated_axles.hpp"
-#include "rollerrig/mechatronics/track_brake.hpp"
 
 namespace rollerrig {
 

@@ -34,4 +34,28 @@ class TrainMotion {
   bool first_{true};
 };
 
+inline void TrainMotion::accelerate(TravellingFrame const& frame, Dynamics const& plant, Inputs const& inputs,
+                                    double retarding) {
+  Model const& model = plant.model();
+  auto const& work = plant.work();
+  double force = plant.evaluation().longitudinal_force - frame.train_mass * model.gravity * model.resistance.gradient;
+  force -= model.resistance.force(speed_) + retarding;
+  double momentum_rate = 0.0, momentum = 0.0, offset = 0.0, free_mass = 0.0;
+  for (std::size_t b = 0; b < model.bodies.size(); ++b) {
+    Body const& body = model.bodies[b];
+    if (!body.in_moving_frame || body.locked[coord_x]) continue;
+    momentum_rate += body.mass * (work.acceleration[b][coord_x] + inputs.speed.slope);
+    momentum += body.mass * work.motion[b].v.x;
+    offset += body.mass * work.motion[b].p.x;
+    free_mass += body.mass;
+  }
+  constexpr double on_speed = 2.0, on_place = 1.0;  // [1/s], [1/s^2]: keeps free bodies near their design positions
+  double const wanted = frame.fixed_mass > 0.0 ? (force - momentum_rate) / frame.fixed_mass
+                                               : force / frame.train_mass + on_speed * momentum / free_mass +
+                                                     on_place * offset / free_mass;
+  acceleration_ = first_ ? wanted : 1.5 * wanted - 0.5 * last_;
+  last_ = wanted;
+  first_ = false;
+}
+
 }  // namespace rollerrig

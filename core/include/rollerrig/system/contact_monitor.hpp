@@ -50,7 +50,6 @@ class ContactMonitor {
   /// The contact that made the last check() fail; -1: none did.
   int failed_contact() const { return failed_contact_; }
 
-  /// Everything that changes in a run, for plant/state_archive.hpp.
   void state(auto& archive) {
     archive(lost_since_, losses_, checked_at_, counters_);
     archive.within(failed_contact_, -1, static_cast<int>(losses_.size()) - 1);

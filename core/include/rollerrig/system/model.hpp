@@ -12,13 +12,11 @@
 #include <vector>
 
 #include "rollerrig/contact/patch.hpp"
-#include "rollerrig/mechatronics/friction_brake.hpp"
-#include "rollerrig/mechatronics/track_brake.hpp"
+#include "rollerrig/mechatronics/brakes.hpp"
 #include "rollerrig/multibody/force_element.hpp"
 #include "rollerrig/system/couplings.hpp"
 #include "rollerrig/system/rail_heads.hpp"
 #include "rollerrig/track/line.hpp"
-#include "rollerrig/track/rail_offset.hpp"
 
 namespace rollerrig {
 
@@ -123,7 +121,7 @@ struct BodyTrackBrake {
   }
 };
 
-/// An axle that rolls on its roller without slip: r w = R W, system/rolling_constraint.hpp.
+/// An axle that rolls on its roller without slip: r w = R W, system/contact_placement.hpp.
 struct RollingConstraint {
   int wheelset{0}, roller{0};  ///< bodies
   double wheel_radius{0.0};    ///< r, nominal [m]

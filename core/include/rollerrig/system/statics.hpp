@@ -2,7 +2,6 @@
 //
 //   masses and load-carrying springs -> [least squares] -> preload of each spring, load of each axle
 #pragma once
-#include <tuple>
 #include <vector>
 
 #include "rollerrig/fields.hpp"

@@ -8,7 +8,6 @@
 #include "rollerrig/multibody/moving_frame.hpp"
 #include "rollerrig/system/contact_placement.hpp"
 #include "rollerrig/system/model.hpp"
-#include "rollerrig/system/rolling_constraint.hpp"
 
 namespace rollerrig {
 

@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "rollerrig/contact/normal/region_pieces.hpp"
-#include "rollerrig/contact/normal/region_strips.hpp"
 #include "rollerrig/contact/normal/strip_patch.hpp"
 
 namespace rollerrig {

@@ -6,11 +6,11 @@
 #pragma once
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <span>
 #include <vector>
 
 #include "rollerrig/fmu/instance.hpp"
-#include "rollerrig/plant/continuous_plant.hpp"
 
 namespace rollerrig::fmu {
 
@@ -21,131 +21,111 @@ struct Events {
   double next{};  ///< time event [s]
 };
 
-/// @param values  of `count` numbers, which must be as many as the FMU has
-template <class I, class Read>
-Answer exchange_numbers(I& i, char const* call, double* values, std::size_t count, std::size_t expected, Read read) {
-  if (count != expected) return i.log(Answer::error, "%s: %zu numbers; there are %zu", call, count, expected);
-  if (count > 0 && values == nullptr) return i.log(Answer::error, "%s: null pointer", call);
-  Status const status = read(values);
-  return status == Status::ok ? Answer::ok : i.tell(call, status, Answer::discard);
+/// Numbers of the plant.
+///
+/// @param values    of `count` numbers
+/// @param expected  how many the plant has
+/// @param read      fills them
+template <class Read>
+Answer get_numbers(Instance& i, double* values, std::size_t count, std::size_t (ContinuousPlant::*expected)() const,
+                   Read read) {
+  if (!i.may(exchanging)) return Answer::error;
+  ContinuousPlant& plant = *i.plant().continuous();
+  std::size_t const there = (plant.*expected)();
+  if (count != there) return i.log(Answer::error, "%zu numbers; there are %zu", count, there);
+  if (count > 0 && values == nullptr) return i.log(Answer::error, "null pointer");
+  Status const status = std::invoke(read, plant, values);
+  return status == Status::ok ? Answer::ok : i.tell(status, Answer::discard);
 }
 
-template <class I>
-ContinuousPlant* continuous_of(I& i) {
-  return i.plant().continuous();
+inline Answer get_rates(Instance& i, double* values, std::size_t count) {
+  return get_numbers(i, values, count, &ContinuousPlant::count, &ContinuousPlant::rates);
 }
 
-template <class I>
-Answer get_rates(I& i, char const* call, double* values, std::size_t count) {
-  if (!i.may(exchanging, call)) return Answer::error;
-  ContinuousPlant& plant = *continuous_of(i);
-  return exchange_numbers(i, call, values, count, plant.count(), [&](double* out) { return plant.rates(out); });
-}
-
-/// Of the states, or of the event indicators.
-template <class I>
-Answer count_of(I& i, char const* call, std::size_t* count, bool indicators) {
-  if (!i.may(initializing | exchanging, call)) return Answer::error;
-  if (count == nullptr) return i.log(Answer::error, "%s: null pointer", call);
-  ContinuousPlant const* plant = continuous_of(i);
-  *count = plant == nullptr ? 0 : indicators ? plant->indicator_count() : plant->count();
-  return Answer::ok;
-}
-
-template <class I>
-Answer get_indicators(I& i, char const* call, double* values, std::size_t count) {
-  if (!i.may(exchanging, call)) return Answer::error;
-  ContinuousPlant& plant = *continuous_of(i);
-  return exchange_numbers(i, call, values, count, plant.indicator_count(),
-                          [&](double* out) { return plant.indicators(out); });
+inline Answer get_indicators(Instance& i, double* values, std::size_t count) {
+  return get_numbers(i, values, count, &ContinuousPlant::indicator_count, &ContinuousPlant::indicators);
 }
 
 /// One number for each state: the states themselves, or their nominals.
-template <class I>
-Answer get_of_states(I& i, char const* call, double* values, std::size_t count,
-                     std::span<double const> (ContinuousPlant::*of)() const) {
-  if (!i.may(exchanging, call)) return Answer::error;
-  ContinuousPlant& plant = *continuous_of(i);
-  return exchange_numbers(i, call, values, count, plant.count(), [&](double* out) {
+inline Answer get_of_states(Instance& i, double* values, std::size_t count,
+                            std::span<double const> (ContinuousPlant::*of)() const) {
+  return get_numbers(i, values, count, &ContinuousPlant::count, [of](ContinuousPlant const& plant, double* out) {
     std::ranges::copy((plant.*of)(), out);
     return Status::ok;
   });
 }
 
-template <class I>
-Answer get_states(I& i, char const* call, double* values, std::size_t count) {
-  return get_of_states(i, call, values, count, &ContinuousPlant::states);
-}
-
-template <class I>
-Answer get_nominals(I& i, char const* call, double* values, std::size_t count) {
-  return get_of_states(i, call, values, count, &ContinuousPlant::nominals);
-}
-
-template <class I>
-Answer set_exchange_time(I& i, char const* call, double time) {
-  if (!i.may(exchanging, call)) return Answer::error;
-  if (!std::isfinite(time)) return i.log(Answer::error, "%s: time must be a finite number", call);
-  i.set_time(time);
-  continuous_of(i)->set_time(time - i.offset());
+/// Of the states, or of the event indicators.
+inline Answer get_count(Instance& i, std::size_t* count, std::size_t (ContinuousPlant::*of)() const) {
+  if (!i.may(initializing | exchanging)) return Answer::error;
+  if (count == nullptr) return i.log(Answer::error, "null pointer");
+  ContinuousPlant const* const plant = i.plant().continuous();
+  *count = plant == nullptr ? 0 : (plant->*of)();
   return Answer::ok;
 }
 
-template <class I>
-Answer set_exchange_states(I& i, char const* call, double const* states, std::size_t count) {
-  if (!i.may(continuous_time, call)) return Answer::error;
-  ContinuousPlant& plant = *continuous_of(i);
+inline Answer set_exchange_time(Instance& i, double time) {
+  if (!i.may(exchanging)) return Answer::error;
+  if (!std::isfinite(time)) return i.log(Answer::error, "time must be a finite number");
+  i.set_time(time);
+  i.plant().continuous()->set_time(time - i.offset());
+  return Answer::ok;
+}
+
+inline Answer set_exchange_states(Instance& i, double const* states, std::size_t count) {
+  if (!i.may(continuous_time)) return Answer::error;
+  ContinuousPlant& plant = *i.plant().continuous();
   if (states == nullptr || count != plant.count())
-    return i.log(Answer::error, "%s: %zu states; there are %zu", call, states == nullptr ? 0 : count, plant.count());
+    return i.log(Answer::error, "%zu states; there are %zu", states == nullptr ? 0 : count, plant.count());
   for (std::size_t k = 0; k < count; ++k)
-    if (!std::isfinite(states[k])) return i.log(Answer::discard, "%s: state %zu is not finite", call, k + 1);
+    if (!std::isfinite(states[k])) return i.log(Answer::discard, "state %zu is not finite", k + 1);
   plant.set_states({states, count});
   return Answer::ok;
 }
 
 /// Begins with an initialization, ends where the tool may go on to continuous time.
-template <class I>
-Answer exchange_events(I& i, char const* call, Events& events) {
-  if (!i.may(event_mode, call)) return Answer::error;
-  ContinuousPlant& plant = *continuous_of(i);
+inline Answer exchange_events(Instance& i, Events& events) {
+  if (!i.may(event_mode)) return Answer::error;
+  ContinuousPlant& plant = *i.plant().continuous();
   Status const passed = plant.pass_event();
   double const next = plant.next_event();
   std::vector<double> rates(plant.count());
   Status const status = passed == Status::ok ? plant.rates(rates.data()) : passed;
   events = {status != Status::ok, std::isfinite(next), next + i.offset()};
-  if (events.over) i.tell(call, status, Answer::discard);
+  if (events.over) i.tell(status, Answer::discard);
   return Answer::ok;
 }
 
 /// A step of the tool that is kept; says whether the run is over.
-template <class I>
-Answer exchange_step_done(I& i, char const* call, bool& over) {
-  if (!i.may(continuous_time, call)) return Answer::error;
-  Status const status = continuous_of(i)->accept();
-  over = status != Status::ok;
-  if (over) i.tell(call, status, Answer::discard);
+template <class Flag>
+Answer exchange_step_done(Instance& i, Flag* event, Flag* over) {
+  if (event == nullptr || over == nullptr) return i.log(Answer::error, "null pointer");
+  *event = *over = false;
+  if (!i.may(continuous_time)) return Answer::error;
+  Status const status = i.plant().continuous()->accept();
+  *over = status != Status::ok;
+  if (*over) i.tell(status, Answer::discard);
   return Answer::ok;
 }
 
 /// References as the description has them: unknown are rates, outputs and indicators, known are states and inputs.
-template <class I, class Reference>
-Answer exchange_directional(I& i, char const* call, std::span<Reference const> unknown,
-                            std::span<Reference const> known, double const* seed, double* out) {
-  if (!i.may(initializing | exchanging, call)) return Answer::error;
-  ContinuousPlant* plant = continuous_of(i);
-  if (plant == nullptr) return i.log(Answer::error, "%s: a controller alone has no derivatives", call);
-  if ((!known.empty() && seed == nullptr) || (!unknown.empty() && out == nullptr))
-    return i.log(Answer::error, "%s: null pointer", call);
+inline Answer exchange_directional(Instance& i, Reference const* unknown, std::size_t unknowns, Reference const* known,
+                                   std::size_t knowns, double const* seed, double* out) {
+  if (!i.may(initializing | exchanging)) return Answer::error;
+  ContinuousPlant* plant = i.plant().continuous();
+  if (plant == nullptr) return i.log(Answer::error, "a controller alone has no derivatives");
+  if ((knowns > 0 && (known == nullptr || seed == nullptr)) || (unknowns > 0 && (unknown == nullptr || out == nullptr)))
+    return i.log(Answer::error, "null pointer");
   auto const variables = i.plant().variables();
   std::size_t const all = variables.size(), states = plant->count();
   std::vector<ContinuousPlant::Known> from;
   std::vector<ContinuousPlant::Unknown> to;
   auto const refuse = [&](Reference reference) {
-    return i.log(Answer::error, "%s: no derivative by or of reference %u", call, static_cast<unsigned>(reference));
+    return i.log(Answer::error, "no derivative by or of reference %u", reference);
   };
-  for (std::size_t k = 0; k < known.size(); ++k) {
+  for (std::size_t k = 0; k < knowns; ++k) {
     Reference const r = known[k];
-    if (!std::isfinite(seed[k])) return i.log(Answer::error, "%s: a seed is not finite", call);
+    if (!std::isfinite(seed[k])) return i.log(Answer::error, "a seed is not finite");
     if (r >= 1 && r <= all && variables[r - 1].causality == Causality::input)
       from.push_back({ContinuousPlant::Known::input, r - 1, seed[k]});
     else if (r > all && r <= all + states)
@@ -153,7 +133,7 @@ Answer exchange_directional(I& i, char const* call, std::span<Reference const> u
     else
       return refuse(r);
   }
-  for (Reference const r : unknown) {
+  for (Reference const r : std::span(unknown, unknowns)) {
     if (r >= 1 && r <= all && variables[r - 1].causality == Causality::output)
       to.push_back({ContinuousPlant::Unknown::output, r - 1});
     else if (r > all + states && r <= all + 2 * states)
@@ -164,7 +144,7 @@ Answer exchange_directional(I& i, char const* call, std::span<Reference const> u
       return refuse(r);
   }
   Status const status = plant->directional(from, to, out);
-  return status == Status::ok ? Answer::ok : i.tell(call, status, Answer::discard);
+  return status == Status::ok ? Answer::ok : i.tell(status, Answer::discard);
 }
 
 }  // namespace rollerrig::fmu

@@ -447,7 +447,6 @@ class Examples:
         return {
             "ControllerPart": Call(_core.ControllerPart, part),
             "write_part": Call(_core.write_part, {"part": alone}),
-            "part_token": Call(_core.part_token, {"content": _core.write_part(alone)}),
             "ControllerPlant": Call(_core.ControllerPlant, {"part": alone}),
             "ControllerPlant.start": Call(lambda: _core.ControllerPlant(alone).start(), {}),
             "ControllerPlant.advance": Call(lambda **given: _core.ControllerPlant(alone).advance(**given), {"t": 0.01}),

@@ -118,8 +118,6 @@ class CleanedWheel {
  public:
   double energy() const { return energy_; }  ///< per area of the tread, its mean [J/m^2]
 
-  /// One step.
-  ///
   /// @param dissipated     per area of the rail, by this wheel [J/m^2]
   /// @param passed         length of the rail that passed [m]
   /// @param rolled         length that the wheel rolled, its magnitude [m]

@@ -47,7 +47,6 @@ struct CreepTable {
   }
 };
 
-/// A place in the table.
 template <class T>
 struct CreepTablePlace {
   T log_aspect;

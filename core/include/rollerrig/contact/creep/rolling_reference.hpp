@@ -79,7 +79,6 @@ class RollingReference {
     double longitudinal{0.0}, lateral{0.0}, moment{0.0};  ///< [mu N], [mu N c] about the row's x = 0
   };
   std::size_t rows() const { return across_.size(); }
-  /// Of the last solution.
   std::vector<RowForce> forces_of_rows() const;
 
   /// C11, C22, C23, C33 of this grid: no slip anywhere, one linear system.

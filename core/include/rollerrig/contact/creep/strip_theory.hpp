@@ -45,7 +45,6 @@ struct EllipseNodes {
 };
 EllipseNodes const& ellipse_nodes();
 
-/// T in every lane of L.
 template <class L, class T>
 L widened(T const& x) {
   if constexpr (std::same_as<L, T>)
@@ -54,7 +53,6 @@ L widened(T const& x) {
     return L(x);
 }
 
-/// The sum of the lanes.
 template <class T, class L>
 T sum_of(L const& x) {
   if constexpr (std::same_as<L, T>) {

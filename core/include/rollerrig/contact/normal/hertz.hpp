@@ -42,7 +42,6 @@ struct HertzTable {
   UniformSpline log_aspect;               ///< ln(a/b)
   HertzTable();
 };
-/// The table, built once for all.
 HertzTable const& hertz_table();
 
 /// The ellipse per unit of sqrt(approach), and the stiffness.

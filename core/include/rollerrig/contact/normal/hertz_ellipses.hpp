@@ -5,7 +5,6 @@
 #include <array>
 
 #include "rollerrig/contact/normal/hertz.hpp"
-#include "rollerrig/contact/normal/normal_force.hpp"
 #include "rollerrig/contact/normal/normal_patch.hpp"
 #include "rollerrig/geometry/contact_point.hpp"
 #include "rollerrig/geometry/gap_minima.hpp"

@@ -18,7 +18,6 @@ namespace rollerrig {
 using NormalLaw = OneOf<HertzEllipses,  // the paper's
                         ElasticStrips>;
 
-/// The patches of several wheels.
 template <Scalar T, std::derived_from<NormalPatch<T>> P>
 void normal_patches(NormalLaw const& law, std::span<NormalContact<T, P> const> wheels) {
   std::visit(

@@ -44,7 +44,6 @@ struct StripSolution {
   std::array<StripPatch<T>, capacity> patch;
 };
 
-/// One wheel of several, and what is found.
 template <Scalar T>
 struct StripWheel {
   NormalSetting const* wheel{nullptr};
@@ -64,8 +63,7 @@ template <Scalar T>
 class SeededPose {
  public:
   explicit SeededPose(RelativePose<T> const& pose) {
-    auto const number = [](Vec3<T> const& v) { return Vec3<double>{v.x.value, v.y.value, v.z.value}; };
-    Rotation<double> const R{number(pose.R.ex), number(pose.R.ey), number(pose.R.ez)};
+    auto const [o, R] = numbers_of(pose);
     // A small turn about x, y, z of b after R.
     auto const turned = [&](Vec3<double> const& e) {
       Vec3<StripDual> out = lift<StripDual>(e);
@@ -74,7 +72,7 @@ class SeededPose {
       out.z.d[3] = e.y, out.z.d[4] = -e.x;
       return out;
     };
-    pose_ = {lift<StripDual>(number(pose.o)), {turned(R.ex), turned(R.ey), turned(R.ez)}};
+    pose_ = {lift<StripDual>(o), {turned(R.ex), turned(R.ey), turned(R.ez)}};
     pose_.o.x.d[0] = pose_.o.y.d[1] = pose_.o.z.d[2] = 1.0;
     // How the pose given moves along those six: (dR) R^T is the turn.
     auto const turn = [&](auto row, auto column) {

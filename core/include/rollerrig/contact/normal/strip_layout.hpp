@@ -211,7 +211,6 @@ void lay_over_paraboloid(StripTables const& tables, T const& along, T const& ske
   strip_detail::cut_ellipse(tables, s, places);
 }
 
-/// Lays the strips of every region.
 template <class T, std::size_t n>
 void lay_strips(StripTables const& tables, RegionPack<T> const& r, Strips<T, n>& strips, StripPlaces<T, n>& places) {
   using namespace strip_detail;

@@ -6,7 +6,6 @@
 
 namespace rollerrig {
 
-/// Sums over strips, frame b.
 template <class T>
 struct RegionPart {
   using N = NumberOf<T>;

@@ -118,7 +118,6 @@ class StripTables {
   std::array<Piece, pieces> pieces_{};
 };
 
-/// The tables, built once for all.
 StripTables const& strip_tables();
 
 template <class T>

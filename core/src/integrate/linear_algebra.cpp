@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rollerrig/integrate/rodas4.hpp"
 #include "rollerrig/scalar.hpp"
 
 namespace rollerrig::integrate {
@@ -69,6 +70,26 @@ void MatrixPhiFunctions::store(StepWeights& w) {
   put(phi_[2], w.difference[0]);
   put(phi_[3] + 0.5 * phi_[2], w.difference[1]);
   put(phi_[4] + phi_[3] + (1.0 / 3.0) * phi_[2], w.difference[2]);
+}
+
+void ShiftedSolver::factor(JacobianData const& j, double shift) {
+  j_ = &j;
+  inverse_shift_ = 1 / shift;
+  matrix_ = -j.a.bottomRightCorner(v_, v_);
+  matrix_.diagonal().array() += shift;
+  for (int i = 0; i < q_; ++i) matrix_.col(columns_[i] - q_) -= inverse_shift_ * j.a.col(i).tail(v_);
+  lu_.compute(matrix_);
+}
+
+void ShiftedSolver::solve(Eigen::VectorXd& r) {
+  right_ = r.segment(q_, v_);
+  if (q_ > 0) right_.noalias() += inverse_shift_ * (j_->a.bottomLeftCorner(v_, q_) * r.head(q_));
+  r.segment(q_, v_) = lu_.solve(right_);
+  for (int i = 0; i < q_; ++i) r[i] = inverse_shift_ * (r[i] + r[columns_[i]]);
+  if (z_ > 0) {
+    r.tail(z_).noalias() += j_->g * r.head(q_ + v_);
+    r.tail(z_) *= inverse_shift_;
+  }
 }
 
 }  // namespace rollerrig::integrate

@@ -1,6 +1,6 @@
-// fmu/live.hpp - the instances that this library has given out: a pointer that is none of them is an error, no crash.
+// fmu/handles.hpp - what this library has given out, instances and saved states: a pointer that is none of them is an error, no crash.
 //
-//   Component -> [live] -> handle of C -> [live] -> Component, or none
+//   object -> [handles] -> handle of C -> [handles] -> object, or none
 #pragma once
 #include <algorithm>
 #include <memory>
@@ -10,21 +10,21 @@
 namespace rollerrig::fmu {
 
 /// Calls on one instance come one after the other, as the standards ask; those on several may come together.
-template <class Component>
-class Live {
+template <class Object>
+class Handles {
  public:
-  Component* keep(std::unique_ptr<Component> component) {
+  Object* keep(std::unique_ptr<Object> object) {
     std::scoped_lock const lock(mutex_);
-    return all_.emplace_back(std::move(component)).get();
+    return all_.emplace_back(std::move(object)).get();
   }
   /// Null: freed, or never given out.
-  Component* find(void const* handle) {
+  Object* find(void const* handle) {
     std::scoped_lock const lock(mutex_);
     auto const found = place(handle);
     return found == all_.end() ? nullptr : found->get();
   }
   void free(void const* handle) {
-    std::unique_ptr<Component> last;  // ends after the lock
+    std::unique_ptr<Object> last;  // ends after the lock
     std::scoped_lock const lock(mutex_);
     auto const found = place(handle);
     if (found == all_.end()) return;
@@ -38,7 +38,7 @@ class Live {
   }
 
   std::mutex mutex_;
-  std::vector<std::unique_ptr<Component>> all_;
+  std::vector<std::unique_ptr<Object>> all_;
 };
 
 }  // namespace rollerrig::fmu
