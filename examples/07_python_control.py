@@ -18,7 +18,7 @@ times = np.arange(1000) * bench.dt
 _, linear = control.forced_response(control.feedback(gain * bench, 1), times, np.full(len(times), STEP))
 
 case = steady_case(rr.load_case("adhesion_brake"), SPEED)
-plant = _core.Plant(assembled_model(case, external=["rig_control", "slide_protection"], may_drift=True))
+plant = _core.Plant(assembled_model(case, external=["rig_control", "slide_protection"], allow_unrestrained=True))
 command, axle = plant.find(COMMAND), plant.find(AXLE)
 plant.start()
 start, measured = plant.get(axle), []

@@ -113,7 +113,7 @@ VARIANTS = {
     },
     "adhesion_brake, axle-hung motors": {
         "time.duration": 2.5,
-        "brake.motors_stand_in": True,
+        "brake.by_traction_motors": True,
         "traction": {"suspension": "axle", "link": 1.0, "motor": {"rotor_inertia": 0.5, "gear_ratio": -3.0}},
     },
 }

@@ -37,7 +37,7 @@ def main() -> None:
     for seed in range(first, first + count):
         signal.setitimer(signal.ITIMER_PROF, SECONDS)
         signal.setitimer(signal.ITIMER_REAL, ASLEEP)
-        outcome, detail = judged(kind, prepared, random.Random(f"{name} {seed}"))
+        outcome, detail = assessed(kind, prepared, random.Random(f"{name} {seed}"))
         signal.setitimer(signal.ITIMER_PROF, 0.0)
         signal.setitimer(signal.ITIMER_REAL, 0.0)
         print(seed, outcome, detail.replace("\n", " | ")[:300], file=out)
@@ -45,7 +45,7 @@ def main() -> None:
     os._exit(0)  # servers in threads of their own are not waited for
 
 
-def judged(kind, prepared, choose: random.Random) -> tuple[str, str]:
+def assessed(kind, prepared, choose: random.Random) -> tuple[str, str]:
     """What one input ends in."""
     try:
         outcome = kind.attack(prepared, choose)

@@ -19,7 +19,7 @@ constexpr double highest_speed = 200.0;  ///< [m/s]
 bool has_command(MechatronicSetup const& setup, std::size_t axle, Command command) {
   AxleParts const& parts = setup.axles[axle];
   if (command == Command::dump_valve || command == Command::cylinder_pressure)
-    return parts.brake != absent || parts.has_brake || setup.actuators.motors_stand_in;
+    return parts.brake != absent || parts.has_brake || setup.actuators.by_traction_motors;
   return command == Command::torque_factor ? parts.driven() : parts.roller_torque != absent;
 }
 

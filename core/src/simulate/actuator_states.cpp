@@ -110,7 +110,7 @@ void ActuatorStates::step(MechatronicSetup const& setup, std::int64_t step, Acti
     double const speed = axle_speed[i], pressure = cylinder(i).pressure;
 
     if (parts.brake != absent) inputs.cylinder[at(parts.brake)] = line(before[i], pressure);
-    axle.stand_in = setup.actuators.motors_stand_in ? setup.actuators.brake.torque(pressure, speed) : 0.0;
+    axle.stand_in = setup.actuators.by_traction_motors ? setup.actuators.brake.torque(pressure, speed) : 0.0;
     if (parts.driven()) {
       double const asked = setup.actuators.torque_demand.at(t) + caller.motor_torque[i];
       double const demand = factor[i] * asked + axle.stand_in;

@@ -65,7 +65,7 @@ Status Driver::start(integrate::Options options, double t0, double const* x0) {
   plant_.reset_run();
   final_time_ = options.final_time;
   step_ = 0;
-  sampled_ = machines_asked_ = acted_ = held_ = false;
+  sampled_ = brake_unit_sampled_ = acted_ = held_ = false;
   inputs_ = {};
   inputs_.axle_torque.reserve(plant_.model().axle_torques.size());  // for hold_torque()
   inputs_.roller_torque.reserve(plant_.model().roller_torques.size());
@@ -114,11 +114,12 @@ Status Driver::advance(double t_stop, Observer const& observer) {
   std::int64_t const last = steps_until(t_stop);
   while (status_ == Status::ok && step_ < last) {
     if (!std::exchange(sampled_, true)) sample();
-    if (answers_) system_->answer(step_);
-    if (system_->waits()) return status_;
-    if (!std::exchange(machines_asked_, true)) system_->ask_machines(step_);
-    if (answers_) system_->ask_nobody();  // the caller's command for the brake unit stands since answer()
-    if (system_->waits()) return status_;
+    if (answers_externally_) system_->answer(step_);
+    if (system_->has_pending()) return status_;
+    if (!std::exchange(brake_unit_sampled_, true)) system_->ask_machines(step_);
+    if (answers_externally_)
+      system_->cancel_pending();  // the caller's command for the brake unit stands since answer()
+    if (system_->has_pending()) return status_;
     show(observer);
     advance_step();
   }
@@ -146,7 +147,7 @@ void Driver::sample() {
 void Driver::sample_end() {
   if (std::exchange(sampled_, true)) return;
   sample();
-  system_->ask_nobody();
+  system_->cancel_pending();
 }
 
 void Driver::advance_step() {
@@ -159,7 +160,7 @@ void Driver::advance_step() {
   integrator_->hold_until(next);
   status_ = integrator_->advance(next);
   if (status_ != Status::ok) return;
-  sampled_ = machines_asked_ = false;
+  sampled_ = brake_unit_sampled_ = false;
   status_ = system_->advance(plant_, ++step_);
 }
 
@@ -188,7 +189,7 @@ Status Driver::reach_sample(double const* x, double const* z) {
 void Driver::act_on_sample() {
   system_->answer(step_);
   system_->ask_machines(step_);
-  system_->ask_nobody();
+  system_->cancel_pending();
   system_->act(plant_, step_, inputs_);
   acted_ = true;
 }

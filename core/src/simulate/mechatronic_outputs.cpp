@@ -192,7 +192,7 @@ void MechatronicSystem::record(Dynamics const& plant, std::int64_t step, double 
     row[column("torque_factor")] = acting_[at(Command::torque_factor)][i];
     row[column("traction_torque")] = actuators.motor[0];
     row[column("electrodynamic_torque")] = actuators.electrodynamic.torque;
-    row[column("asked_brake_torque")] = actuators.asked;
+    row[column("demanded_brake_torque")] = actuators.asked;
     row[column("cylinder_pressure")] = cylinder.pressure;
     row[column("air")] = cylinder.air;
     row[column("exhausted_air")] = cylinder.exhausted;
@@ -236,9 +236,9 @@ void MechatronicSystem::record_axle(Dynamics const& plant, std::size_t i, Inputs
   auto const force = longitudinal_force(plant, parts, axle);
   out[column("axle_speed")] = wheel;
   out[column("roller_speed")] = roller;
-  out[column("brake_torque")] = setup_.actuators.motors_stand_in ? actuators.stand_in
-                                : parts.brake != absent          ? plant.evaluation().brake_torque[at(parts.brake)]
-                                                                 : 0.0;
+  out[column("brake_torque")] = setup_.actuators.by_traction_motors ? actuators.stand_in
+                                : parts.brake != absent             ? plant.evaluation().brake_torque[at(parts.brake)]
+                                                                    : 0.0;
   out[column("roller_torque")] = actuators.drive[0];
   out[column("roller_command")] = acting_[at(Command::roller_torque)][i];
   out[column("contact_force")] = force.total;
@@ -247,7 +247,7 @@ void MechatronicSystem::record_axle(Dynamics const& plant, std::size_t i, Inputs
       contact.pair.wheel_radius * wheel - surface - plant.work().motion[at(parts.wheelset)].v.x;
   out[column("measured_roller_torque")] = sensors_.torque_reading(i);
   out[column("roller_power")] = actuators.drive[0] * roller;
-  out[column("wanted_roller_power")] = actuators.drive_wanted;
+  out[column("demanded_roller_power")] = actuators.drive_wanted;
   auto const limited = [&](DriveLimit of) { return actuators.drive_limited[at(of)]; };
   out[column("drive_torque_limited")] = limited(DriveLimit::torque);
   out[column("drive_power_limited")] = limited(DriveLimit::power);
@@ -275,7 +275,7 @@ void MechatronicSystem::record_simulated(std::size_t i, double* out) const {
   out[column("dissipated_energy_density")] = own.energy;
   out[column("sand")] = own.sand;
   out[column("brake_torque")] =
-      setup_.actuators.motors_stand_in ? actuators_.axle(i).stand_in : own.wheels.brake_torque();
+      setup_.actuators.by_traction_motors ? actuators_.axle(i).stand_in : own.wheels.brake_torque();
   out[column("axle_work")] = own.work;
   out[column("work_on_train")] = own.to_train;
   out[column("slip_dissipation")] = own.dissipated;

@@ -76,7 +76,7 @@ bool MechatronicSystem::sample(Dynamics const& plant, std::int64_t step, double 
   auto const due = [&](SampledController const& c) {
     return !std::holds_alternative<BrakeUnit>(c.controller) && step % c.sampling.every == 0;
   };
-  see_brakes(step);
+  sample_brake_demand(step);
   if (std::none_of(setup_.controllers.begin(), setup_.controllers.end(), due)) return true;
   sensors_.read(setup_, setup_.step * shortest_, measured_);
   read_true_forces(plant);
@@ -85,11 +85,11 @@ bool MechatronicSystem::sample(Dynamics const& plant, std::int64_t step, double 
   measured_.sand_flow = sand_.acting();
   for (std::size_t i = 0; i < controllers_.size(); ++i)
     if (due(setup_.controllers[i])) ask(i, step);
-  return !waits();
+  return !has_pending();
 }
 
 /// What the brakes are asked for from this instant on, by all that has been commanded up to now.
-void MechatronicSystem::see_brakes(std::int64_t step) {
+void MechatronicSystem::sample_brake_demand(std::int64_t step) {
   constexpr auto valve = at(Command::dump_valve);
   measured_.time = time(step);
   measured_.dump_valve = caller_.commands[valve];
@@ -104,7 +104,7 @@ void MechatronicSystem::see_brakes(std::int64_t step) {
 
 void MechatronicSystem::ask_machines(std::int64_t step) {
   if (!brake_unit_) return;
-  see_brakes(step);
+  sample_brake_demand(step);
   if (step % setup_.controllers[*brake_unit_].sampling.every == 0) ask(*brake_unit_, step);
 }
 
@@ -112,7 +112,7 @@ void MechatronicSystem::ask_machines(std::int64_t step) {
 void MechatronicSystem::ask(std::size_t index, std::int64_t step) {
   Controller& own = controllers_[index];
   Sampling const& sampling = setup_.controllers[index].sampling;
-  own.waits = sampling.external;
+  own.pending = sampling.external;
   PerAxle<double> command{};
   auto const run = [&]<class Law>(Law const& law, typename Law::State& state) {
     if constexpr (std::same_as<Law, RigController>) {
@@ -124,7 +124,7 @@ void MechatronicSystem::ask(std::size_t index, std::int64_t step) {
     law.step(state, measured_, setup_.step * sampling.every, command);
   };
   visit_with_state(run, setup_.controllers[index].controller, own.state);
-  if (!own.waits) own.commands.send(command, step);
+  if (!own.pending) own.commands.send(command, step);
 }
 
 /// T of (D1) from the roller's own acceleration, and the torque of motor and brake on the axle.
@@ -167,7 +167,7 @@ void MechatronicSystem::act(Dynamics const& plant, std::int64_t step, Inputs& in
   inputs.speed = {time(step), train_.speed(), train_.acceleration()};
   inputs.distance = train_.distance();
   dissipate(plant, inputs);
-  if (setup_.sanding) lay_sand(plant, inputs);
+  if (setup_.sanding) deposit_sand(plant, inputs);
   if (simulated_.count() > 0) step_simulated(step);
 }
 
@@ -218,14 +218,14 @@ void MechatronicSystem::step_simulated(std::int64_t step) {
 }
 
 /// What slide protection or wheel-slip control has just asked of an axle.
-bool MechatronicSystem::slides(std::size_t axle) const {
+bool MechatronicSystem::axle_is_sliding(std::size_t axle) const {
   double const valve = acting_[at(Command::dump_valve)][axle];
   return valve == static_cast<double>(DumpValve::vent) || acting_[at(Command::torque_factor)][axle] < 1.0;
 }
 
 void MechatronicSystem::switch_sand(Dynamics const& plant, std::int64_t step) {
   SandingMoment now{time(step), train_distance(), false};
-  for (std::size_t i = 0; i < axles(); ++i) now.slides = now.slides || slides(i);
+  for (std::size_t i = 0; i < axles(); ++i) now.slides = now.slides || axle_is_sliding(i);
   bool const flows = sanding_.step(*setup_.sanding, now, train_speed(plant), setup_.step);
   PerAxle<double> flow{};
   for (std::size_t i = 0; i < axles(); ++i) flow[i] = flows && setup_.axles[i].sands ? setup_.sanding->flow : 0.0;
@@ -235,7 +235,7 @@ void MechatronicSystem::switch_sand(Dynamics const& plant, std::int64_t step) {
 }
 
 /// Sand on the rails of a track, in front of the wheels and behind them; on a rig it lies on the virtual rail.
-void MechatronicSystem::lay_sand(Dynamics const& plant, Inputs& inputs) {
+void MechatronicSystem::deposit_sand(Dynamics const& plant, Inputs& inputs) {
   if (!frame_moves()) return;
   double const way = setup_.step * std::max(0.0, train_.speed());
   for (std::size_t i = 0; i < under_test(); ++i) {
@@ -290,12 +290,12 @@ Status MechatronicSystem::advance(Dynamics const& plant, std::int64_t step) {
   double const power = track_brake_force(plant) * train_speed(plant);
   track_brake_energy_ += 0.5 * setup_.step * (track_brake_power_ + power);
   track_brake_power_ = power;
-  if (wheels_slide(plant)) return Status::rollers_protected;
+  if (slip_limit_exceeded(plant)) return Status::rollers_protected;
   return time(step) > settling_time && train_speed(plant) < setup_.stop_speed ? Status::stopped : Status::ok;
 }
 
 /// Whether a wheel has slid on its roller for longer than the rig's protection allows.
-bool MechatronicSystem::wheels_slide(Dynamics const& plant) {
+bool MechatronicSystem::slip_limit_exceeded(Dynamics const& plant) {
   RigController const* control = rig();
   if (control == nullptr) return false;
   bool too_long = false;
@@ -356,17 +356,17 @@ std::optional<double> MechatronicSystem::reference_speed() const {
   return found;
 }
 
-bool MechatronicSystem::waits() const {
-  return std::any_of(controllers_.begin(), controllers_.end(), [](Controller const& c) { return c.waits; });
+bool MechatronicSystem::has_pending() const {
+  return std::any_of(controllers_.begin(), controllers_.end(), [](Controller const& c) { return c.pending; });
 }
 
 bool MechatronicSystem::waits_for(std::string_view controller) const {
   return std::any_of(controllers_.begin(), controllers_.end(),
-                     [&](Controller const& c) { return c.waits && c.name == controller; });
+                     [&](Controller const& c) { return c.pending && c.name == controller; });
 }
 
-void MechatronicSystem::ask_nobody() {
-  for (Controller& own : controllers_) own.waits = false;
+void MechatronicSystem::cancel_pending() {
+  for (Controller& own : controllers_) own.pending = false;
 }
 
 void MechatronicSystem::answer(std::int64_t step) {
@@ -378,7 +378,7 @@ void MechatronicSystem::answer(std::int64_t step) {
 /// where that is due.
 PerAxle<double> MechatronicSystem::answer_of(std::size_t index) {
   Controller& own = controllers_[index];
-  bool const due = std::exchange(own.waits, false);
+  bool const due = std::exchange(own.pending, false);
   PerAxle<double> command = caller_.commands[own.command];
   auto const& [sampling, any] = setup_.controllers[index];
   auto const* law = std::get_if<RigController>(&any);
@@ -396,7 +396,7 @@ PerAxle<double> MechatronicSystem::answer_of(std::size_t index) {
 
 void MechatronicSystem::set_command(std::string_view controller, std::span<double const> command, std::int64_t step) {
   for (Controller& own : controllers_) {
-    if (own.name != controller || !own.waits) continue;
+    if (own.name != controller || !own.pending) continue;
     bool const of_rollers = own.command == at(Command::roller_torque);
     if (command.size() != (of_rollers ? under_test() : axles()))
       throw std::invalid_argument("a command has one number per axle");
@@ -408,7 +408,7 @@ void MechatronicSystem::set_command(std::string_view controller, std::span<doubl
     PerAxle<double> value{};
     std::copy(command.begin(), command.end(), value.begin());
     own.commands.send(value, step);
-    own.waits = false;
+    own.pending = false;
     return;
   }
   throw std::invalid_argument("no external controller " + std::string(controller) + " waits for a command");

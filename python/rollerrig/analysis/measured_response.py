@@ -64,7 +64,7 @@ def measured_response(
     if pressure:
         steady = steady.with_changes({"brake.demand": [[0.0, pressure], [1.0, pressure]]})
     external = [role for role in roles_of(steady) if role != BRAKE_UNIT]
-    plant = _core.Plant(assembled_model(steady, external=external, may_drift=True))
+    plant = _core.Plant(assembled_model(steady, external=external, allow_unrestrained=True))
     index, indices = plant.find(source), [plant.find(name) for name in outputs]
     hold = {plant.find(name): torque for name, torque in bench.holding.items()}
     if min(index, *indices, *hold) < 0 or (pressure and not hold):

@@ -126,9 +126,9 @@ def _measured(case: Case, log: Log, axles: list[str]) -> Iterator[tuple[str, str
     own = case.sensors.roller_torque is None and column_of(log, f"{axles[0]}.roller_torque")
     torque = _per_axle(log, axles, "roller_torque", {"N m": 1.0}, measured=not own)
     yield "drive_torque", "N m", "of the roller's drive now", torque
-    if brake is not None and not brake.motors_stand_in:
+    if brake is not None and not brake.by_traction_motors:
         yield "brake_torque", "N m", "of the axle's friction brake", _brake_torque(case, log, axles, speed)
-    if case.traction is not None or (brake is not None and (brake.electrodynamic or brake.motors_stand_in)):
+    if case.traction is not None or (brake is not None and (brake.electrodynamic or brake.by_traction_motors)):
         yield "motor_torque", "N m", "of the axle's motor", _motor_torque(log, axles)
     others = {
         "axle_load": ("N", "vertical force under the axle", control.loads == "measured"),

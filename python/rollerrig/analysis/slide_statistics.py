@@ -270,7 +270,7 @@ def _axles(run: xr.Dataset) -> dict[str, float]:
         "mean_slip": float(np.nanmean(slips)) if np.isfinite(slips).any() else math.nan,
         "largest_slip": largest(slips),
         "longest_lock_s": longest_lock(run),
-        "regrip_adhesion": regrip_adhesion(slips, used),
+        "adhesion_at_readhesion": adhesion_at_readhesion(slips, used),
         "adhesion_used_mean": float(braked.mean()) if braked.size else math.nan,
         "adhesion_used_largest": float(braked.max()) if braked.size else math.nan,
     }
@@ -325,7 +325,7 @@ def spells(flags: Mask) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
     return edges[::2], edges[1::2]
 
 
-def regrip_adhesion(slips: Array, used: Array) -> float:
+def adhesion_at_readhesion(slips: Array, used: Array) -> float:
     """Largest force of an axle over its load once it has slid by more than SLIDES, at its readhesion [-]; NaN: none has.
 
     Of |slip|, NaN where the train is too slow, and |creep force| over static axle load, both of shape (time, axle).

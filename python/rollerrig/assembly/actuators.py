@@ -54,7 +54,7 @@ def _add_axle(assembly: Assembly, number: int, *, torque_on_all: bool) -> _core.
     case, builder, name = assembly.case, assembly.builder, assembly.wheelsets[number]
     wheelset, frame = assembly.index(name), assembly.frame_of(name)
     brake = torque = roller = roller_torque = ABSENT
-    if case.brake is not None and not case.brake.motors_stand_in:
+    if case.brake is not None and not case.brake.by_traction_motors:
         brake = builder.add_brake(_core.AxleBrake(wheelset=wheelset, reaction=frame, brake=friction_brake(case.brake)))
     machine = case.brake.electrodynamic if case.brake else None
     brakes = machine is not None and (machine.axles is None or name in machine.axles)

@@ -70,7 +70,7 @@ def changes_of(texts: list[str] | None, flag: str = "--set") -> dict[str, Any]:
             changes[key] = value
         if not equals or not key:
             raise typer.BadParameter(
-                f"'{text}': allowed: KEY=VALUE with a value of TOML, e.g. brake.motors_stand_in=true or "
+                f"'{text}': allowed: KEY=VALUE with a value of TOML, e.g. brake.by_traction_motors=true or "
                 "'motion.speed=120 km/h'",
                 param_hint=flag,
             )

@@ -373,13 +373,13 @@ def wsp(
     processes: Processes = 1,
     progress: Progress | None = None,
 ) -> Outcome[Any]:
-    """A test programme for wheel slide protection: a series of stops on track and on the rig, judged by limits.
+    """A test programme for wheel slide protection: a series of stops on track and on the rig, assessed by limits.
 
     Args:
         case: case on rollers with [rig_control]: a name of the catalogue or a TOML file.
         programme: stops and limits: a name of the catalogue or a TOML file.
         against: another case, whose system is compared with this one: the same stops with the same draws, what differs with
-            intervals, effect sizes and the number of tests that would decide it; limits then judge nothing.
+            intervals, effect sizes and the number of tests that would decide it; limits then assess nothing.
         starts: tests of each stop on each support; 0: as many as the programme needs for a decision.
         quick: two starts of the first two stops: to see that everything works.
         processes: runs at a time; more than 1 asks a script for `if __name__ == "__main__":`.

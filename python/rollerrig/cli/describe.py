@@ -154,7 +154,7 @@ def _brake(case: Case, load: float) -> list[str]:
     pressure = max(row[1] for row in case.brake.demand)
     radius = case.vehicle.data.wheel.radius
     torque = full_brake_torque(case)
-    by = "by the traction motors" if case.brake.motors_stand_in else "by friction brakes"
+    by = "by the traction motors" if case.brake.by_traction_motors else "by friction brakes"
     return [
         f"brake: {pressure / 1e5:.3g} bar at most, {torque / 1e3:.3g} kN m per axle {by}, "
         f"which asks for an adhesion of {torque / radius / load:z.3f}"

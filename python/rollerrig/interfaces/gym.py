@@ -99,7 +99,7 @@ class BenchEnv(gymnasium.Env[Array, Any]):
         return np.where(np.isfinite(low), low, -drive), np.where(np.isfinite(high), high, drive)
 
     def _new_plant(self) -> _core.Plant:
-        return _core.Plant(assembled_model(self.case, external=[self.controller], may_drift=True))
+        return _core.Plant(assembled_model(self.case, external=[self.controller], allow_unrestrained=True))
 
     # ------------------------------------------------------------------------------------------------- an episode
 

@@ -37,7 +37,7 @@ def assemble_file(
     path: str | Path,
     *,
     external: Collection[str] = (),
-    may_drift: bool = False,
+    allow_unrestrained: bool = False,
     force: bool = False,
 ) -> Path:
     """Write everything that a run of a case needs into one file, which the core reads without Python (docs/model_file.md).
@@ -46,7 +46,7 @@ def assemble_file(
         case: what to assemble, or its name in the catalogue.
         path: the file; replaced if this program wrote it. The same case gives the same bytes.
         external: tables of the case's controllers whose commands come from outside, as inputs.
-        may_drift: also where nothing holds the vehicle along the track on its rollers.
+        allow_unrestrained: also where nothing holds the vehicle along the track on its rollers.
         force: whether a file of another program may be replaced.
 
     Raises:
@@ -61,7 +61,9 @@ def assemble_file(
         'wheelset_rollers'
     """
     target = output_file(path, force=force)
-    content = _core.write_model(assembled_model(as_case(case), external=external, may_drift=may_drift))
+    content = _core.write_model(
+        assembled_model(as_case(case), external=external, allow_unrestrained=allow_unrestrained)
+    )
     return write_bytes(target, content, force=force)
 
 
@@ -88,14 +90,16 @@ def contents(assembled: _core.AssembledModel) -> str:
     return f"{assembled.name}: {counted}\ninputs: {', '.join(inputs) or 'none'}"
 
 
-def assembled_model(case: Case, *, external: Collection[str] = (), may_drift: bool = False) -> _core.AssembledModel:
+def assembled_model(
+    case: Case, *, external: Collection[str] = (), allow_unrestrained: bool = False
+) -> _core.AssembledModel:
     """Everything that a run of a case needs, as the core keeps it.
 
     Args:
         case: a checked case.
         external: tables of the case's controllers whose commands come from outside, as inputs: 'slide_protection',
             'wheel_slip_control', 'rig_control', or 'brake_unit' of [brake]. What they see are outputs.
-        may_drift: also where nothing holds the vehicle along the track on its rollers.
+        allow_unrestrained: also where nothing holds the vehicle along the track on its rollers.
 
     Raises:
         ConfigError: the case has no such controller, or one of the user's that is not external; nothing holds the
@@ -106,7 +110,7 @@ def assembled_model(case: Case, *, external: Collection[str] = (), may_drift: bo
     case = with_brake_unit(case, external)
     controllers = _external_controllers(case, external)
     model = assemble_as_run(case)
-    start = starting_state(model, may_drift=may_drift)
+    start = starting_state(model, allow_unrestrained=allow_unrestrained)
     setup = mechatronic_setup(model, controllers)
     simulation = _core.Simulation(model.core, setup)
     check_fixed_step(simulation, case, start)

@@ -252,7 +252,7 @@ def describe(model: AssembledModel) -> RunInfo:
         normal_contact=case.contact.normal.kind,
         creep_law=case.contact.creep.kind,
         actuators=tuple(key for key in ACTUATORS if getattr(case, key) is not None),
-        motors_reproduce_brakes=case.brake is not None and case.brake.motors_stand_in,
+        motors_reproduce_brakes=case.brake is not None and case.brake.by_traction_motors,
         scaled_from=case.similitude,
         speed=case.motion.speed,
         gravity=case.gravity,

@@ -113,7 +113,7 @@ def _of_actuators(full: Case, model: Case, factors: Similitude) -> Iterator[Requ
             needed, actual = there.motor.bandwidth * factors.time, own.motor.bandwidth
             effect = f"the {name} are {actual / needed:.3g} times as quick as they should be"
             yield Requirement(f"lag of the {name}", "bandwidth", "Hz", needed, actual, effect)
-    stand_in = full.brake is not None and model.brake is not None and model.brake.motors_stand_in
+    stand_in = full.brake is not None and model.brake is not None and model.brake.by_traction_motors
     if stand_in and full.traction is None and model.traction is not None:
         lag, of = (
             1.0 / (2.0 * math.pi * model.traction.motor.bandwidth),

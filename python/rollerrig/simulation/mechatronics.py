@@ -104,7 +104,7 @@ def _axles(model: AssembledModel) -> list[_core.AxleParts]:
         **dict.fromkeys(("wheelset", "axle_torque", "brake", "roller", "roller_torque"), ABSENT),
         contacts=[ABSENT, ABSENT],
         electrodynamic=model.axles[0].electrodynamic,
-        has_brake=case.brake is not None and not case.brake.motors_stand_in,
+        has_brake=case.brake is not None and not case.brake.by_traction_motors,
         has_motor=case.traction is not None,
         sands=False,
     )
@@ -145,7 +145,7 @@ def _actuators(model: AssembledModel, control: RigControl) -> _core.Actuators:
         _core.Actuators,
         brake=friction_brake(brake),
         pneumatics=pneumatics(brake),
-        motors_stand_in=brake.motors_stand_in,
+        by_traction_motors=brake.by_traction_motors,
         electrodynamic=electrodynamic_brake(brake, case.vehicle.data.wheel.radius),
         track_brake=None if case.track_brake is None else track_brake(case.track_brake, model.bogies),
         brake_demand=brake.demand,

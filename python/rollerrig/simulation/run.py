@@ -42,7 +42,7 @@ from rollerrig.simulation.controllers import (
 )
 from rollerrig.simulation.faults import add_signals_of_ours, faulty_roles, refuse_faults, with_faults
 from rollerrig.simulation.mechatronics import mechatronic_setup
-from rollerrig.simulation.starting_state import recorded_state, rolled_off, starting_state
+from rollerrig.simulation.starting_state import left_the_rollers, recorded_state, starting_state
 
 Progress = Callable[[float, str], None]
 """Called with the fraction done and a short text."""
@@ -73,7 +73,7 @@ def simulate(
     *,
     progress: Progress | None = None,
     controllers: Mapping[str, Any] | None = None,
-    may_drift: bool = False,
+    allow_unrestrained: bool = False,
 ) -> xr.Dataset:
     """Run a case.
 
@@ -82,7 +82,7 @@ def simulate(
         progress: called several times a second with the fraction done and a short text.
         controllers: your own objects in place of the case's controllers, by table: 'slide_protection', 'wheel_slip_control',
             'rig_control', or 'brake_unit' of [brake] (docs/how_to/controller.md).
-        may_drift: run also a vehicle on rollers that nothing holds along the track, until it has rolled off them.
+        allow_unrestrained: run also a vehicle on rollers that nothing holds along the track, until it has rolled off them.
 
     Returns:
         The results, see docs: dimensions time, body, wheel, patch, element. A run that left the model's validity or was
@@ -105,7 +105,7 @@ def simulate(
     model = assemble_as_run(case)
     asked = with_faults(model, users)
     step = case.time.output_step / readings_per_sample(case)
-    simulation = prepare(model, asked, may_drift=may_drift, output_step=step)
+    simulation = prepare(model, asked, allow_unrestrained=allow_unrestrained, output_step=step)
     recording = _room(case, simulation.width, simulation.reading_width)
     if recording.every > 1:
         simulation.keep_readings(recording.every, recording.reading_times, recording.readings)
@@ -190,7 +190,7 @@ def prepare(
     model: AssembledModel,
     users: Mapping[str, UserController] | None = None,
     *,
-    may_drift: bool = False,
+    allow_unrestrained: bool = False,
     output_step: float | None = None,
 ) -> _core.Simulation:
     """A simulation of a model with everything that acts on it, at its start.
@@ -198,7 +198,7 @@ def prepare(
     Args:
         model: assembled with its actuators.
         users: the user's controllers, by table of the case.
-        may_drift: also where nothing holds the vehicle along the track on its rollers.
+        allow_unrestrained: also where nothing holds the vehicle along the track on its rollers.
         output_step: interval of what it records [s]; None: that of the case.
 
     Raises:
@@ -207,7 +207,7 @@ def prepare(
     """
     if not users:
         refuse_faults(model.case)
-    start = starting_state(model, may_drift=may_drift)
+    start = starting_state(model, allow_unrestrained=allow_unrestrained)
     simulation = _core.Simulation(model.core, mechatronic_setup(model, users))
     begin(simulation, model, start, output_step=output_step)
     return simulation
@@ -413,7 +413,7 @@ def outcome(simulation: _core.Simulation, model: AssembledModel, code: int, fail
     blamed = simulation.failed_contact if status not in _BLAMELESS else -1
     wheel = next((w.name for w in model.wheels if w.contact == blamed), "")
     lost = status in ("contact_lost", "rollers_protected", "not_finite")
-    message = failure or (lost and rolled_off(simulation, model)) or _core.status_sentence(code)
+    message = failure or (lost and left_the_rollers(simulation, model)) or _core.status_sentence(code)
     if status != "ok" and not failure:
         place = f"t = {at:.4g} s" + (f", {wheel}" if wheel else "")
         message = f"{place}: {message}"

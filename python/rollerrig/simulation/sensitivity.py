@@ -225,7 +225,7 @@ def _changed_runs(
         if model.breakpoints != one.breakpoints:
             allowed = "allowed: numbers that move no corner in time of a torque or speed"
             raise ConfigError.of(model.case.name, key, "moves one", allowed)
-        return prepare(one, may_drift=True)
+        return prepare(one, allow_unrestrained=True)
 
     width = RELATIVE_WIDTH * abs(value)
     return changed(value + width), changed(value - width), width, _BESIDE_CONTACTS.fullmatch(key) is None

@@ -97,7 +97,7 @@ def require_restraint(simulation: _core.Simulation, model: AssembledModel, state
     raise ConfigError.of(model.case.name, "vehicle", value, allowed)
 
 
-def rolled_off(simulation: _core.Simulation, model: AssembledModel) -> str:
+def left_the_rollers(simulation: _core.Simulation, model: AssembledModel) -> str:
     """What to say where a run has ended because a wheelset is no longer on top of its roller; '' where all are."""
     support = model.case.support.data
     if not isinstance(support, Rig):
@@ -123,7 +123,7 @@ class StartError(Exception):
     """No state was found from which the run can start; the message says what to change."""
 
 
-def starting_state(model: AssembledModel, *, may_drift: bool = False) -> Array:
+def starting_state(model: AssembledModel, *, allow_unrestrained: bool = False) -> Array:
     """Equilibrium at the starting speed, with the disturbed coordinates prescribed at their offsets.
 
     An offset counts from the undisturbed equilibrium. A disturbed body keeps its equilibrium yaw unless the
@@ -133,7 +133,7 @@ def starting_state(model: AssembledModel, *, may_drift: bool = False) -> Array:
 
     Args:
         model: the model.
-        may_drift: also of a vehicle that nothing holds along the track on its rollers.
+        allow_unrestrained: also of a vehicle that nothing holds along the track on its rollers.
 
     Raises:
         ConfigError: a disturbance moves a coordinate that is locked; nothing holds the vehicle on its rollers.
@@ -142,7 +142,7 @@ def starting_state(model: AssembledModel, *, may_drift: bool = False) -> Array:
     start = _core.starting_state(model.start_core, 0.0, disturbances(model))
     if start["found"] == "no_equilibrium":
         raise _no_equilibrium(model, start["residual"])
-    if not may_drift:
+    if not allow_unrestrained:
         require_restraint(_core.Simulation(model.start_core), model, start["rest"])
     if start["found"] == "no_support":
         body = model.bodies[start["body"]]

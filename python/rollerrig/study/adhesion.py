@@ -154,7 +154,7 @@ class AdhesionStudy(Study[Runs]):
     def rows(self, results: Runs) -> list[Row]:
         """Rows of the assessment."""
         tests, fine = ([results.records.get(f"{on}{end}", ()) for on in ("track", "rig")] for end in ("", FINE))
-        return runs.verdict_rows(self.case, (tests[0], tests[1]), (fine[0], fine[1]))
+        return runs.assessment_rows(self.case, (tests[0], tests[1]), (fine[0], fine[1]))
 
     def numbers(self, results: Runs) -> dict[str, Any]:
         records, rows = results.records, self.rows(results)
@@ -165,8 +165,8 @@ class AdhesionStudy(Study[Runs]):
             "starts": min(len(records["track"]), len(records["rig"])),
             "fine_starts": len(records.get(f"rig{FINE}", ())),
             "creep_peak": dict(zip(("slip", "adhesion"), peak, strict=True)),
-            "verdict": {group: runs.verdict_of(rows, group) for group in GROUPS},
-            "verdicts": {row.key: row.as_dict() for row in rows},
+            "outcome": {group: runs.outcome_of(rows, group) for group in GROUPS},
+            "outcomes": {row.key: row.as_dict() for row in rows},
             "track": _run_numbers(records["track"], RUN),
             "rig": _run_numbers(records["rig"], [*RUN, *RIG]),
             "variants": {name: _variant_numbers(records["track"], records[name]) for name in variants},
@@ -197,13 +197,13 @@ class AdhesionStudy(Study[Runs]):
     def summary(self, results: Runs, numbers: Numbers) -> list[str]:
         rows = self.rows(results)
         of_groups = {group: [row for row in rows if row.group == group] for group in GROUPS}
-        verdicts = [
-            f"{title}: {SHOWN[numbers['verdict'][group]]}; {sum(row.verdict == 'met' for row in of_groups[group])} of "
+        outcomes = [
+            f"{title}: {SHOWN[numbers['outcome'][group]]}; {sum(row.outcome == 'met' for row in of_groups[group])} of "
             f"{len(of_groups[group])} targets met."
             for group, title in GROUPS.items()
         ]
-        worst_first = sorted(rows, key=lambda row: ("not met", "not decided", "met").index(row.verdict))
-        return [*verdicts, *(row.told for row in worst_first), *slides.idle_valves(self.case), *_findings(numbers)]
+        worst_first = sorted(rows, key=lambda row: ("not met", "not decided", "met").index(row.outcome))
+        return [*outcomes, *(row.told for row in worst_first), *slides.idle_valves(self.case), *_findings(numbers)]
 
     def files(self, results: Runs, numbers: Numbers) -> Mapping[str, Any]:
         track, rig = results.whole["track"], results.whole["rig"]
@@ -219,7 +219,7 @@ class AdhesionStudy(Study[Runs]):
         return {"degraded track": results.whole["track"], "rig": results.whole["rig"]}
 
     def sections(self, results: Runs, numbers: Numbers) -> list[Section]:
-        lines = [(SHOWN[r.verdict], r.group, r.text, r.value_text, r.target_text, r.origin) for r in self.rows(results)]
+        lines = [(SHOWN[r.outcome], r.group, r.text, r.value_text, r.target_text, r.origin) for r in self.rows(results)]
         header = ("", "", "what", "mean of all starts (95 % interval)", "target", "where the target comes from")
         sections = [Section("Assessment", [Table(header, lines)])]
         if numbers["causes"]:

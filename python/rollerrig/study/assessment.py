@@ -147,7 +147,7 @@ class Check:
         return self.deviations.high
 
     @property
-    def verdict(self) -> str:
+    def outcome(self) -> str:
         """'passed' where the whole value is within the tolerance, 'failed' where nothing of it is, else 'not decided'."""
         found = outcome(self.deviations, -math.inf, self.tolerance)
         return {"met": "passed", "not met": "failed"}.get(found, found)
@@ -155,12 +155,12 @@ class Check:
     @property
     def passed(self) -> bool:
         """Whether the whole value is within the tolerance."""
-        return self.verdict == "passed"
+        return self.outcome == "passed"
 
     def as_dict(self) -> dict[str, Any]:
         """Dictionary for summary.json; an interval as a list of its ends, null where there is none."""
         value = [self.value.low, self.value.high] if isinstance(self.value, Interval) else self.value
-        return {**vars(self), "value": value, "deviation": self.deviation, "verdict": self.verdict}
+        return {**vars(self), "value": value, "deviation": self.deviation, "outcome": self.outcome}
 
     @property
     def row(self) -> tuple[str, ...]:
@@ -172,13 +172,13 @@ class Check:
         bound = "at most " if self.kind == "at most" else ""
         target = f"{bound}{number(self.expected)} {self.unit}".strip()
         sizes = (f"{number(scale * size, 3)} {unit}".strip() for size in (self.deviation, self.tolerance))
-        word = {"passed": "✔ pass", "failed": "✘ FAIL", NOT_DECIDED: SHOWN[NOT_DECIDED]}[self.verdict]
+        word = {"passed": "✔ pass", "failed": "✘ FAIL", NOT_DECIDED: SHOWN[NOT_DECIDED]}[self.outcome]
         return (word, self.name, shown.strip(), target, *sizes, self.reason)
 
 
 def counts(checks: Sequence[Check]) -> dict[str, int]:
     """How many there are of each outcome, by keys of summary.json."""
-    found = [check.verdict for check in checks]
+    found = [check.outcome for check in checks]
     return {f"checks_{word.replace(' ', '_')}": found.count(word) for word in ("passed", "failed", NOT_DECIDED)}
 
 

@@ -262,7 +262,7 @@ def _findings(numbers: Numbers) -> Iterator[str]:
     )
     told: dict[str, list[str]] = {}
     for stop, own in numbers["stops"].items():
-        found = [(on, criterion, one) for on, judged in own.items() for criterion, one in judged.items()]
+        found = [(on, criterion, one) for on, assessed in own.items() for criterion, one in assessed.items()]
         for on, criterion, one in found:
             place = f"{stop.replace('_', ' ')} on {ON[on]}, {label(criterion)}"
             if one["better"] in SYSTEMS:

@@ -278,7 +278,7 @@ class TuneStudy(Study[Tuned]):
             "units": {axis.key: axis.unit for axis in self.axes},
             "points": points,
             "compromise": results.chosen,
-            "changes": {of: {**one.as_dict(), "verdict": verdict(one)} for of, one in results.changes.items()},
+            "changes": {of: {**one.as_dict(), "outcome": outcome(one)} for of, one in results.changes.items()},
         }
 
     def summary(self, results: Tuned, numbers: Numbers) -> list[str]:
@@ -299,7 +299,7 @@ class TuneStudy(Study[Tuned]):
         """What the compromise changes, as far as its interval is known."""
         told = self.quantities["changes.*.mean"].told
         return [
-            f"{OBJECTIVES[of]} over the shipped one, less 1: {told(one)} on {self.draws} new draws: {one['verdict']}."
+            f"{OBJECTIVES[of]} over the shipped one, less 1: {told(one)} on {self.draws} new draws: {one['outcome']}."
             for of, one in numbers["changes"].items()
             if None not in one.values()
         ]
@@ -350,7 +350,7 @@ class TuneStudy(Study[Tuned]):
         return [Section("Tracking error against torque ripple", [picture, table])]
 
 
-def verdict(change: Estimate) -> str:
+def outcome(change: Estimate) -> str:
     """Better or worse than shipped, where the whole interval says so."""
     ends = change.interval
     return "better" if ends.high < 0.0 else "worse" if ends.low > 0.0 else "not decided"

@@ -1,4 +1,4 @@
-"""A test programme for wheel slide protection: every stop on track and on the rig, as ensembles, judged by limits.
+"""A test programme for wheel slide protection: every stop on track and on the rig, as ensembles, assessed by limits.
 
 Case of a rig with brake and slide protection, Programme -> [WspStudy] -> outcome per criterion, numbers per stop, CSV files
 """
@@ -24,9 +24,9 @@ from rollerrig.study.jobs import Done, Job, Round, job
 from rollerrig.study.quantities import Numbers, Quantities, Quantity
 from rollerrig.study.report import Block, Picture, Preformatted, Section, Table, Text
 from rollerrig.study.runs import wsp as runs
-from rollerrig.study.runs.adhesion import GROUPS, track_case, verdict_rows
-from rollerrig.study.runs.adhesion import verdict_of as group_verdict
-from rollerrig.study.runs.wsp import MEASURES, SUPPORTS, Judgement, StopRecord, StopTests, Support
+from rollerrig.study.runs.adhesion import GROUPS, assessment_rows, track_case
+from rollerrig.study.runs.adhesion import outcome_of as group_outcome
+from rollerrig.study.runs.wsp import MEASURES, SUPPORTS, Assessment, StopRecord, StopTests, Support
 
 Tests = Mapping[Support, StopTests]
 ON: Mapping[Support, str] = {"track": "track", "rig": "the rig"}
@@ -49,7 +49,7 @@ class StopResult:
     """What a stop gave: tests by support, criteria on both, the signals of the first tests, processor time of all [s]."""
 
     tests: Tests
-    judged: Sequence[Judgement]
+    assessed: Sequence[Assessment]
     signals: Mapping[str, xr.Dataset]
     seconds: float
 
@@ -135,16 +135,16 @@ class WspStudy(Study[Results]):
             dry: StopRecord | None = done.get(f"{runs.dry_name(self.case, stop)}, {on}") if stop.stops else None
             own = [one.test for one in records]
             tests[on] = StopTests(stop, on, case, needed, own, None if dry is None else dry.test, fine[on])
-        judged = [
+        assessed = [
             one
             for on, other in zip(SUPPORTS, SUPPORTS[::-1], strict=True)
             if tests[on].tests
-            for one in runs.judgements(self.programme, tests[on], tests[other])
+            for one in runs.assessments(self.programme, tests[on], tests[other])
         ]
         signals: dict[str, xr.Dataset] = {
             on: records[0].signals for on, records in made.items() if records and records[0].signals is not None
         }
-        return StopResult(tests, judged, signals, sum(one.seconds for records in made.values() for one in records))
+        return StopResult(tests, assessed, signals, sum(one.seconds for records in made.values() for one in records))
 
     def statuses(self, results: Results) -> Sequence[str]:
         return [record.status for one in results.values() for tests in one.tests.values() for record in tests.tests]
@@ -191,26 +191,26 @@ def _on(case: Case, support: Support) -> Case:
 
 def _stop_numbers(result: StopResult) -> dict[str, Any]:
     track, rig = result.tests["track"], result.tests["rig"]
-    rows = verdict_rows(rig.case, (track.tests, rig.tests), (track.fine, rig.fine))
+    rows = assessment_rows(rig.case, (track.tests, rig.tests), (track.fine, rig.fine))
     criteria: dict[str, Any] = {}
-    for one in result.judged:
+    for one in result.assessed:
         limit = one.limit
         kind = "at least" if CRITERIA[limit.criterion].least else "at most"
         head = {"limit": limit.value, "kind": kind, "origin": limit.origin, "clause": limit.clause}
-        found = {"verdict": one.verdict, **one.mean.as_dict(), "worst": one.worst, "why": one.why}
+        found = {"outcome": one.outcome, **one.mean.as_dict(), "worst": one.worst, "why": one.why}
         criteria.setdefault(limit.criterion, head)[one.support] = found
     return {
         "kind": track.stop.kind,  # type: ignore[attr-defined]
         "speed_kmh": 3.6 * track.stop.speed,
-        **{on: _support_numbers(tests, result.judged) for on, tests in result.tests.items()},
+        **{on: _support_numbers(tests, result.assessed) for on, tests in result.tests.items()},
         "criteria": criteria,
-        "rig_like_track": {group: group_verdict(rows, group) for group in GROUPS},
+        "rig_like_track": {group: group_outcome(rows, group) for group in GROUPS},
     }
 
 
-def _support_numbers(found: StopTests, judged: Sequence[Judgement]) -> dict[str, Any]:
+def _support_numbers(found: StopTests, assessed: Sequence[Assessment]) -> dict[str, Any]:
     numbers: dict[str, Any] = {
-        "verdict": overall(one.verdict for one in judged if one.support == found.support),
+        "outcome": overall(one.outcome for one in assessed if one.support == found.support),
         "tests": len(found.tests),
         "stopped": sum(one.stopped for one in found.tests),
         "dry_distance_m": None if found.dry is None else found.dry.measures["distance_m"],
@@ -224,7 +224,7 @@ def _support_numbers(found: StopTests, judged: Sequence[Judgement]) -> dict[str,
 
 
 def _sum_numbers(results: Sequence[StopResult], on: Support) -> dict[str, Any]:
-    words = [judged.verdict for one in results for judged in one.judged if judged.support == on]
+    words = [assessed.outcome for one in results for assessed in one.assessed if assessed.support == on]
     own = [one.tests[on] for one in results]
     means = ("distance_m", "air_litres", "dump_cycles")
     return {
@@ -268,16 +268,16 @@ def _findings(numbers: Numbers, limits: int) -> Iterator[str]:
             )
         yield f"O{'; '.join(parts)[1:]}. {head}"
     else:
-        yield f"{head} The programme sets no limit: nothing is judged."
+        yield f"{head} The programme sets no limit: nothing is assessed."
     for on in SUPPORTS:
         told: dict[tuple[str, str], list[str]] = {}
         for stop, name, one in criteria:
-            verdict, why = (one.get(on, {}).get(key, "") for key in ("verdict", "why"))
-            value = f" {value_text(name, one[on])}, {limit_text(name, one)}" if verdict == "not met" else ""
-            told.setdefault((verdict, why), []).append(f"{stop.replace('_', ' ')} ({label(name)}{value})")
-        for (verdict, why), places in sorted(told.items(), key=lambda pair: pair[0][0] != "not met"):
-            if verdict in ("not met", "not decided"):
-                yield f"{SHOWN[verdict]} on {ON[on]}{f', {why}' if why else ''}: {'; '.join(places)}."
+            outcome, why = (one.get(on, {}).get(key, "") for key in ("outcome", "why"))
+            value = f" {value_text(name, one[on])}, {limit_text(name, one)}" if outcome == "not met" else ""
+            told.setdefault((outcome, why), []).append(f"{stop.replace('_', ' ')} ({label(name)}{value})")
+        for (outcome, why), places in sorted(told.items(), key=lambda pair: pair[0][0] != "not met"):
+            if outcome in ("not met", "not decided"):
+                yield f"{SHOWN[outcome]} on {ON[on]}{f', {why}' if why else ''}: {'; '.join(places)}."
     words = [one["rig_like_track"]["fidelity"] for _, one in stops]
     met, against, open_ = (words.count(word) for word in WORDS)
     yield (
@@ -324,7 +324,7 @@ def _overview(programme: Programme, numbers: Numbers) -> Table:
     rows = []
     for name, one in numbers["stops"].items():
         same = one["rig_like_track"]
-        words = [SHOWN[one[on]["verdict"]] for on in SUPPORTS]
+        words = [SHOWN[one[on]["outcome"]] for on in SUPPORTS]
         text = ", ".join(filter(None, (one["kind"], f"{one['speed_kmh']:.4g} km/h", described[name])))
         rows.append((*words, name.replace("_", " "), text, SHOWN[same["tracking"]], SHOWN[same["fidelity"]]))
     header = ("on track", "on the rig", "stop", "", "rig follows its virtual axles", "rig as the track")
@@ -336,11 +336,11 @@ def _criteria_table(numbers: Numbers) -> Table:
     for stop, own in numbers["stops"].items():
         for name, one in own["criteria"].items():
             found = [
-                one.get(on, {"verdict": None, "mean": None, "low": None, "high": None, "why": ""}) for on in SUPPORTS
+                one.get(on, {"outcome": None, "mean": None, "low": None, "high": None, "why": ""}) for on in SUPPORTS
             ]
             whys = dict.fromkeys(two["why"] for two in found if two["why"])
             rows.append((
-                *(SHOWN[two["verdict"]] for two in found), stop.replace("_", " "), label(name),
+                *(SHOWN[two["outcome"]] for two in found), stop.replace("_", " "), label(name),
                 *(value_text(name, two) for two in found), limit_text(name, one), one["clause"] or "–",
                 "; ".join((*whys, one["origin"])),
             ))  # fmt: skip

@@ -140,7 +140,7 @@ def run_scene(run: xr.Dataset, *, label: str = "", most: int = MOST_FRAMES) -> S
     _add_named(columns, shown)
     done = _add_forces(columns, run, most)
     brake, distance = model.case.brake, run["distance"].to_numpy()
-    motors = model.case.traction is not None or (brake is not None and brake.motors_stand_in)
+    motors = model.case.traction is not None or (brake is not None and brake.by_traction_motors)
     way, acting = (float(np.nanmin(distance)), float(np.nanmax(distance))), (patches, brake is not None, motors)
     head = head_of(model, _texts(run, label, str(run.attrs["status_message"])), bars, way, acting)
     head |= {"frames": len(index), "samples": int(run.sizes["time"]), "errors": errors}

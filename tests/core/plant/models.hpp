@@ -44,7 +44,7 @@ inline AssembledModel braked() {
   parts.axle_torques.push_back({.wheelset = 0});
   setup.axles = {axle};
   Actuators& act = setup.actuators;
-  act.motors_stand_in = true;
+  act.by_traction_motors = true;
   act.brake_demand.points = {{0.0, 0.1}, {0.0, 3e5}};
   act.brake = {0.02, 500.0, {{0.0, 10.0}, {0.4, 0.35}}, 0.25, 2.0, 0.1};
   act.pneumatics.control_valve = {2e5, 2e5, 20.0, 1e5, 0.01};

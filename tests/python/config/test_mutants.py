@@ -85,7 +85,7 @@ def mutants(seed: int, count: int) -> Iterator[Raw]:
         yield raw
 
 
-def judge(raw: Raw, look: bool) -> bool:
+def assess(raw: Raw, look: bool) -> bool:
     """Whether a mutant is a valid case; a mistake that is not told in words is an exception of another kind."""
     try:
         case = build(raw)
@@ -105,5 +105,5 @@ def judge(raw: Raw, look: bool) -> bool:
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", SEEDS)
 def test_a_spoiled_case_is_refused_in_words_or_can_be_checked(seed: int) -> None:
-    valid = [judge(raw, look=number % 10 == 0) for number, raw in enumerate(mutants(seed, EACH))]
+    valid = [assess(raw, look=number % 10 == 0) for number, raw in enumerate(mutants(seed, EACH))]
     assert 0.02 < sum(valid) / EACH < 0.6  # neither is the mutator blunt nor are the checks asleep

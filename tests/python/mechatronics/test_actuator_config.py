@@ -68,7 +68,7 @@ from rollerrig.simulation.controllers import COMMANDS
         ({"time.output_step": "0.5 ms"}, "time.output_step: 0.5 ms; allowed: a multiple of time.sampling_step"),
         ({"time.sampling_step": "5 ms"}, "time.sampling_step: 5 ms; allowed: at most 2 ms"),
         ({"motion.drive": "speed_controlled"}, "motion.drive: 'speed_controlled'; allowed with [rig_control]: 'free'"),
-        ({"brake.motors_stand_in": True}, "brake.motors_stand_in: true; needed: [traction]"),
+        ({"brake.by_traction_motors": True}, "brake.by_traction_motors: true; needed: [traction]"),
         ({"wheel_slip_control": {}}, "wheel_slip_control: a table; allowed only with [traction]"),
         (
             {"brake.electrodynamic": {"on_slide": "slip_control"}},

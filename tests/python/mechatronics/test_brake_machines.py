@@ -198,8 +198,8 @@ def test_unhindered_drives_are_not_worth_a_word(blended: dict[str, xr.Dataset]) 
             "brake.electrodynamic.blending_delay: 100.5 ms; allowed",
         ),
         (
-            {"brake.electrodynamic": {}, "brake.motors_stand_in": True, "traction": {}},
-            "brake.electrodynamic: a table; allowed without brake.motors_stand_in",
+            {"brake.electrodynamic": {}, "brake.by_traction_motors": True, "traction": {}},
+            "brake.electrodynamic: a table; allowed without brake.by_traction_motors",
         ),
         ({"track_brake": {"demand": [[0.0, 0.0], [1.0, 1.0]], "attraction": -1.0}}, "track_brake.attraction: -1"),
         ({"track_brake": {"demand": [[0.0, 0.0], [1.0, 1.5]]}}, "track_brake.demand"),

@@ -99,7 +99,7 @@ def test_tables_and_structs_have_the_same_fields(struct: Any, table: type[BaseMo
 
 def test_a_brake_s_table_has_the_fields_of_its_parts() -> None:
     parts = _core.FrictionBrake.fields | _core.ControlValve.fields
-    assert set(Brake.model_fields) - {"demand", "motors_stand_in", "air", "electrodynamic"} == set(parts)
+    assert set(Brake.model_fields) - {"demand", "by_traction_motors", "air", "electrodynamic"} == set(parts)
     assert units_agree(Brake, parts)
 
 
@@ -164,7 +164,7 @@ def _setup(axles: int) -> _core.MechatronicSetup:
             _core.Actuators,
             brake=friction_brake(brake),
             pneumatics=pneumatics(brake),
-            motors_stand_in=False,
+            by_traction_motors=False,
             electrodynamic=None,
             track_brake=None,
             brake_demand=[],

@@ -192,11 +192,11 @@ def test_the_model_is_an_ordinary_case() -> None:
         case,
         similitude("dlr"),
         strategy="dlr",
-        changes={"traction.motor.bandwidth": "100 Hz", "brake.motors_stand_in": True},
+        changes={"traction.motor.bandwidth": "100 Hz", "brake.by_traction_motors": True},
     )
     assert case_from_toml(model.to_toml()) == model
     assert model.brake is not None
-    assert model.brake.motors_stand_in
+    assert model.brake.by_traction_motors
     assert model.similitude is not None
     assert model.similitude.case == "adhesion_brake"
     assert factors_of(model).length == 5.0

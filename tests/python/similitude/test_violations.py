@@ -67,7 +67,7 @@ def test_a_kept_clock_and_kept_drives_are_told() -> None:
 
 
 def test_motors_that_stand_in_for_the_brakes_are_a_lag_of_their_own() -> None:
-    changes = {"brake.motors_stand_in": True, "traction.motor.bandwidth": "100 Hz"}
+    changes = {"brake.by_traction_motors": True, "traction.motor.bandwidth": "100 Hz"}
     model = scale_case(CASE, similitude("inrets"), strategy="inrets", keep=("material",), changes=changes)
     violated = [one for one in requirements(CASE, model) if not one.met]
     assert [one.name for one in violated] == ["brake torque at once"]

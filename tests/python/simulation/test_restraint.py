@@ -83,7 +83,7 @@ def test_no_critical_speed_is_made_of_runs_that_roll_off(wagon) -> None:
 
 @pytest.mark.slow
 def test_a_run_that_rolled_off_says_where_and_when(wagon) -> None:
-    run = simulate(wagon, may_drift=True)
+    run = simulate(wagon, allow_unrestrained=True)
     # Far down the roller the contact has no answer at some steps, and which come first hangs on the last digit of the start.
     assert run.attrs["status"] in ("contact_lost", "not_finite")
     message = run.attrs["status_message"]
@@ -162,7 +162,7 @@ def test_a_coach_that_rolls_off_is_not_blamed_for_sliding() -> None:
     coach = load_case("adhesion_brake").with_changes({"vehicle.cut": "vehicle", "time.duration": "5 s"})
     with pytest.raises(ConfigError, match="nothing holds the vehicle"):
         simulate(coach)
-    run = simulate(coach, may_drift=True)
+    run = simulate(coach, allow_unrestrained=True)
     assert run.attrs["status"] in ("contact_lost", "rollers_protected")
     assert "rolled off its rollers" in run.attrs["status_message"]
     early = run.sel(time=2.0, method="nearest")  # 0.4 m off the crowns

@@ -1,4 +1,4 @@
-"""`rollerrig adhesion`: what its verdict, numbers and sentences are made of."""
+"""`rollerrig adhesion`: what its outcome, numbers and sentences are made of."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ import pytest
 
 from reported import unexplained
 from rollerrig import ConfigError, load_case, simulate
-from rollerrig.analysis.slide_statistics import SLIP_EDGES, TestRecord, regrip_adhesion
+from rollerrig.analysis.slide_statistics import SLIP_EDGES, TestRecord, adhesion_at_readhesion
 from rollerrig.analysis.slide_statistics import test_record as record_of
 from rollerrig.config import Case, case_from_toml
 from rollerrig.study.adhesion import QUANTITIES, AdhesionStudy, Runs
@@ -28,13 +28,13 @@ from rollerrig.study.runs.adhesion import (
     STEPS,
     TOGETHER,
     Row,
+    assessment_rows,
     cause_shares,
+    outcome_of,
     to_refine,
     track_case,
     variant,
     variants_of,
-    verdict_of,
-    verdict_rows,
 )
 
 FIRST: list[Found[Runs]] = []
@@ -106,16 +106,16 @@ def test_zero_against_not_zero_is_infinite_and_not_met() -> None:
     assert relative(some, none).mean == math.inf
     assert math.isnan(relative(none, none).mean)
     row = Row("fidelity", "x", "x", relative(some, none), -0.05, 0.05, "")
-    assert (row.verdict, row.value_text) == ("not met", "not zero, against zero")
+    assert (row.outcome, row.value_text) == ("not met", "not zero, against zero")
     once = relative((0.0, 0.0, 0.0, 1.0), none)  # whose interval reaches to zero
-    assert replace(row, value=once).verdict == "not decided"
-    assert replace(row, value=relative(none, none)).verdict == "not decided"
+    assert replace(row, value=once).outcome == "not decided"
+    assert replace(row, value=relative(none, none)).outcome == "not decided"
 
 
 def test_a_number_that_is_infinite_is_none() -> None:
     found = relative((1.0, math.inf, 1.0), (1.0, 1.0, 1.0))  # warnings are errors
     assert math.isnan(found.mean)
-    assert Row("fidelity", "x", "x", found, -0.05, 0.05, "").verdict == "not decided"
+    assert Row("fidelity", "x", "x", found, -0.05, 0.05, "").outcome == "not decided"
 
 
 NUMBERS = {"zero": [0.0] * 8, "a number": [0.3 + 1e-4 * k for k in range(8)], "none": [math.nan] * 8}
@@ -123,7 +123,7 @@ NUMBERS |= {"none in one test": [*NUMBERS["a number"][:7], math.nan]}
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("key", ["dump_cycles", "air_litres", "regrip_adhesion", "mean_deceleration_mps2"])
+@pytest.mark.parametrize("key", ["dump_cycles", "air_litres", "adhesion_at_readhesion", "mean_deceleration_mps2"])
 @pytest.mark.parametrize("on_track", NUMBERS)
 @pytest.mark.parametrize("on_rig", NUMBERS)
 def test_no_row_vanishes_that_one_of_both_has_a_number_for(key: str, on_track: str, on_rig: str) -> None:
@@ -134,25 +134,25 @@ def test_no_row_vanishes_that_one_of_both_has_a_number_for(key: str, on_track: s
             replace(one, measures=one.measures | {key: x}) for one, x in zip(records(), NUMBERS[numbers], strict=True)
         ]
 
-    _, fidelity, rows = verdicts(tests(on_track), tests(on_rig))
+    _, fidelity, rows = outcomes(tests(on_track), tests(on_rig))
     if on_track == on_rig and on_track in ("zero", "none"):
         assert key not in rows
         assert fidelity == "met"
         return
     same = on_track == on_rig == "a number"
     both = {on_track, on_rig} == {"zero", "a number"}
-    assert rows[key].verdict == ("met" if same else "not met" if both else "not decided")
-    assert fidelity == rows[key].verdict
+    assert rows[key].outcome == ("met" if same else "not met" if both else "not decided")
+    assert fidelity == rows[key].outcome
 
 
 def test_where_no_axle_passes_the_creep_peak_nothing_is_met() -> None:
     for slid, seven in ((0.0, 0.0), (20.0, 0.0), (math.nan, math.nan)):
         tests = records(beyond_peak_s=slid)
         tests[7] = replace(tests[7], measures=tests[7].measures | {"beyond_peak_s": seven})
-        tracking, fidelity, rows = verdicts(tests, tests)
+        tracking, fidelity, rows = outcomes(tests, tests)
         assert (tracking, fidelity) == ("not decided", "not decided")
-        assert {row.verdict for row in rows.values() if not row.shown} == {"not decided"}
-    assert verdicts(records(), records(beyond_peak_s=0.0))[:2] == ("not decided", "not decided")
+        assert {row.outcome for row in rows.values() if not row.shown} == {"not decided"}
+    assert outcomes(records(), records(beyond_peak_s=0.0))[:2] == ("not decided", "not decided")
 
 
 @pytest.mark.slow  # two runs of 2 s
@@ -162,16 +162,16 @@ def test_on_a_dry_rail_nothing_is_assessed() -> None:
     )
     track, rig = ([record_of(simulate(one), one)] * 2 for one in (track_case(case), case))
     assert track[0].measures["largest_slip"] < 0.01
-    assert {verdict_of(verdict_rows(case, (track, rig)), group) for group in ("tracking", "fidelity")} == {
+    assert {outcome_of(assessment_rows(case, (track, rig)), group) for group in ("tracking", "fidelity")} == {
         "not decided"
     }
 
 
 def test_an_interval_has_what_finer_steps_change_on_the_same_draws() -> None:
     case = load_case("adhesion_brake")
-    plain = {row.key: row.value for row in verdict_rows(case, (records(), records()))}
+    plain = {row.key: row.value for row in assessment_rows(case, (records(), records()))}
     fine = records(dump_cycles=1.03 * GOOD["dump_cycles"])[:3]
-    rows = {row.key: row for row in verdict_rows(case, (records(), records()), (records()[:3], fine))}
+    rows = {row.key: row for row in assessment_rows(case, (records(), records()), (records()[:3], fine))}
     assert rows["dump_cycles"].value.systematic == pytest.approx(0.03, rel=1e-3)
     reach = [0.5 * (one.interval.high - one.interval.low) for one in (rows["dump_cycles"].value, plain["dump_cycles"])]
     assert reach[0] - reach[1] == pytest.approx(0.03, rel=1e-3)
@@ -342,7 +342,7 @@ def test_a_row_looked_at_twice_is_wrong_hardly_more_often() -> None:
         one = replace(row, value=estimate(values[:8]))
         if 8 < one.starts_needed <= 16:
             one = replace(row, value=estimate(values[: int(one.starts_needed)]))
-        wrong += one.verdict != "not decided"
+        wrong += one.outcome != "not decided"
     assert wrong / 2000 == pytest.approx(0.07, abs=0.01)
 
 
@@ -353,7 +353,7 @@ def test_the_starts_that_a_row_needs_end_its_interval_at_the_nearest_limit() -> 
         count = one.starts_needed
         spread = value.standard_error * 8**0.5
         ends = [
-            replace(one, value=replace(value, standard_error=spread / n**0.5, freedom=n - 1.0)).verdict
+            replace(one, value=replace(value, standard_error=spread / n**0.5, freedom=n - 1.0)).outcome
             for n in (count - 1.0, count)
         ]
         assert ends == ["not decided", "met" if value.mean < 0.05 else "not met"]
@@ -366,12 +366,12 @@ def test_the_starts_that_a_row_needs_end_its_interval_at_the_nearest_limit() -> 
     assert replace(row, value=Estimate(math.nan, math.nan, 0.0)).starts_needed == math.inf
 
 
-# -------------------------------------------------------------------------------------------------------- the verdict
+# -------------------------------------------------------------------------------------------------------- the outcome
 
 GOOD = {
     "tracking_rms": 0.0015, "tracking_largest": 0.016, "force_error_rms": 0.04, "drive_oscillation_nm": 50.0,
     "drive_limited_share": 0.005, "crown_gravity_largest": 0.005, "mean_deceleration_mps2": 0.6, "dump_cycles": 300.0,
-    "air_litres": 1100.0, "regrip_adhesion": 0.083, "longest_lock_s": 0.0, "beyond_peak_s": 20.0,
+    "air_litres": 1100.0, "adhesion_at_readhesion": 0.083, "longest_lock_s": 0.0, "beyond_peak_s": 20.0,
     "drive_oscillation_spell_s": 0.25, "energy_relative_residual": 1e-6, "contact_lost_s": 0.0,
     "contact_lost_total_s": 0.0, "duration_s": 50.0,
 }  # fmt: skip
@@ -383,13 +383,13 @@ def records(status: str = "stopped", scatter: float = 1e-4, **changes: Any) -> l
     return [record(950.0 * x, status, **{k: v * x for k, v in {**GOOD, **changes}.items()}) for x in factors.tolist()]
 
 
-def verdicts(track: Sequence[TestRecord], rig: Sequence[TestRecord]) -> tuple[Outcome, Outcome, dict[str, Row]]:
-    rows = verdict_rows(load_case("adhesion_brake"), (track, rig))
-    return verdict_of(rows, "tracking"), verdict_of(rows, "fidelity"), {row.key: row for row in rows}
+def outcomes(track: Sequence[TestRecord], rig: Sequence[TestRecord]) -> tuple[Outcome, Outcome, dict[str, Row]]:
+    rows = assessment_rows(load_case("adhesion_brake"), (track, rig))
+    return outcome_of(rows, "tracking"), outcome_of(rows, "fidelity"), {row.key: row for row in rows}
 
 
 def test_a_rig_that_does_as_the_track_meets_everything() -> None:
-    tracking, fidelity, rows = verdicts(records(), records())
+    tracking, fidelity, rows = outcomes(records(), records())
     assert (tracking, fidelity) == ("met", "met")
     assert len(rows) == 24
 
@@ -413,17 +413,17 @@ BAD_RUNS: dict[str, dict[str, Any]] = {
 @pytest.mark.parametrize("bad", BAD_RUNS)
 def test_nothing_is_met_by_a_bad_run(bad: str) -> None:
     """All other numbers agree exactly with the track's."""
-    tracking, fidelity, rows = verdicts(records(), records(**BAD_RUNS[bad]))
+    tracking, fidelity, rows = outcomes(records(), records(**BAD_RUNS[bad]))
     assert tracking != "met"
     assert fidelity != "met"
     agreeing = [row for row in rows.values() if row.group == "fidelity" and not row.gate]
-    assert {row.verdict for row in agreeing} == {"not decided"}
+    assert {row.outcome for row in agreeing} == {"not decided"}
 
 
 def test_a_row_says_how_sure_it_is_also_where_it_is_met() -> None:
     fewer = records(dump_cycles=0.99 * GOOD["dump_cycles"])
     fewer[0] = replace(fewer[0], measures=fewer[0].measures | {"dump_cycles": 290.0})
-    rows = verdicts(records(), fewer)[2]
+    rows = outcomes(records(), fewer)[2]
     assert rows["distance"].told == "✔ met: stopping distance 0 %, target within 2 %"
     told = r"✔ met: dump cycles, all axles under test -1\.\d \(-2 … -0\.\d+\) %, target within 5 %"
     assert re.fullmatch(told, rows["dump_cycles"].told), rows["dump_cycles"].told
@@ -433,16 +433,16 @@ def test_finer_tests_that_say_nothing_leave_intervals_without_bounds() -> None:
     case, both = load_case("adhesion_brake"), (records(), records())
     some, nothing = (records(air_litres=value)[:3] for value in (GOOD["air_litres"], math.nan))
     for fine in ((nothing, nothing), (nothing, some)):
-        found = {row.key: row for row in verdict_rows(case, both, fine)}
-        assert found["air_litres"].verdict == "not decided"
+        found = {row.key: row for row in assessment_rows(case, both, fine)}
+        assert found["air_litres"].outcome == "not decided"
         assert not found["air_litres"].value.interval.known
-        assert found["dump_cycles"].verdict == "met"
+        assert found["dump_cycles"].outcome == "met"
 
 
 def test_what_is_zero_on_track_alone_is_not_met_with_finer_tests_too() -> None:
     none = records(dump_cycles=0.0)
-    rows = verdict_rows(load_case("adhesion_brake"), (none, records()), (none[:3], records()[:3]))
-    assert {row.key: row.verdict for row in rows}["dump_cycles"] == "not met"
+    rows = assessment_rows(load_case("adhesion_brake"), (none, records()), (none[:3], records()[:3]))
+    assert {row.key: row.outcome for row in rows}["dump_cycles"] == "not met"
 
 
 @pytest.mark.parametrize(
@@ -450,17 +450,17 @@ def test_what_is_zero_on_track_alone_is_not_met_with_finer_tests_too() -> None:
 )
 def test_bad_finer_tests_have_a_row_of_their_own_and_leave_nothing_met(bad: dict[str, Any]) -> None:
     case = load_case("adhesion_brake")
-    rows = {row.key: row for row in verdict_rows(case, (records(), records()), (records()[:3], records(**bad)[:3]))}
-    assert rows["rig_ended"].verdict == "met"
-    assert (rows["fine_sound"].verdict, rows["fine_sound"].value_text) == ("not decided", "3 of 6")
-    assert {row.verdict for row in rows.values() if row.group == "fidelity" and not row.gate} == {"not decided"}
-    assert verdict_of(list(rows.values()), "tracking") == "not decided"
+    rows = {row.key: row for row in assessment_rows(case, (records(), records()), (records()[:3], records(**bad)[:3]))}
+    assert rows["rig_ended"].outcome == "met"
+    assert (rows["fine_sound"].outcome, rows["fine_sound"].value_text) == ("not decided", "3 of 6")
+    assert {row.outcome for row in rows.values() if row.group == "fidelity" and not row.gate} == {"not decided"}
+    assert outcome_of(list(rows.values()), "tracking") == "not decided"
 
 
 def test_one_bad_test_of_eight_is_a_bad_run() -> None:
     rig = records()
     rig[3] = replace(rig[3], status="contact_lost")
-    tracking, fidelity, rows = verdicts(records(), rig)
+    tracking, fidelity, rows = outcomes(records(), rig)
     assert tracking == "not met"
     assert fidelity == "not decided"
     assert rows["rig_ended"].value_text == "7 of 8"
@@ -471,35 +471,35 @@ def test_one_bad_test_of_eight_is_a_bad_run() -> None:
 )
 def test_what_differs_from_the_track_is_not_met(key: str, change: float) -> None:
     changed: dict[str, Any] = {key: change * GOOD[key]}
-    tracking, fidelity, rows = verdicts(records(), records(**changed))
+    tracking, fidelity, rows = outcomes(records(), records(**changed))
     assert (tracking, fidelity) == ("met", "not met")
-    assert rows[key].verdict == "not met"
+    assert rows[key].outcome == "not met"
     assert rows[key].value.mean == pytest.approx(change - 1.0, abs=2e-4)
 
 
 def test_a_wide_interval_decides_nothing() -> None:
     row = Row("fidelity", "x", "x", Estimate(0.01, 0.02, 7.0), -0.02, 0.02, "")
-    assert row.verdict == "not decided"
-    assert replace(row, value=Estimate(0.01, 1e-3, 7.0)).verdict == "met"
-    assert replace(row, value=Estimate(0.10, 1e-3, 7.0)).verdict == "not met"
-    assert replace(row, value=Estimate(0.01, math.nan, 0.0)).verdict == "not decided"  # a single test
+    assert row.outcome == "not decided"
+    assert replace(row, value=Estimate(0.01, 1e-3, 7.0)).outcome == "met"
+    assert replace(row, value=Estimate(0.10, 1e-3, 7.0)).outcome == "not met"
+    assert replace(row, value=Estimate(0.01, math.nan, 0.0)).outcome == "not decided"  # a single test
 
 
 def test_a_size_is_within_its_target_also_where_starts_differ_by_more_than_their_mean() -> None:
     """A drive at its limit in one start of eight: the interval reaches below zero, which says nothing against it."""
     row = Row("tracking", "x", "x", Estimate(7e-5, 5e-5, 7.0), 0.0, 0.01, "")
     assert row.value.interval.low < 0.0
-    assert row.verdict == "met"
+    assert row.outcome == "met"
     assert row.value_text == "0.007 (0 … 0.019) %"
-    assert replace(row, value=Estimate(7e-3, 5e-3, 7.0)).verdict == "not decided"
-    assert replace(row, value=Estimate(-0.03, 1e-3, 7.0), low=-0.02, high=0.02).verdict == "not met"
+    assert replace(row, value=Estimate(7e-3, 5e-3, 7.0)).outcome == "not decided"
+    assert replace(row, value=Estimate(-0.03, 1e-3, 7.0), low=-0.02, high=0.02).outcome == "not met"
 
 
 def test_the_force_of_an_axle_counts_once_it_has_slid() -> None:
     slips = np.array([[0.0], [0.0], [0.3], [0.3], [0.0], [0.0]])
     used = np.array([[0.5], [0.1], [0.06], [0.06], [0.417], [0.1]])
-    assert regrip_adhesion(slips, used) == 0.417
-    assert math.isnan(regrip_adhesion(0.0 * slips, used))
+    assert adhesion_at_readhesion(slips, used) == 0.417
+    assert math.isnan(adhesion_at_readhesion(0.0 * slips, used))
 
 
 @pytest.mark.slow  # two runs of 12 s
@@ -507,10 +507,10 @@ def test_the_regrip_force_from_low_to_dry_is_said_not_to_be_reproduced() -> None
     """The wheel's own inertia brakes it on dry rail with three times the demand; the drives cannot follow that."""
     case = load_case("adhesion_step").with_changes({"time.duration": "12 s", "contact.normal": "hertz"})
     track, rig = ([record_of(simulate(one), one)] * 2 for one in (track_case(case), case))
-    assert track[0].measures["regrip_adhesion"] > 0.3
-    rows = verdict_rows(case, (track, rig))
-    found = {row.key: row for row in rows}["regrip_adhesion"]
-    assert found.verdict == "not met"
+    assert track[0].measures["adhesion_at_readhesion"] > 0.3
+    rows = assessment_rows(case, (track, rig))
+    found = {row.key: row for row in rows}["adhesion_at_readhesion"]
+    assert found.outcome == "not met"
     assert found.told.startswith("✘ NOT met: largest force on an axle that has slid (readhesion)")
 
 
@@ -521,7 +521,7 @@ def test_a_locked_wheel_is_counted_as_long_as_it_is_locked() -> None:
         simulate(track_case(case).with_changes({"time.duration": "15 s", "contact.normal": "hertz"})), case
     )
     assert 9.0 < found.measures["longest_lock_s"] < 13.0
-    assert found.measures["regrip_adhesion"] > 0.05
+    assert found.measures["adhesion_at_readhesion"] > 0.05
 
 
 # --------------------------------------------------------------------------------------------------------- the study

@@ -1,4 +1,4 @@
-"""Checks: a number passes or fails; an interval may leave the verdict open, and is never replaced by its middle."""
+"""Checks: a number passes or fails; an interval may leave the outcome open, and is never replaced by its middle."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ def test_checks_pass_and_fail() -> None:
     nothing = Check("c", math.nan, 1.0, 0.02, "reason")
     unlimited = Check("d", math.nan, 1.0, 0.02, "reason", kind="at most")
     assert good.passed
-    assert bad.verdict == "failed"
-    assert [one.verdict for one in (nothing, unlimited)] == ["not decided"] * 2  # what is no number
+    assert bad.outcome == "failed"
+    assert [one.outcome for one in (nothing, unlimited)] == ["not decided"] * 2  # what is no number
     assert not nothing.passed
-    assert Check("e", 0.3, 0.0, 0.1, "reason", relative=True).verdict == "failed"  # not zero, against zero
+    assert Check("e", 0.3, 0.0, 0.1, "reason", relative=True).outcome == "failed"  # not zero, against zero
     rows = check_table([good, bad]).rows
     assert rows[0][0] == "✔ pass"
     assert rows[1][0] == "✘ FAIL"
@@ -26,7 +26,7 @@ def test_checks_pass_and_fail() -> None:
 
 
 @pytest.mark.parametrize(
-    ("low", "high", "verdict"),
+    ("low", "high", "outcome"),
     [
         (95.0, 105.0, "passed"),
         (90.0, 110.0, "passed"),
@@ -37,12 +37,12 @@ def test_checks_pass_and_fail() -> None:
         (111.0, math.inf, "failed"),
     ],
 )
-def test_an_interval_passes_as_a_whole_or_not_at_all(low: float, high: float, verdict: str) -> None:
-    assert Check("a", Interval(low, high), 100.0, 0.1, "reason", relative=True).verdict == verdict
+def test_an_interval_passes_as_a_whole_or_not_at_all(low: float, high: float, outcome: str) -> None:
+    assert Check("a", Interval(low, high), 100.0, 0.1, "reason", relative=True).outcome == outcome
 
 
 @pytest.mark.parametrize(
-    ("low", "high", "verdict"),
+    ("low", "high", "outcome"),
     [
         (-math.inf, 253.0, "passed"),
         (100.0, 253.0, "passed"),
@@ -50,8 +50,8 @@ def test_an_interval_passes_as_a_whole_or_not_at_all(low: float, high: float, ve
         (254.0, 300.0, "failed"),
     ],
 )
-def test_a_bound_holds_for_the_whole_interval(low: float, high: float, verdict: str) -> None:
-    assert Check("a", Interval(low, high), 253.1, 0.0, "reason", kind="at most").verdict == verdict
+def test_a_bound_holds_for_the_whole_interval(low: float, high: float, outcome: str) -> None:
+    assert Check("a", Interval(low, high), 253.1, 0.0, "reason", kind="at most").outcome == outcome
 
 
 def test_the_counts_say_how_many_were_decided() -> None:

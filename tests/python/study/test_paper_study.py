@@ -72,7 +72,7 @@ def test_both_contacts_stand_side_by_side(outcome, folder) -> None:
 @pytest.mark.slow
 def test_traction_agrees_with_theory(outcome) -> None:
     summary = outcome.numbers
-    assert [check["name"] for check in summary["checks"] if check["verdict"] == "failed"] == []
+    assert [check["name"] for check in summary["checks"] if check["outcome"] == "failed"] == []
     assert summary["checks_passed"] > 15
     assert all(check["reason"] for check in summary["checks"])
 
@@ -111,10 +111,10 @@ def test_what_is_only_bracketed_is_an_interval_and_never_its_middle(outcome, fol
 def test_only_a_whole_interval_decides(outcome, folder) -> None:
     """A vehicle that still decays at the highest speed may begin to hunt anywhere above."""
     text = words_of((folder / "report.html").read_text())
-    (undecided,) = [check for check in outcome.numbers["checks"] if check["verdict"] == "not decided"]
+    (undecided,) = [check for check in outcome.numbers["checks"] if check["outcome"] == "not decided"]
     assert undecided["name"].endswith("the paper's material, vehicle on track")
     assert undecided["value"][1] is None
-    counts = [outcome.numbers[f"checks_{verdict}"] for verdict in ("passed", "failed", "not_decided")]
+    counts = [outcome.numbers[f"checks_{outcome}"] for outcome in ("passed", "failed", "not_decided")]
     assert counts == [25, 0, 1]
     assert "25 of 26 checks are decided: 25 passed, none failed." in outcome.summary
     assert "25 of 26 checks are decided" in text

@@ -21,7 +21,7 @@ from rollerrig.study.scale import Scaled, ScaleStudy, scale_study
 
 BRAKE = rr.load_case("adhesion_brake").with_changes({"time.duration": "6 s"})
 WEAK = {  # a motor of 10 N m, 3.1 kN m at full scale; the brake asks for more before its wheels slide
-    "brake.motors_stand_in": True,
+    "brake.by_traction_motors": True,
     "traction.motor.bandwidth": "100 Hz",
     "traction.motor.envelope": [[0, 10], [200, 10]],
 }
@@ -123,7 +123,7 @@ def test_the_shipped_model_is_what_its_heading_says() -> None:
     changes = {
         "name": "scaled_brake",
         "description": shipped.description,
-        "brake.motors_stand_in": True,
+        "brake.by_traction_motors": True,
         "traction.motor.bandwidth": "100 Hz",
         "traction.motor.envelope": [[0, 18], [150, 18], [165, 16.4], [180, 15], [200, 13.5]],
     }

@@ -12,7 +12,7 @@ import pytest
 import rollerrig as rr
 from rollerrig.study.checkpoint import NAME
 from rollerrig.study.ensemble import estimate
-from rollerrig.study.tune import SHIPPED, TuneStudy, compromise, margins_of, not_dominated, verdict
+from rollerrig.study.tune import SHIPPED, TuneStudy, compromise, margins_of, not_dominated, outcome
 
 GAIN = "rig_control.feedback.bandwidth"
 
@@ -36,9 +36,9 @@ def test_the_compromise_is_nearest_to_the_least_of_both() -> None:
 
 
 def test_a_verdict_needs_the_whole_interval() -> None:
-    assert verdict(estimate([-0.2, -0.21, -0.19])) == "better"
-    assert verdict(estimate([0.2, 0.21, 0.19])) == "worse"
-    assert verdict(estimate([-0.2, 0.1, -0.05])) == verdict(estimate([-0.2])) == "not decided"
+    assert outcome(estimate([-0.2, -0.21, -0.19])) == "better"
+    assert outcome(estimate([0.2, 0.21, 0.19])) == "worse"
+    assert outcome(estimate([-0.2, 0.1, -0.05])) == outcome(estimate([-0.2])) == "not decided"
 
 
 @pytest.mark.slow
@@ -82,7 +82,7 @@ def test_the_files_say_where_the_numbers_come_from(tmp_path: Path) -> None:
     case = rr.load_case(tmp_path / "out" / "tuned.toml")
     assert case.rig_control.feedback.bandwidth == chosen["values"][GAIN]
     assert case.time.duration == rr.load_case("adhesion_brake").time.duration  # the test was shortened, not the case
-    assert {one["verdict"] for one in found.numbers["changes"].values()} <= {"better", "worse", "not decided"}
+    assert {one["outcome"] for one in found.numbers["changes"].values()} <= {"better", "worse", "not decided"}
     rows = (tmp_path / "out" / "candidates.csv").read_text(encoding="utf-8").splitlines()
     assert len(rows) == 8
     assert (tmp_path / "out" / "figures" / "front.png").exists()
@@ -107,8 +107,8 @@ def test_ctrl_c_keeps_what_is_computed_and_the_same_command_goes_on(tmp_path: Pa
     assert again is not None
     assert whole is not None
     assert again.taken_over == kept > 0
-    for name, outcome in (("cut", again), ("whole", whole)):
-        outcome.write(tmp_path / name)
+    for name, found in (("cut", again), ("whole", whole)):
+        found.write(tmp_path / name)
     for name in ("summary.json", "candidates.csv", "tuned.toml", "report.html"):
         assert (tmp_path / "cut" / name).read_bytes() == (tmp_path / "whole" / name).read_bytes()
 

@@ -1,4 +1,4 @@
-"""`rollerrig wsp`: its stops, its numbers, and that no bad run gets a verdict."""
+"""`rollerrig wsp`: its stops, its numbers, and that no bad run gets a outcome."""
 
 from __future__ import annotations
 
@@ -28,14 +28,14 @@ from rollerrig.study.jobs import whole_run
 from rollerrig.study.runs.adhesion import track_case
 from rollerrig.study.runs.wsp import (
     MEASURES,
-    Judgement,
+    Assessment,
     StopTests,
     Support,
     adhesion_utilisation,
+    assessments,
     build_up,
     check_case,
     dry_case,
-    judgements,
     stop_case,
 )
 from rollerrig.study.wsp import MEASURED, QUANTITIES, Results, WspStudy, label
@@ -108,7 +108,7 @@ def test_with_fewer_starts_than_the_programme_needs_nothing_is_decided(outcome: 
     for stop in outcome.numbers["stops"].values():
         for criterion in stop["criteria"].values():
             for on in ("track", "rig"):
-                assert criterion[on]["verdict"] == "not decided"
+                assert criterion[on]["outcome"] == "not decided"
                 assert criterion[on]["why"].startswith("2 of 4 tests were made")
     sums = outcome.numbers["sums"]["track"]["criteria"]
     assert sums == {"met": 0, "not_met": 0, "not_decided": 3}  # a lock for both stops, K_wet where the train stops
@@ -228,7 +228,7 @@ def test_every_criterion_has_a_name_and_a_measure() -> None:
     assert {name for name, _ in MEASURES.values()} <= set(MEASURED)
 
 
-# ---------------------------------------------------------------------------------------------------------- the verdict
+# ---------------------------------------------------------------------------------------------------------- the outcome
 
 GOOD = {
     "distance_m": 900.0, "mean_deceleration_mps2": 0.6, "dump_cycles": 300.0, "air_litres": 1100.0, "longest_lock_s": 0.1,
@@ -241,7 +241,7 @@ GOOD = {
 DRY = {**GOOD, "distance_m": 600.0, "beyond_peak_s": 0.0, "dump_cycles": 0.0}
 LIMITS: dict[CriterionName, float] = {
     "k_wet": 0.5, "increase_over_dry": 1.0, "distance": 1000.0, "mean_deceleration": 0.5, "adhesion_utilisation": 0.6,
-    "longest_lock": 0.4, "flat_length": 0.02, "large_slip_share": 0.1, "air": 1.5, "ventings": 500.0,
+    "longest_lock": 0.4, "flat_length": 0.02, "large_slip_share": 0.1, "air": 1.5, "dump_cycles": 500.0,
 }  # fmt: skip
 ALL = programme(
     starts=8,
@@ -265,31 +265,31 @@ def made(status: str = "stopped", scatter: float = 1e-3, count: int = 8, **chang
     return [record({k: v * (1.0 + scatter * x) for k, v in {**GOOD, **changes}.items()}, status) for x in noise]
 
 
-def judged(
+def assessed(
     own: Sequence[TestRecord],
     on: Support = "track",
     dry: TestRecord | None = None,
     stop: int = 0,
     fine: Sequence[TestRecord] = (),
-) -> dict[str, Judgement]:
+) -> dict[str, Assessment]:
     rig = load_case("adhesion_brake")
     reference = record(DRY) if dry is None else dry
     found = StopTests(ALL.stop[stop], on, rig, ALL.starts, own, reference, fine)
     beside = made()[: len(fine)]
     other = StopTests(ALL.stop[stop], "rig" if on == "track" else "track", rig, ALL.starts, made(), reference, beside)
-    return {one.limit.criterion: one for one in judgements(ALL, found, other)}
+    return {one.limit.criterion: one for one in assessments(ALL, found, other)}
 
 
-def words(found: dict[str, Judgement]) -> set[str]:
-    return {one.verdict for one in found.values()}
+def words(found: dict[str, Assessment]) -> set[str]:
+    return {one.outcome for one in found.values()}
 
 
 @pytest.mark.parametrize("on", ["track", "rig"])
 def test_a_good_stop_meets_every_criterion(on: Support) -> None:
-    found = judged(made(), on)
+    found = assessed(made(), on)
     assert len(found) == len(CRITERIA)
     assert words(found) == {"met"}
-    assert overall(one.verdict for one in found.values()) == "met"
+    assert overall(one.outcome for one in found.values()) == "met"
 
 
 @pytest.mark.parametrize("name", LIMITS)
@@ -298,18 +298,18 @@ def test_each_criterion_is_not_met_beyond_its_limit_and_undecided_across_it(name
     changed = "distance_m" if name in ("k_wet", "increase_over_dry") else measure
     limit = 1200.0 if changed == "distance_m" and name != "distance" else LIMITS[name] / factor
     beyond = 0.9 if CRITERIA[name].least and name != "k_wet" else 1.1
-    bad = judged(made(**{changed: beyond * limit}))
-    assert bad[name].verdict == "not met"
-    assert overall(one.verdict for one in bad.values()) == "not met"
-    across = judged(made(scatter=0.02, **{changed: limit}))
-    assert across[name].verdict == ("not met" if CRITERIA[name].every else "not decided")
+    bad = assessed(made(**{changed: beyond * limit}))
+    assert bad[name].outcome == "not met"
+    assert overall(one.outcome for one in bad.values()) == "not met"
+    across = assessed(made(scatter=0.02, **{changed: limit}))
+    assert across[name].outcome == ("not met" if CRITERIA[name].every else "not decided")
 
 
 def test_one_lock_beyond_the_limit_is_enough_though_the_mean_is_within() -> None:
     one = made()
     one[3] = record({**GOOD, "distance_m": 901.0, "longest_lock_s": 2.0})
-    found = judged(one)["longest_lock"]
-    assert (found.verdict, found.worst) == ("not met", 2.0)
+    found = assessed(one)["longest_lock"]
+    assert (found.outcome, found.worst) == ("not met", 2.0)
 
 
 SPOILED = {
@@ -333,7 +333,7 @@ def test_a_bad_run_gets_no_verdict_whatever_its_numbers_are(reason: str, on: Sup
         SPOILED[reason],
         [replace(one, measures={**one.measures, "longest_lock_s": 9.0}) for one in SPOILED[reason]],
     ):
-        found = judged(own, on)
+        found = assessed(own, on)
         assert words(found) == {"not decided"}
         assert all(reason in one.why for one in found.values())
 
@@ -351,26 +351,26 @@ def test_a_bad_run_gets_no_verdict_whatever_its_numbers_are(reason: str, on: Sup
 @pytest.mark.parametrize("on", ["track", "rig"])
 def test_bad_tests_with_finer_steps_leave_nothing_decided(bad: list[TestRecord], on: Support) -> None:
     """Nobody knows then what steps change, of which every interval says that it has it."""
-    assert words(judged(made(), on, fine=made()[:2])) == {"met"}
-    found = judged(made(), on, fine=[made()[0], bad[1]])
+    assert words(assessed(made(), on, fine=made()[:2])) == {"met"}
+    found = assessed(made(), on, fine=[made()[0], bad[1]])
     assert words(found) == {"not decided"}
     assert all(one.why.startswith("1 of 2 tests with finer steps ended early, did not") for one in found.values())
 
 
 def test_on_the_rig_what_finer_steps_change_may_leave_it_no_track() -> None:
     fine = made(force_error_rms=0.06)[:2]
-    assert words(judged(made(), "track", fine=fine)) == {"met"}
-    assert words(judged(made(), "rig", fine=fine)) == {"not decided"}
+    assert words(assessed(made(), "track", fine=fine)) == {"met"}
+    assert words(assessed(made(), "rig", fine=fine)) == {"not decided"}
 
 
 def test_a_run_that_says_nothing_of_itself_gets_no_verdict() -> None:
     for name in ("contact_lost_s", "contact_lost_total_s", "duration_s", "beyond_peak_s", "energy_relative_residual"):
-        assert words(judged([replace(one, measures=one.measures | {name: math.nan}) for one in made()])) == {
+        assert words(assessed([replace(one, measures=one.measures | {name: math.nan}) for one in made()])) == {
             "not decided"
         }
-    empty = judged([replace(one, measures=one.measures | {"air_litres": math.nan}) for one in made()])
-    assert empty["air"].verdict == "not decided"
-    assert empty["k_wet"].verdict == "met"
+    empty = assessed([replace(one, measures=one.measures | {"air_litres": math.nan}) for one in made()])
+    assert empty["air"].outcome == "not decided"
+    assert empty["k_wet"].outcome == "met"
 
 
 @pytest.mark.parametrize(
@@ -383,10 +383,10 @@ def test_a_run_that_says_nothing_of_itself_gets_no_verdict() -> None:
     ],
 )
 def test_a_rig_that_is_no_track_gets_no_verdict_but_the_track_does(name: str, value: float) -> None:
-    found = judged(made(**{name: value}), "rig")
+    found = assessed(made(**{name: value}), "rig")
     assert words(found) == {"not decided"}
     assert all("the rig is no track here" in one.why for one in found.values())
-    assert words(judged(made(**{name: value}), "track")) == {"met"}
+    assert words(assessed(made(**{name: value}), "track")) == {"met"}
 
 
 @pytest.mark.parametrize(
@@ -399,10 +399,10 @@ def test_a_rig_that_is_no_track_gets_no_verdict_but_the_track_does(name: str, va
     ],
 )
 def test_a_dry_stop_that_is_no_reference_decides_nothing_that_needs_it(dry: TestRecord, reason: str) -> None:
-    found = judged(made(), dry=dry)
+    found = assessed(made(), dry=dry)
     for name, one in found.items():
         needs_it = name in ("k_wet", "increase_over_dry")
-        assert (one.verdict, reason in one.why) == (("not decided", True) if needs_it else ("met", False)), name
+        assert (one.outcome, reason in one.why) == (("not decided", True) if needs_it else ("met", False)), name
 
 
 def test_k_wet_is_the_ratio_of_decelerations_where_the_brake_builds_up_and_then_holds() -> None:
@@ -446,14 +446,14 @@ def test_axles_that_stay_on_the_peak_of_the_creep_curve_use_all_of_the_adhesion(
 
 
 def test_a_drag_braking_need_not_stop_and_is_judged_by_what_it_has() -> None:
-    found = judged(made("ok"), stop=1, fine=made("ok")[:2])
+    found = assessed(made("ok"), stop=1, fine=made("ok")[:2])
     assert found.keys() == {
         "adhesion_utilisation",
         "longest_lock",
         "flat_length",
         "large_slip_share",
         "air",
-        "ventings",
+        "dump_cycles",
     }
     assert words(found) == {"met"}
 

@@ -94,7 +94,7 @@ ContactPoint<T> contact_point(WheelRollerPair const& pair, RelativePose<T> const
   T const wheel_norm = sqrt(wheel_norm2);
   T const rail_norm2 = 1.0 + rail_point.rail.slope * rail_point.rail.slope;
   T const rail_norm = sqrt(rail_norm2);
-  double const kappa = pair.hertz_curvature();
+  double const kappa = pair.curvature_for_hertz();
   point.wheel_curvature_along = 1.0 / (line.radius * wheel_norm);                            // (15)
   point.wheel_curvature_across = -(line.profile.second / (wheel_norm2 * wheel_norm));        // (15), r > 0
   point.rail_curvature_along = kappa / ((1.0 + kappa * rail_point.rail.value) * rail_norm);  // (15), roller

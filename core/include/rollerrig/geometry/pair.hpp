@@ -39,7 +39,7 @@ struct WheelRollerPair {
   /// 1 / radius that points and normals are computed with [1/m].
   double geometry_curvature() const { return effects.yaw ? inverse_radius : 0.0; }
   /// 1 / radius that Hertz sees [1/m].
-  double hertz_curvature() const { return effects.curvature ? inverse_radius : 0.0; }
+  double curvature_for_hertz() const { return effects.curvature ? inverse_radius : 0.0; }
 };
 
 /// Position and orientation of the wheelset frame seen from b.

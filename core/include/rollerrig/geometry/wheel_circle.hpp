@@ -20,14 +20,14 @@ struct LanePair {
   LaneSpline<N> wheel_profile, rail_profile, arc_to_abscissa;
   LaneSpline<N> const* wheel{&wheel_profile};
   LaneSpline<N> const* rail{&rail_profile};
-  N wheel_radius{}, tape_circle_y{}, rail_origin_y{}, curvature{}, seen_by_hertz{};
+  N wheel_radius{}, tape_circle_y{}, rail_origin_y{}, curvature{}, hertz_curvature{};
 
   LanePair() = default;
   LanePair(LanePair const&) = delete;
   LanePair& operator=(LanePair const&) = delete;
 
   N const& geometry_curvature() const { return curvature; }
-  N const& hertz_curvature() const { return seen_by_hertz; }
+  N const& curvature_for_hertz() const { return hertz_curvature; }
 
   void set(int i, WheelRollerPair const& pair, UniformSpline const& abscissa_over_arc) {
     wheel_profile.set(i, *pair.wheel);
@@ -37,7 +37,7 @@ struct LanePair {
     set_lane(tape_circle_y, i, pair.tape_circle_y);
     set_lane(rail_origin_y, i, pair.rail_origin_y);
     set_lane(curvature, i, pair.geometry_curvature());
-    set_lane(seen_by_hertz, i, pair.hertz_curvature());
+    set_lane(hertz_curvature, i, pair.curvature_for_hertz());
   }
 
   void set_all(WheelRollerPair const& pair, UniformSpline const& abscissa_over_arc) {
@@ -45,7 +45,7 @@ struct LanePair {
     rail_profile.set_all(*pair.rail);
     arc_to_abscissa.set_all(abscissa_over_arc);
     wheel_radius = N(pair.wheel_radius), tape_circle_y = N(pair.tape_circle_y), rail_origin_y = N(pair.rail_origin_y);
-    curvature = N(pair.geometry_curvature()), seen_by_hertz = N(pair.hertz_curvature());
+    curvature = N(pair.geometry_curvature()), hertz_curvature = N(pair.curvature_for_hertz());
   }
 };
 
@@ -179,7 +179,7 @@ template <class T, class Pair>
   T const wheel = -(dot(out.n, outwards) * reciprocal(c.radius));
   T const u_along = out.u.x * uz - out.u.z * ux;
   T const u_across = out.u.y * radial - (out.u.x * ux + out.u.z * uz) * axial;
-  auto const& bent = pair.hertz_curvature();
+  auto const& bent = pair.curvature_for_hertz();
   T const rail_along = bent * rail_cosine * reciprocal(T(1.0 + bent * rail.value));
   T const both = 0.5 * (wheel + rail_along * u_along * u_along + across * inverse_shrink * u_across * u_across);
   T const least = 0.5 * least_circle_curvature * wheel;

@@ -112,7 +112,7 @@ class ExponentialAdams {
     bool const several = past_.enough();
     Status const status = several ? multistep(f, s, y, y_new) : single_step(f, s, y, y_new);
     if (status != Status::ok) return status;
-    if (several && !looks_at_l(since_ + 1) && norm(error_, y, y_new) < spared) {
+    if (several && !checks_jacobian(since_ + 1) && norm(error_, y, y_new) < predictor_only_below) {
       y_new.swap(stage_);
       f_end_.swap(slope_);
       return Status::ok;
@@ -127,7 +127,7 @@ class ExponentialAdams {
   Status accept(Evaluator<System>& f, double t, Vector const& y, double error) {
     has_end_slope_ = true;
     ticks_ += step_ticks();
-    bool const old = looks_at_l(++since_) && past_.enough() && std::ldexp(contraction(), level_) > worn_out;
+    bool const old = checks_jacobian(++since_) && past_.enough() && std::ldexp(contraction(), level_) > refresh_above;
     remember(y, f_end_);
     if (level_ > 0 && past_.known() == PastPoints<>::most && error < allowed_to_double &&
         ticks_ % (2 * step_ticks()) == 0) {
@@ -182,12 +182,12 @@ class ExponentialAdams {
   static constexpr int first_level = 3;          // an eighth: the first steps see what a start from anywhere lets loose
   static constexpr double milne = 19.0 / 270.0;  // error of the corrected over the correction
   static constexpr double allowed_to_double = 0.5 / 32.0;  // error that twice the step makes 0.5
-  static constexpr double spared = 1e-3;               // error of a step whose prediction, 14 times as far off, serves
-  static constexpr double worn = 0.1, worn_out = 0.3;  // contraction() of a step that fails, of the longest step
-  static constexpr int serves_for = 200, looked_at_every = 20;  // steps
+  static constexpr double predictor_only_below = 1e-3;  // error of a step whose prediction, 14 times as far off, serves
+  static constexpr double worn = 0.1, refresh_above = 0.3;  // contraction() of a step that fails, of the longest step
+  static constexpr int steps_before_check = 200, looked_at_every = 20;  // steps
 
   /// Whether the contraction of the corrections is looked at in this step since L was renewed.
-  static bool looks_at_l(std::int64_t step) { return step >= serves_for && step % looked_at_every == 0; }
+  static bool checks_jacobian(std::int64_t step) { return step >= steps_before_check && step % looked_at_every == 0; }
 
   void linearise() {
     linear_.topRows(n_ - kinematic_) = jacobian_.a.bottomRows(n_ - kinematic_);
@@ -207,11 +207,11 @@ class ExponentialAdams {
   void remember(Vector const& y, Vector const& y_dot) {
     auto& p = past_.add();
     p.x = y.head(n_);
-    bend(y, y_dot, p.nonlinear);
+    nonlinear_part(y, y_dot, p.nonlinear);
   }
 
   /// N = y' - L y, of all but the kinematic states: their rates are states, there N = 0.
-  void bend(Vector const& y, Vector const& y_dot, Vector& out) const {
+  void nonlinear_part(Vector const& y, Vector const& y_dot, Vector& out) const {
     out = y_dot.tail(out.size());
     out.noalias() -= linear_ * y.head(n_);
   }
@@ -229,7 +229,7 @@ class ExponentialAdams {
     sum_.noalias() += w.difference[2] * d3_;
     stage_ = y + s.h * sum_;
     if (auto e = f.derivative(s.end, stage_, slope_); e != Status::ok) return e;
-    bend(stage_, slope_, d1_);
+    nonlinear_part(stage_, slope_, d1_);
     d1_ += -4 * n0 + 6 * n1 - 4 * n2 + n3;
     sum_.noalias() = w.difference[2] * d1_;
     y_new = stage_ + s.h * sum_;
@@ -249,17 +249,17 @@ class ExponentialAdams {
     sum_.noalias() = half.slope * f_start_;
     stage_ = y + (0.5 * h) * sum_;
     if (auto e = f.derivative(middle, stage_, slope_); e != Status::ok) return e;
-    bend(stage_, slope_, d1_);
+    nonlinear_part(stage_, slope_, d1_);
     d1_ -= n0;
     stage_.noalias() += h * (half.difference[0] * d1_);
     if (auto e = f.derivative(middle, stage_, slope_); e != Status::ok) return e;
-    bend(stage_, slope_, d2_);
+    nonlinear_part(stage_, slope_, d2_);
     d2_ -= n0;
     sum_.noalias() = w.slope * f_start_;
     stage_ = y + h * sum_;
     stage_.noalias() += (2.0 * h) * (w.difference[0] * d2_);
     if (auto e = f.derivative(s.end, stage_, slope_); e != Status::ok) return e;
-    bend(stage_, slope_, d3_);
+    nonlinear_part(stage_, slope_, d3_);
     d3_ -= n0;
     d1_ += d2_;
     d2_ = 4.0 * d1_ - 3.0 * d3_;

@@ -61,7 +61,7 @@ class Driver {
   void act_on_sample();
   double next_sample() const;  ///< [s]; infinite: nothing is sampled
   /// From now on advance() answers for external controllers with the caller's commands, where otherwise it returns.
-  void answer_for_controllers() { answers_ = true; }
+  void answer_for_controllers() { answers_externally_ = true; }
 
   /// Without sampled blocks: a torque of the model beside its own table [N m], from a time within the last step on. Steps end
   /// where advance() is asked to from then on.
@@ -106,7 +106,7 @@ class Driver {
     plant_.list_inputs(archive, inputs_);
     archive(plant_, observed_);
     if (system_) archive(*system_);
-    archive(*integrator_, sampled_, machines_asked_, acted_, held_);
+    archive(*integrator_, sampled_, brake_unit_sampled_, acted_, held_);
     archive.time(final_time_);
     archive.within(step_, std::int64_t{0}, std::int64_t{1} << 60);
     archive.within(status_, Status::ok, Status::controller_failed);
@@ -142,13 +142,13 @@ class Driver {
   std::optional<MechatronicSystem> system_;
   std::unique_ptr<integrate::Integrator<DrivenDynamics>> integrator_;
   double final_time_{0.0};
-  std::int64_t step_{0};          ///< sampling steps done
-  std::int64_t output_every_{1};  ///< in sampling steps
-  bool sampled_{false};           ///< at this instant
-  bool machines_asked_{false};    ///< at this instant
-  bool answers_{false};           ///< for external controllers
-  bool acted_{false};             ///< at this instant, where another program integrates
-  bool held_{false};              ///< a torque is
+  std::int64_t step_{0};            ///< sampling steps done
+  std::int64_t output_every_{1};    ///< in sampling steps
+  bool sampled_{false};             ///< at this instant
+  bool brake_unit_sampled_{false};  ///< at this instant
+  bool answers_externally_{false};  ///< for external controllers
+  bool acted_{false};               ///< at this instant, where another program integrates
+  bool held_{false};                ///< a torque is
   Status status_{Status::ok};
   std::vector<double> x_, z_;  ///< within a step
 };

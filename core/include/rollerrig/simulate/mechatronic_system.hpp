@@ -52,7 +52,7 @@ class MechatronicSystem {
   void record(Dynamics const& plant, std::int64_t step, double const* z, Inputs const& inputs, double* row) const;
 
   /// Whether the caller must answer for some controller, or for that of this name.
-  bool waits() const;
+  bool has_pending() const;
   bool waits_for(std::string_view controller) const;
   /// What a controller sees, axle by axle.
   std::vector<double> measurement(std::string_view controller) const;
@@ -64,7 +64,7 @@ class MechatronicSystem {
   /// What a caller asks for; it may change at every instant.
   CallerDemands& caller() { return caller_; }
   /// Whoever waits does so no longer, and keeps his last command.
-  void ask_nobody();
+  void cancel_pending();
   /// Answers for every external controller, waiting or not, with the caller's present commands.
   void answer(std::int64_t step);
   /// Answers for an external controller; throws std::invalid_argument where there is none of that name.
@@ -73,7 +73,7 @@ class MechatronicSystem {
   void state(auto& archive) {
     archive(measured_, sensors_, actuators_, train_, simulated_, impulse_of_simulated_);
     for (Controller& own : controllers_) {
-      archive(own.state, own.commands, own.waits);
+      archive(own.state, own.commands, own.pending);
       own.commands.each(
           [&](PerAxle<double> const& values) { archive.need(command_fields[own.command].allows(values)); });
     }
@@ -90,7 +90,7 @@ class MechatronicSystem {
     std::size_t command;  ///< of ActingCommands
     StateOf<AnyController> state;
     DelayedCommands commands;
-    bool waits{false};
+    bool pending{false};
   };
 
   std::size_t axles() const { return setup_.axles.size(); }
@@ -105,17 +105,17 @@ class MechatronicSystem {
   double axle_speed(Dynamics const& plant, std::size_t axle) const;
   TrainStep train_step(std::int64_t step) const;
   void step_simulated(std::int64_t step);
-  void see_brakes(std::int64_t step);
+  void sample_brake_demand(std::int64_t step);
   void ask(std::size_t index, std::int64_t step);
   PerAxle<double> answer_of(std::size_t index);
   void read_true_forces(Dynamics const& plant);
   void dissipate(Dynamics const& plant, Inputs& inputs);
-  void lay_sand(Dynamics const& plant, Inputs& inputs);
+  void deposit_sand(Dynamics const& plant, Inputs& inputs);
   void switch_sand(Dynamics const& plant, std::int64_t step);
-  bool slides(std::size_t axle) const;
+  bool axle_is_sliding(std::size_t axle) const;
   double train_distance() const;
   double track_brake_force(Dynamics const& plant) const;
-  bool wheels_slide(Dynamics const& plant);
+  bool slip_limit_exceeded(Dynamics const& plant);
   void record_axle(Dynamics const& plant, std::size_t axle, Inputs const& inputs, double* row) const;
   void record_simulated(std::size_t axle, double* row) const;
 

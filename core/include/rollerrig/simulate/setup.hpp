@@ -51,7 +51,7 @@ struct AxleParts {
 struct Actuators {
   FrictionBrake brake{};
   Pneumatics pneumatics{};
-  bool motors_stand_in{};                               ///< the traction motors exert the brake's torque
+  bool by_traction_motors{};                            ///< the traction motors exert the brake's torque
   std::optional<ElectrodynamicBrake> electrodynamic{};  ///< of the axles that have it
   std::optional<TrackBrake> track_brake{};
   TimeTable brake_demand{};
@@ -63,7 +63,7 @@ struct Actuators {
     using P = Actuators;
     return members(
         Member{"brake", &P::brake}, Member{"pneumatics", &P::pneumatics},
-        Member{"motors_stand_in", &P::motors_stand_in}, Member{"electrodynamic", &P::electrodynamic},
+        Member{"by_traction_motors", &P::by_traction_motors}, Member{"electrodynamic", &P::electrodynamic},
         Member{"track_brake", &P::track_brake},
         Member{"brake_demand", &P::brake_demand, "Pa", "demanded cylinder pressure over the ambient, over time"},
         Member{"motor", &P::motor},
@@ -130,7 +130,7 @@ struct MechatronicSetup {
   bool braked() const {
     bool const any =
         std::any_of(axles.begin(), axles.end(), [](AxleParts const& axle) { return axle.brake != absent; });
-    return any || actuators.motors_stand_in;
+    return any || actuators.by_traction_motors;
   }
 
   static constexpr auto fields() {

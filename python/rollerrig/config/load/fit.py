@@ -114,7 +114,9 @@ def _number(one: FreeKey, case: Case, file: str, at: str) -> FreeKeyNumber:
     if logarithmic and not least > 0.0:
         refuse("scale", one.scale, "allowed: with a positive `least`")
     if not least <= value <= most:
-        refuse("least", one.least, f"allowed: a range with the start in it, {value:g} {quantity.unit}; or another `start`")
+        refuse(
+            "least", one.least, f"allowed: a range with the start in it, {value:g} {quantity.unit}; or another `start`"
+        )
     if spread is not None:
         if (spread.kind == "lognormal") != logarithmic:
             refuse("prior.kind", spread.kind, "allowed: normal with a linear scale, lognormal with a logarithmic one")

@@ -107,7 +107,7 @@ class Brake(Table):
     friction_radius: Annotated[float, Quantity("m", 1e-4, 2.0)] = optional(0.247, "effective radius of disc or wheel")
     faces: Annotated[float, Quantity("1", 0.01, 100.0)] = optional(2.0, "friction faces that the force presses on")
     friction_regularisation_speed: PositiveSpeed = optional(0.05, "below it friction is viscous")
-    motors_stand_in: StrictBool = optional(False, "the traction motors exert the brake's torque, as far as they can")
+    by_traction_motors: StrictBool = optional(False, "the traction motors exert the brake's torque, as far as they can")
     electrodynamic: AnyElectrodynamicBrake | None = optional(
         None, "traction motors brake first, the friction brake gives the rest: their kind, or a table; absent: none do"
     )

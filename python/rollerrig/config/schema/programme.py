@@ -1,4 +1,4 @@
-"""A test programme for wheel slide protection: the stops, and the limits that they are judged by."""
+"""A test programme for wheel slide protection: the stops, and the limits that they are assessed by."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -102,7 +102,7 @@ CriterionName = Literal[
     "flat_length",
     "large_slip_share",
     "air",
-    "ventings",
+    "dump_cycles",
 ]
 
 
@@ -126,7 +126,7 @@ CRITERIA: Mapping[CriterionName, Criterion] = {
     "flat_length": Criterion(Quantity("m", 0.0, 1.0), every=True),
     "large_slip_share": Criterion(Quantity("1", 0.0, 1.0)),
     "air": Criterion(Quantity("m^3", 0.0, 1e3)),
-    "ventings": Criterion(Quantity("1", 0.0, 1e6)),
+    "dump_cycles": Criterion(Quantity("1", 0.0, 1e6)),
 }
 
 
@@ -169,7 +169,7 @@ class Limit(Table):
             yield right, CRITERIA[self.criterion].quantity.allowed.replace("allowed", "needed", 1)
 
     def holds_for(self, stop: BrakedRun) -> bool:
-        """Whether a stop is judged by it."""
+        """Whether a stop is assessed by it."""
         named = stop.name in self.stops if self.stops else True
         return named and (stop.stops or not CRITERIA[self.criterion].of_a_stop)
 
@@ -187,4 +187,4 @@ class Programme(Sourced):
     starts: Count = optional(8, "tests of each stop on each support, without which nothing is decided")
     flat: FlatWear = optional(FlatWear(), "estimate of wheel flats")
     stop: tuple[AnyStop, ...] = needed("the stops, in their order", min_length=1, max_length=100)
-    limit: tuple[Limit, ...] = optional((), "what judges them; none: nothing", max_length=1000)
+    limit: tuple[Limit, ...] = optional((), "what assesses them; none: nothing", max_length=1000)

@@ -83,8 +83,8 @@ def _faults(case: CaseTables) -> Iterator[Mistake]:
 
 
 def _drives(case: CaseTables) -> Iterator[Mistake]:
-    if case.brake is not None and case.brake.motors_stand_in and case.traction is None:
-        yield "brake.motors_stand_in", "true", "needed: [traction], the motors that replace the brake"
+    if case.brake is not None and case.brake.by_traction_motors and case.traction is None:
+        yield "brake.by_traction_motors", "true", "needed: [traction], the motors that replace the brake"
     if len(case.vehicle.wheelsets) > MOST_AXLES:
         yield "vehicle.cut", show_value(case.vehicle.cut), f"allowed: at most {MOST_AXLES} axles"
     if case.axle_torque:
@@ -94,8 +94,8 @@ def _drives(case: CaseTables) -> Iterator[Mistake]:
 def _machines(case: CaseTables) -> Iterator[Mistake]:
     """Electrodynamic brake, track brake and sand: what they act on."""
     machine = case.brake.electrodynamic if case.brake else None
-    if case.brake is not None and machine is not None and case.brake.motors_stand_in:
-        allowed = "allowed without brake.motors_stand_in: the motors either replace the brake or brake beside it"
+    if case.brake is not None and machine is not None and case.brake.by_traction_motors:
+        allowed = "allowed without brake.by_traction_motors: the motors either replace the brake or brake beside it"
         yield "brake.electrodynamic", "a table", allowed
     if case.brake_unit is not None and machine is not None:
         allowed = "allowed without brake.electrodynamic, whose torque the built-in brake unit takes off its own"

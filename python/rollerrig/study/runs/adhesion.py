@@ -2,7 +2,7 @@
 
 Case of a rig with [rig_control] -> [track_case, variant] -> ensembles of TestRecords
     -> [cause_shares] -> shares of the distance that go away with each imperfection; they add up to the whole
-    -> [verdict_rows] -> rows: value with interval, target and where it comes from, outcome
+    -> [assessment_rows] -> rows: value with interval, target and where it comes from, outcome
 
 A row is met where the whole interval of its value, of many starts, is within its target, and not met where nothing of it is.
 A row says nothing, and is left out, only where no test has its number or all have zero; zero against not zero is not met, a
@@ -141,7 +141,7 @@ class Row:
     bad_run: bool = False  # whether an agreement is left undecided because the run is bad
 
     @property
-    def verdict(self) -> Outcome:
+    def outcome(self) -> Outcome:
         """A size is never below 0, its interval may be, where starts differ by more than their mean."""
         found = outcome(self.value.interval, self.low or -math.inf, self.high, excluded=self.bad_run)
         return NOT_DECIDED if self.undecided and found == "not met" else found
@@ -178,13 +178,13 @@ class Row:
     @property
     def told(self) -> str:
         """Outcome, value and target in words, and how many starts would decide it if mean and scatter stay."""
-        count = self.starts_needed if self.verdict == NOT_DECIDED else math.inf
+        count = self.starts_needed if self.outcome == NOT_DECIDED else math.inf
         more = f"; about {count:g} starts would decide" if count < math.inf else ""
-        return f"{SHOWN[self.verdict]}: {self.text} {self.value_text}, target {self.target_text}{more}"
+        return f"{SHOWN[self.outcome]}: {self.text} {self.value_text}, target {self.target_text}{more}"
 
     def as_dict(self) -> dict[str, Any]:
         """Dictionary for summary.json."""
-        found = {"group": self.group, "verdict": self.verdict, "value": self.value.mean, **vars(self.value.interval)}
+        found = {"group": self.group, "outcome": self.outcome, "value": self.value.mean, **vars(self.value.interval)}
         return found | {"target_low": self.low, "target_high": self.high, "target_from": self.origin}
 
 
@@ -192,7 +192,7 @@ Tests = tuple[Sequence[TestRecord], Sequence[TestRecord]]
 """Records of track and rig, from the same starts."""
 
 
-def verdict_rows(case: Case, tests: Tests, fine: Tests = ((), ())) -> list[Row]:
+def assessment_rows(case: Case, tests: Tests, fine: Tests = ((), ())) -> list[Row]:
     """All rows that say something about the tests of a rig's case.
 
     `fine` are the first of them again with finer steps and samples; without, that part of the intervals is missing.
@@ -219,12 +219,12 @@ def _rows(case: Case, tests: Tests) -> list[Row]:
 def _is_bad(rows: Sequence[Row], group: Group) -> bool:
     """Whether a gate is not known to be met: all of them for fidelity; for tracking that the runs came to their end."""
     asked = [row for row in rows if row.gate and (group == "fidelity" or row.shown or row.undecided)]
-    return any(row.verdict != "met" for row in asked)
+    return any(row.outcome != "met" for row in asked)
 
 
-def verdict_of(rows: Sequence[Row], group: Group) -> Outcome:
+def outcome_of(rows: Sequence[Row], group: Group) -> Outcome:
     """Outcome of a group: met where all its rows are, not met where one is not, else not decided."""
-    return overall(row.verdict for row in rows if row.group == group) or NOT_DECIDED
+    return overall(row.outcome for row in rows if row.group == group) or NOT_DECIDED
 
 
 def _all_of(group: Group, key: str, text: str, met: Sequence[bool], origin: str, **more: Any) -> Row:
@@ -322,7 +322,7 @@ def _fidelity(case: Case, track: Sequence[TestRecord], rig: Sequence[TestRecord]
         ("dump_cycles", "dump cycles, all axles under test", 0.05,
          "ours: wear of the valves, and the first thing a supplier counts"),
         ("air_litres", "air taken by the cylinders", 0.05, "ours: size of the reservoir"),
-        ("regrip_adhesion", "largest force on an axle that has slid (readhesion)", 0.10, "ours: load on the drive line"),
+        ("adhesion_at_readhesion", "largest force on an axle that has slid (readhesion)", 0.10, "ours: load on the drive line"),
     )  # fmt: skip
     for key, text, reach, origin in changes:
         pair = distances(both) if key == "distance" else [values_of(one, key) for one in both]

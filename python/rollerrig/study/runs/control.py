@@ -258,7 +258,7 @@ TRACKING_LIMIT = 0.01
 
 RIPPLE_LIMIT = 500.0
 """Fast torque that the virtual rail does not demand [N m] from which on a variant fails: a tenth of what low adhesion asks for,
-R T_v. Every outcome names it, see RIPPLE_CRITERION.
+R T_v. Every assessment names it, see RIPPLE_CRITERION.
 """
 
 RIPPLE_CRITERION = f"torque ripple above {RIPPLE_LIMIT:g} N m RMS for 5 % of the time"

@@ -130,7 +130,7 @@ def _braking(case: Case, torque: float) -> dict[str, object]:
         "release_rate": 100.0 * pressure / RISE,
         "follow_rate": FOLLOW,
         "air": {"kind": "unlimited", "fill_rate": FOLLOW},
-        "motors_stand_in": False,
+        "by_traction_motors": False,
         "electrodynamic": None,
     }
     protection: object = {} if case.slide_protection is None else case.slide_protection

@@ -1,7 +1,7 @@
 """What is run and assessed in a test programme: a case per stop and its dry reference, a record per test, criteria.
 
 Case of a rig with brake and slide protection, Programme -> [stop_case, dry_case] -> [stop_record] -> StopTests of track and rig
-    -> [judgements] -> value with interval, limit, outcome, reasons -> [verdict_of] -> of each stop
+    -> [assessments] -> value with interval, limit, outcome, reasons -> [outcome_of] -> of each stop
 
 A criterion is met where the whole interval of its mean is within the limit, and, where each test must keep it, each test too.
 Nothing is decided, neither met nor not met, from a bad run: fewer tests than asked, a test that ended early, lost contact or did
@@ -32,7 +32,7 @@ from rollerrig.results.run_info import RunInfo
 from rollerrig.study.assessment import NOT_DECIDED, Outcome, outcome
 from rollerrig.study.ensemble import Estimate, check_ensemble, estimate, stepped, values_of
 from rollerrig.study.jobs import Progress, whole_run
-from rollerrig.study.runs.adhesion import GATES, is_whole, track_case, verdict_rows
+from rollerrig.study.runs.adhesion import GATES, assessment_rows, is_whole, track_case
 
 RISE = 0.1  # in which the demand rises; the brake is slower anyhow [s]
 
@@ -194,7 +194,7 @@ MEASURES: Mapping[str, tuple[str, float]] = {
     "flat_length": ("flat_length_m", 1.0),
     "large_slip_share": ("large_slip_share", 1.0),
     "air": ("air_litres", 1e-3),
-    "ventings": ("dump_cycles", 1.0),
+    "dump_cycles": ("dump_cycles", 1.0),
 }
 """Criterion -> measure of a test, and its unit in the SI unit of the criterion."""
 
@@ -236,7 +236,7 @@ class StopTests:
 
 
 @dataclass(frozen=True)
-class Judgement:
+class Assessment:
     """A criterion of a stop on one support: its limit, mean and worst of all tests in its SI unit, why nothing is decided."""
 
     stop: str
@@ -247,7 +247,7 @@ class Judgement:
     reasons: tuple[str, ...]
 
     @property
-    def verdict(self) -> Outcome:
+    def outcome(self) -> Outcome:
         """'met', 'not met' or 'not decided'."""
         if self.reasons or not (math.isfinite(self.mean.mean) and math.isfinite(self.worst)):
             return NOT_DECIDED
@@ -260,15 +260,15 @@ class Judgement:
     @property
     def why(self) -> str:
         """Why nothing is decided; "" where something is."""
-        if self.verdict != NOT_DECIDED:
+        if self.outcome != NOT_DECIDED:
             return ""
         return "; ".join(self.reasons) or "the limit lies within the interval"
 
 
-def judgements(programme: Programme, found: StopTests, other: StopTests) -> list[Judgement]:
+def assessments(programme: Programme, found: StopTests, other: StopTests) -> list[Assessment]:
     """All criteria of a stop on one support; `other` are the tests on the other one."""
     common = (*faults(found), *(rig_faults(found, other) if found.support == "rig" else ()))
-    judged = []
+    assessed = []
     for limit in (limit for limit in programme.limit if limit.holds_for(found.stop)):
         name, factor = MEASURES[limit.criterion]
         values = [factor * value for value in found.values(name)]
@@ -277,12 +277,12 @@ def judgements(programme: Programme, found: StopTests, other: StopTests) -> list
         if not math.isfinite(worst):
             own = (*own, "not every test has such a number")
         mean = found.estimate(name).times(factor)
-        judged.append(Judgement(found.stop.name, found.support, limit, mean, worst, (*common, *own)))
-    return judged
+        assessed.append(Assessment(found.stop.name, found.support, limit, mean, worst, (*common, *own)))
+    return assessed
 
 
 def faults(found: StopTests, *, must_slide: bool = True) -> Iterator[str]:
-    """Why nothing can be decided from these tests, whatever is judged; `must_slide`: also that they test no slide protection."""
+    """Why these tests decide nothing, whatever the criterion; `must_slide`: also that they test no slide protection."""
     tests, count = found.tests, len(found.tests)
     if count < found.asked:
         yield f"{count} of {found.asked} tests were made"
@@ -304,10 +304,10 @@ def rig_faults(rig: StopTests, track: StopTests) -> Iterator[str]:
     """Why the rig's tests say nothing about the vehicle: the exclusion criteria of the rig itself."""
     if not (rig.tests and track.tests):
         return
-    rows = verdict_rows(rig.case, (track.tests, rig.tests), (track.fine, rig.fine))
+    rows = assessment_rows(rig.case, (track.tests, rig.tests), (track.fine, rig.fine))
     own = (*SUPPORTS, "fine")  # those say it of their own tests
     gates = [row for row in rows if row.gate and row.key.partition("_")[0] not in own]
-    kept = [row.verdict == "met" or (row.low <= 0.0 and row.value.interval.high <= row.high) for row in gates]
+    kept = [row.outcome == "met" or (row.low <= 0.0 and row.value.interval.high <= row.high) for row in gates]
     shut = [row.told for row, is_open in zip(gates, kept, strict=True) if not is_open]
     power = max(one.measures.get("drive_power_limited_s", 0.0) / one.measures["duration_s"] for one in rig.tests)
     if not power <= POWER_LIMITED:
