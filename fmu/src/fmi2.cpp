@@ -1,5 +1,7 @@
 // The names that a tool looks up in the library: FMI 2.0, over an assembled model.
+#include <cstring>
 #include <string>
+#include <type_traits>
 
 #include "fmi2Functions.h"
 #include "rollerrig/fmu/calls.hpp"
@@ -46,9 +48,11 @@ fmi2Component fmi2Instantiate(fmi2String name, fmi2Type type, fmi2String guid, f
                                                                                     char const* text) {
       tool.logger(tool.componentEnvironment, own.c_str(), static_cast<fmi2Status>(answer), category, "%s", text);
     };
-  return instantiate(log, type == fmi2ModelExchange, [&] {
+  std::underlying_type_t<fmi2Type> kind;  // a tool may hand over any number
+  std::memcpy(&kind, &type, sizeof kind);
+  return instantiate(log, kind == fmi2ModelExchange, [&] {
     need(log.write && guid != nullptr && location != nullptr, "null pointer");
-    need(type == fmi2CoSimulation || type == fmi2ModelExchange, "there is no such type of FMU");
+    need(kind == fmi2CoSimulation || kind == fmi2ModelExchange, "there is no such type of FMU");
     auto const resources = path_of_uri(location);
     need(!resources.empty(), "fmuResourceLocation is no URI of a file");
     return open_plant(resources, guid);

@@ -16,7 +16,7 @@ FILES = [*(PACKAGE / "catalog").rglob("*.json"), *PACKAGE.rglob("*.toml")]
 ENTRY = re.compile(r'(?:"description":|^\S+ =|\b(?:is|label) =) "([^"]+)"', re.MULTILINE)
 NO_BEGINNING = re.compile(r"\s*(?:of|and|or|but|with|by|for|from)\b", re.IGNORECASE)
 NO_TERM = re.compile(
-    r"\b(crews?|told(?!: )|loses? patience|barren|doors?|wordings?|verdicts?|judge\w*|ventings?|regrip\w*|askew|calm\w*|"
+    r"\b(crews?|told(?!: )|loses? patience|barren|doors?|wordings?|verdicts?|judge\w*|ventings|regrip\w*|askew|calm\w*|"
     r"ringing|rings?(?! buffers?)|stand(?:s|ing)? in)\b(?!_)",
     re.IGNORECASE,
 )

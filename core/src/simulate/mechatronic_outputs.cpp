@@ -50,7 +50,7 @@ constexpr Field axle_table[] = {
      "torque of all brakes of the axle together against its turning: that of the friction brake under the full demand"},
     {"sand", "kg/m", "mass of sand per length of rail under the axle"},
     {"demanded_roller_power", "W", "power demanded of the roller's drive, before its limits"},
-    {"drive_torque_limited", "s", "how long the limit of torque has held the roller's drive back since the start"},
+    {"drive_torque_limited", "s", "time that the limit of torque has held the roller's drive back since the start"},
     {"drive_power_limited", "s", "the same of its limit of power"},
     {"drive_speed_limited", "s", "the same of its limit of speed"},
     {"axle_work", "J", "work of motor and brake on a simulated axle since the start; 0 for those under test"},

@@ -174,7 +174,7 @@ struct ExactRelaxation {
 /// saturates. p is such that v = (cos t, V/2 + sin 2t) with V = -3 t. z accumulates v0 v1.
 struct ExactSlip {
   double viscosity = 100, saturation_slip = 1;
-  double assessed = 1;  ///< declared rate over the secant of T
+  double judged = 1;  ///< declared rate over the secant of T
   bool drifts = true;
   mutable double last_secant = 0;  ///< as derivative() found it last
   static constexpr double mass[2] = {2, 0.5}, d[2] = {1, 2}, belt = -3;
@@ -195,7 +195,7 @@ struct ExactSlip {
   bool renew_stiff_modes(StiffModes const&, StiffModes& next) const {
     double const inverse_mass = d[0] * d[0] / mass[0] + d[1] * d[1] / mass[1];
     next.clear();
-    next.begin(assessed * last_secant * inverse_mass, drifts ? belt : 0.0);
+    next.begin(judged * last_secant * inverse_mass, drifts ? belt : 0.0);
     for (int i = 0; i < 2; ++i) next.add(i, d[i], d[i] / mass[i] / inverse_mass);
     return true;
   }

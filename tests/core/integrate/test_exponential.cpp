@@ -192,10 +192,10 @@ TEST_CASE("what the slip follows may run away: the drift takes the error of a la
   CHECK(error_with < 0.7 * error_without);
 }
 
-TEST_CASE("a rate assessed wrongly costs accuracy, not stability") {
-  for (double assessed : {0.65, 0.8, 1.5, 3.0}) {
+TEST_CASE("a rate judged wrongly costs accuracy, not stability") {
+  for (double judged : {0.65, 0.8, 1.5, 3.0}) {
     ExactSlip problem{1e5, 50};  // hardly saturated: the secant is the true rate
-    problem.assessed = assessed;
+    problem.judged = judged;
     CHECK(errors_of_halved_steps(problem, 9, 9).state[0] < 0.05);
   }
 }

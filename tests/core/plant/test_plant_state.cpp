@@ -17,7 +17,7 @@ using Method = integrate::Method;
 /// All variables at every multiple of 1 ms between two times; inputs change on the way.
 std::vector<double> drive(Plant& plant, int from, int to) {
   std::vector<double> course;
-  int const friction = plant.find("body_0.left.friction_change"), demand = plant.find("axle_1.brake_demand");
+  int const friction = plant.find("body_0_left.friction_change"), demand = plant.find("axle_1.brake_demand");
   for (int k = from; k < to; ++k) {
     if (k % 10 == 5) REQUIRE(plant.set_input(friction, -0.8 + 0.1 * (k / 10 % 3)));
     if (k % 20 == 7 && demand >= 0) REQUIRE(plant.set_input(demand, 1e4 * (k / 20 % 4)));
@@ -118,7 +118,7 @@ TEST_CASE("a state that was changed and given the right checksum is refused, or 
 TEST_CASE("after a step of next to nothing the next one does not take for ever") {
   Plant plant(with_method(test::assembled(test::small_parts(false)), Method::exponential_adams));
   REQUIRE(plant.start(1.0) == Status::ok);
-  REQUIRE(plant.set_input(plant.find("body_0.left.friction_change"), -0.5));
+  REQUIRE(plant.set_input(plant.find("body_0_left.friction_change"), -0.5));
   REQUIRE(plant.advance(1e-300) == Status::ok);
   REQUIRE(plant.advance(0.002) == Status::ok);
   CHECK(plant.driver().statistics().steps < 1000);

@@ -13,7 +13,7 @@ using namespace rollerrig::test;
 namespace {
 
 struct AskedGate : CommandGate {
-  AskedGate() : CommandGate(two_inputs(), session, 3) { REQUIRE(assess(asking(), us, 1) == Verdict::asked); }
+  AskedGate() : CommandGate(two_inputs(), session, 3) { REQUIRE(judge(asking(), us, 1) == Verdict::asked); }
 };
 
 }  // namespace
@@ -59,46 +59,46 @@ TEST_CASE("each kind of bad frame is dropped under its own name") {
     frame[at] = to;
     return frame;
   };
-  CHECK(gate.assess(Frame(good.begin(), good.begin() + 20), us, sent) == Verdict::wrong_length);
-  CHECK(gate.assess({}, us, sent) == Verdict::wrong_length);
-  CHECK(gate.assess(changed(0, 'X'), us, sent) == Verdict::foreign);
-  CHECK(gate.assess(changed(4, 2), us, sent) == Verdict::other_version);
-  CHECK(gate.assess(changed(40, 1), us, sent) == Verdict::corrupt);
-  CHECK(gate.assess(good, somebody, sent) == Verdict::foreign);
-  CHECK(gate.assess(command(5, 10, {1.0, 2.0}, 0, session + 1), us, sent) == Verdict::foreign);
-  CHECK(gate.assess(command(5, 10, {1.0}), us, sent) == Verdict::wrong_length);
-  CHECK(gate.assess(command(5, 11, {1.0, 2.0}), us, sent) == Verdict::not_allowed);  // answers what was not sent
-  CHECK(gate.assess(command(5, 6, {1.0, 2.0}), us, sent) == Verdict::late);
-  CHECK(gate.assess(command(5, 10, {1.0, 1.5}), us, sent) == Verdict::not_allowed);
-  CHECK(gate.assess(command(5, 10, {11.0, 1.0}), us, sent) == Verdict::not_allowed);
+  CHECK(gate.judge(Frame(good.begin(), good.begin() + 20), us, sent) == Verdict::wrong_length);
+  CHECK(gate.judge({}, us, sent) == Verdict::wrong_length);
+  CHECK(gate.judge(changed(0, 'X'), us, sent) == Verdict::foreign);
+  CHECK(gate.judge(changed(4, 2), us, sent) == Verdict::other_version);
+  CHECK(gate.judge(changed(40, 1), us, sent) == Verdict::corrupt);
+  CHECK(gate.judge(good, somebody, sent) == Verdict::foreign);
+  CHECK(gate.judge(command(5, 10, {1.0, 2.0}, 0, session + 1), us, sent) == Verdict::foreign);
+  CHECK(gate.judge(command(5, 10, {1.0}), us, sent) == Verdict::wrong_length);
+  CHECK(gate.judge(command(5, 11, {1.0, 2.0}), us, sent) == Verdict::not_allowed);  // answers what was not sent
+  CHECK(gate.judge(command(5, 6, {1.0, 2.0}), us, sent) == Verdict::late);
+  CHECK(gate.judge(command(5, 10, {1.0, 1.5}), us, sent) == Verdict::not_allowed);
+  CHECK(gate.judge(command(5, 10, {11.0, 1.0}), us, sent) == Verdict::not_allowed);
   for (double const bad : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()})
-    CHECK(gate.assess(command(5, 10, {bad, 1.0}), us, sent) == Verdict::not_allowed);
+    CHECK(gate.judge(command(5, 10, {bad, 1.0}), us, sent) == Verdict::not_allowed);
   CHECK(gate.counted(Verdict::accepted) == 0);
 
-  CHECK(gate.assess(good, us, sent) == Verdict::accepted);
+  CHECK(gate.judge(good, us, sent) == Verdict::accepted);
   CHECK(gate.command()[1] == 2.0);
-  CHECK(gate.assess(good, us, sent) == Verdict::repeated);
-  CHECK(gate.assess(command(4, 10, {3.0, 2.0}), us, sent) == Verdict::reordered);
+  CHECK(gate.judge(good, us, sent) == Verdict::repeated);
+  CHECK(gate.judge(command(4, 10, {3.0, 2.0}), us, sent) == Verdict::reordered);
   CHECK(gate.command()[0] == 1.0);
-  CHECK(gate.assess(command(8, 7, {3.0, 2.0}), us, sent) ==
+  CHECK(gate.judge(command(8, 7, {3.0, 2.0}), us, sent) ==
         Verdict::accepted);  // numbers may be left out, 3 periods are no delay
 }
 
 TEST_CASE("sequences go round") {
   AskedGate gate;
-  CHECK(gate.assess(command(0xffffffffu, 0xffffffffu, {0.0, 0.0}), us, 0) == Verdict::accepted);
-  CHECK(gate.assess(command(0, 0, {0.0, 0.0}), us, 0) == Verdict::accepted);
-  CHECK(gate.assess(command(0xffffffffu, 0, {0.0, 0.0}), us, 0) == Verdict::reordered);
+  CHECK(gate.judge(command(0xffffffffu, 0xffffffffu, {0.0, 0.0}), us, 0) == Verdict::accepted);
+  CHECK(gate.judge(command(0, 0, {0.0, 0.0}), us, 0) == Verdict::accepted);
+  CHECK(gate.judge(command(0xffffffffu, 0, {0.0, 0.0}), us, 0) == Verdict::reordered);
 }
 
 TEST_CASE("one controller at a time; the next one when the first has been given up") {
   AskedGate gate;
-  CHECK(gate.assess(asking(), somebody, 1) == Verdict::refused);
-  CHECK(gate.assess(command(1, 1, {0.0, 0.0}), us, 1) == Verdict::accepted);
+  CHECK(gate.judge(asking(), somebody, 1) == Verdict::refused);
+  CHECK(gate.judge(command(1, 1, {0.0, 0.0}), us, 1) == Verdict::accepted);
   gate.give_up_peer();
-  CHECK(gate.assess(asking(), somebody, 1) == Verdict::asked);
-  CHECK(gate.assess(command(1, 1, {0.0, 0.0}), somebody, 1) == Verdict::accepted);  // counts anew
-  CHECK(gate.assess(command(2, 1, {0.0, 0.0}), us, 1) == Verdict::foreign);
+  CHECK(gate.judge(asking(), somebody, 1) == Verdict::asked);
+  CHECK(gate.judge(command(1, 1, {0.0, 0.0}), somebody, 1) == Verdict::accepted);  // counts anew
+  CHECK(gate.judge(command(2, 1, {0.0, 0.0}), us, 1) == Verdict::foreign);
 }
 
 TEST_CASE("a million frames of noise: none is acted on, none does harm") {
@@ -128,7 +128,7 @@ TEST_CASE("a million frames of noise: none is acted on, none does harm") {
       rr_put(frame.data() + 48, rr_crc32(frame.data(), 48), 4);
     }
     std::copy(frame.begin(), frame.end(), buffer);
-    Verdict const verdict = gate.assess(std::span<unsigned char const>(buffer, frame.size()), us, sequence);
+    Verdict const verdict = gate.judge(std::span<unsigned char const>(buffer, frame.size()), us, sequence);
     if (verdict != Verdict::accepted) {
       ++dropped;
       continue;
