@@ -791,7 +791,7 @@ def compare(
     cut: str | None = None,
     radii: Annotated[Sequence[float], Option("radii_m", "", 0.05, 1e6)] = (0.46, 0.725, 1.0, 2.0, 5.0, 10.0),
     disturbance: Annotated[float, Option("disturbance_mm", "mm", 0.01, 20.0)] = 3e-3,
-    duration: Annotated[float, Option(least=1.0, most=600.0)] = 3.0,
+    duration: Annotated[float, Option(least=1.0, most=600.0)] = 6.0,
     processes: Processes = 1,
     allow_code: bool = False,
     progress: Progress | None = None,

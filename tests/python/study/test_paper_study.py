@@ -114,7 +114,7 @@ def test_only_a_whole_interval_decides(outcome, folder) -> None:
     (undecided,) = [check for check in outcome.numbers["checks"] if check["outcome"] == "not decided"]
     assert undecided["name"].endswith("the paper's material, vehicle on track")
     assert undecided["value"][1] is None
-    counts = [outcome.numbers[f"checks_{outcome}"] for outcome in ("passed", "failed", "not_decided")]
+    counts = [outcome.numbers[f"checks_{name}"] for name in ("passed", "failed", "not_decided")]
     assert counts == [25, 0, 1]
     assert "25 of 26 checks are decided: 25 passed, none failed." in outcome.summary
     assert "25 of 26 checks are decided" in text
