@@ -4,7 +4,7 @@
     spells without contact of the core -> [contact_loss] -> attribute `contact_losses`, warnings
 
 Symmetric vehicles do not move sideways, but for 1e-17 m: what is round-off is zero. Meanings and units of the numbers that go
-into summary.json are registered in study/run.py.
+into summary.json are registered in quantities.toml.
 """
 
 import json
