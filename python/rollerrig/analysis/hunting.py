@@ -45,7 +45,9 @@ class HuntingSettings:
     """How the runs of a hunting study are done."""
 
     disturbance: float = 3e-3  # lateral offset of the leading wheelset at the start [m]
-    duration: float = 6.0  # least length of each run [s]: of 3 s, some linger beside a cycle that they leave later
+    duration: float = (
+        6.0  # least length of each run [s]; of shorter ones some linger beside a cycle that they leave later
+    )
     output_step: float = 5e-3  # interval of the samples [s]
     relative_tolerance: float = 1e-4  # of the integrator
     absolute_tolerance: float = 1e-7  # of the integrator, for displacements [m]

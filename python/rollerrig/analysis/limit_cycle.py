@@ -196,6 +196,7 @@ Decision = Literal["persists", "decays", "open"]
 
 SETTLED, WINDOWS = 0.01, 3
 """Amplitudes that differ by less than this part of the largest have come to stay, in so many windows in a row."""
+LEVEL = 5e-4  # fall from window to window that says nothing; larger ones that do not slow down are not those of a limit cycle
 IRREGULAR, TREND = 8, 0.02  # windows in which amplitudes that scatter may have no trend above this growth rate [1/s]
 FALLEN, NOT_SLOWING = 0.1, 0.9
 """Part by which amplitudes of four windows must fall to decay (of three, where there are no more), and least part of the first
@@ -225,10 +226,16 @@ def decide(amplitudes: Sequence[float], window: float, *, ended: bool = False) -
     return "persists" if ended and len(changes) > 1 and (changes > 0.0).all() else "open"
 
 
+def _lingers(amplitudes: Array) -> bool:
+    """Whether amplitudes [m] fall without slowing down: as beside an unstable cycle, which the motion then leaves."""
+    falls = -np.diff(np.log(np.maximum(amplitudes, 1e-300)))
+    return bool((falls > LEVEL).all()) and float(falls[-1]) >= float(falls[0])
+
+
 def is_settled(amplitudes: Sequence[float], window: float) -> bool:
     """Whether the positive amplitudes of successive windows of time [m], [s] have come to stay."""
     last = np.asarray(amplitudes[-WINDOWS:])
-    if len(last) == WINDOWS and float(np.ptp(last)) <= SETTLED * float(last.max()):
+    if len(last) == WINDOWS and float(np.ptp(last)) <= SETTLED * float(last.max()) and not _lingers(last):
         return True
     many = np.asarray(amplitudes[-IRREGULAR:])
     if len(many) < IRREGULAR or not many.min() > 0.0:
