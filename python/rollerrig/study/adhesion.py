@@ -40,15 +40,15 @@ from rollerrig.study.jobs import Done, Round, job
 from rollerrig.study.quantities import Numbers, Quantities
 from rollerrig.study.report import VIEW, Block, Picture, Section, Table
 from rollerrig.study.runs import adhesion as runs
-from rollerrig.study.runs.adhesion import CAUSES, GROUPS, STEPS, VARIANTS, Row, track_case
+from rollerrig.study.runs.adhesion import CAUSES, GROUPS, STARTS, STEPS, VARIANTS, Row, track_case
 
 QUANTITIES = Quantities("adhesion")
 RUN, RIG = ([q.key.split(".")[1] for q in QUANTITIES.below(on) if q.key.endswith(".mean")] for on in ("*", "rig"))
 """Names of what is reported of both ensembles, and of that of the rig alone."""
 
 VARIANT = ("tracking_rms", "mean_slip", "dump_cycles", "air_litres")
-STARTS, QUICK_STARTS, FIRST_STARTS, MORE_STARTS, MOST_STARTS = 8, 2, 2, 2, 16
-"""Tests of an ensemble; of a quick study; before the first page; so many more at a time while the error of a share is too large;
+QUICK_STARTS, FIRST_STARTS, MORE_STARTS, MOST_STARTS = 2, 2, 2, 16
+"""Tests of an ensemble of a quick study; before the first page; so many more at a time while the error of a share is too large;
 and the most of an ensemble."""
 
 WHOLE = ("track", "rig", "rolling")  # ensembles whose first test is kept as a whole, to be drawn
@@ -207,13 +207,11 @@ class AdhesionStudy(Study[Runs]):
 
     def files(self, results: Runs, numbers: Numbers) -> Mapping[str, Any]:
         track, rig = results.whole["track"], results.whole["rig"]
-        signals = ("train_speed", "axle_speed", "cylinder_pressure", "contact_force", "creep_force", "brake_torque",
-                   "traction_torque", "virtual_speed", "real_sliding", "roller_torque")  # fmt: skip
-        return {
-            "track.nc": track,
-            "rig.nc": rig,
-            "axles.csv": slides.axle_columns({"track": track, "rig": rig}, signals),
-        }
+        both = ("train_speed", "axle_speed", "cylinder_pressure", "contact_force", "creep_force", "brake_torque",
+                "traction_torque")  # fmt: skip
+        of_rig = ("virtual_speed", "real_sliding", "roller_torque")
+        axles = slides.axle_columns({"track": track[list(both)], "rig": rig}, (*both, *of_rig))
+        return {"track.nc": track, "rig.nc": rig, "axles.csv": axles}
 
     def shown(self, results: Runs) -> Mapping[str, xr.Dataset]:
         return {"degraded track": results.whole["track"], "rig": results.whole["rig"]}
@@ -286,13 +284,17 @@ def _findings(numbers: Numbers) -> Iterator[str]:
         )
         yield f"{whole}: {', '.join(parts)}."
     if found:
-        measured = QUANTITIES["dead_time.measured.mean"].cell(found.get("measured"))
+        measured = ""
+        if "measured" in found:
+            told = QUANTITIES["dead_time.measured.mean"].told(found["measured"])
+            none = "none, no track that was run has the rig's distance"
+            measured = f"; measured: {none if found['measured']['mean'] is None else told}"
         predicted, torque, drive = (
             QUANTITIES[f"dead_time.{name}_s"].cell(found[f"{name}_s"]) for name in ("predicted", "torque", "drive")
         )
         yield (
             f"Equivalent dead time: the rig acts like a track whose protection has {predicted} ms more in closed form, {torque} "
-            f"ms of the axle's torque and {drive} ms of the drives; measured: {measured} ms."
+            f"ms of the axle's torque and {drive} ms of the drives{measured}."
         )
     for label in ("track", "rig"):
         if numbers[label]["status"] not in COMPLETED:

@@ -101,8 +101,9 @@ class ReplayStudy(Study[xr.Dataset]):
             late += " The sensors of the case are exact: no interval is given. State their noise in [sensors]."
         lines = [late]
         for quantity in self.quantities.below("axles.*"):
-            told = [f"{quantity.told(one[quantity.name])} ({axle.replace('_', ' ')})"
-                    for axle, one in numbers["axles"].items() if one[quantity.name]]  # fmt: skip
+            found = {axle.replace("_", " "): one[quantity.name] for axle, one in numbers["axles"].items()}
+            nothing = (None, 0.0) if quantity.unit == "s" else (None,)  # a doubt that lasts for no time is none
+            told = [f"{quantity.told(value)} ({axle})" for axle, value in found.items() if value not in nothing]
             lines += [f"{quantity.label}: {', '.join(told)}."] if told else []
         return lines
 

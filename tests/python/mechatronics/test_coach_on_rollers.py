@@ -1,4 +1,4 @@
-"""A whole coach on four pairs of rollers under degraded adhesion: it brakes, stays on its crowns, and gets a outcome."""
+"""A whole coach on four pairs of rollers under degraded adhesion: it brakes, stays on its crowns, and gets an outcome."""
 
 from __future__ import annotations
 

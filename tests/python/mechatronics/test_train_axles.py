@@ -178,7 +178,7 @@ def test_studies_that_know_only_the_axles_under_test_refuse_others(study: str) -
 
 @pytest.mark.parametrize("name", ["rig", "track"])
 def test_what_is_counted_is_of_the_axles_under_test(name: str, request: pytest.FixtureRequest) -> None:
-    """What is only simulated agrees between rig and track whatever the rig does: it must not thin out a outcome on the rig."""
+    """What is only simulated agrees between rig and track whatever the rig does: it must not thin out an outcome on the rig."""
     run = request.getfixturevalue(name)
     case = case_of() if name == "rig" else track_case(case_of())
     tested = run.sel(axle=["wheelset_1", "wheelset_2"])

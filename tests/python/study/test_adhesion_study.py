@@ -330,7 +330,10 @@ def test_starts_are_added_while_they_decide_a_row() -> None:
     count, said = refined({}, fewer, 6.0)
     assert count == EIGHT
     assert "dump cycles, all axles under test" in said
-    assert said.endswith("; about 21 starts would decide")
+    assert said.endswith(" (about 21 starts would decide, if mean and scatter stay)")
+    row = Row("fidelity", "x", "x", estimate([0.0, 0.09]), -0.05, 0.05, "")  # of two starts alone
+    assert row.starts_needed < math.inf
+    assert row.told.endswith("target within 5 %")
     bad_run = {**fewer, "force_error_rms": 0.06}  # no number of starts makes the row met
     assert refined({}, bad_run, 4.0) == (EIGHT, "")
 
@@ -561,6 +564,8 @@ def test_every_number_is_explained_and_written(outcome: Found[Runs], tmp_path: P
     rows = (tmp_path / "axles_quick.csv").read_text().splitlines()
     assert len(rows) == 1 + outcome.results.whole["rig"].sizes["time"]
     last = dict(zip(rows[0].split(","), map(float, rows[-1].split(",")), strict=True))
+    assert not {"virtual_speed_wheelset_1_track", "roller_torque_wheelset_1_track"} & last.keys()  # a track has none
+    assert "virtual_speed_wheelset_1_rig" in last
     assert last["train_speed_rig"] == pytest.approx(float(outcome.results.whole["rig"]["train_speed"][-1]), rel=1e-8)
     page = (tmp_path / "report.html").read_text(encoding="utf-8")
     assert page.index("<h2>Assessment</h2>") < page.index("<h2>Why rig and track differ</h2>")
@@ -578,7 +583,8 @@ def test_the_summary_begins_with_the_verdict_and_says_how_limit_cycles_are_compa
     assert outcomes == sorted(outcomes, key="✘?✔".index)  # what is not met first
     assert set(outcomes) != {"✔"}
     assert any("not point by point" in line for line in lines)
-    assert any(line.startswith("Equivalent dead time: ") for line in lines)
+    (dead_time,) = (line for line in lines if line.startswith("Equivalent dead time: "))
+    assert dead_time.endswith("; measured: none, no track that was run has the rig's distance.")
 
 
 @pytest.mark.slow

@@ -328,6 +328,19 @@ def test_the_report_explains_its_numbers(case: Case, run: xr.Dataset, tmp_path: 
     assert xr.load_dataset(tmp_path / "out" / "replay.nc")["force"].attrs["units"] == "N"
 
 
+def test_a_band_that_never_holds_the_force_is_told(case: Case) -> None:
+    """Nothing inside is a finding, a doubt that lasts for no time none."""
+    axle = {q.name: 1.0 for q in ReplayStudy.quantities.below("axles.*")} | {
+        "share_inside": 0.0,
+        "locked_s": 0.0,
+        "error_n": None,
+    }
+    numbers = {"force_delay_ms": 1.0, "force_noise_n": 20.0, "axles": {"wheelset_1": axle}}
+    told = ReplayStudy(case, xr.Dataset()).summary(xr.Dataset(), numbers)
+    assert "samples inside the band: 0 % (wheelset 1)." in told
+    assert not any(line.startswith(("wheel locked", "error without")) for line in told)
+
+
 def test_columns_of_matlab(case: Case, run: xr.Dataset, found: xr.Dataset, tmp_path: Path) -> None:
     content: dict[str, object] = {"time": run["time"].to_numpy()}
     units = {"time": "s"}

@@ -1,4 +1,4 @@
-"""`rollerrig wsp`: its stops, its numbers, and that no bad run gets a outcome."""
+"""`rollerrig wsp`: its stops, its numbers, and that no bad run gets an outcome."""
 
 from __future__ import annotations
 
@@ -314,8 +314,11 @@ def test_one_lock_beyond_the_limit_is_enough_though_the_mean_is_within() -> None
 
 SPOILED = {
     "7 of 8 tests were made": made()[:7],
-    "0 of 1 tests came to their end: contact_lost": [record({**GOOD}, "contact_lost")],
-    "7 of 8 tests came to their end: rollers_protected": [*made()[:7], record({**GOOD}, "rollers_protected")],
+    "0 of 1 tests came to their end, one ended early: contact_lost": [record({**GOOD}, "contact_lost")],
+    "7 of 8 tests came to their end, one ended early: rollers_protected": [
+        *made()[:7],
+        record({**GOOD}, "rollers_protected"),
+    ],
     "in 8 of 8 tests the train had not stopped after 20 s": made("ok"),
     "7 of 8 tests kept contact": [*made()[:7], record({**GOOD, "contact_lost_s": 0.02})],
     "6 of 8 tests kept contact": [*made()[:6], *made(contact_lost_total_s=0.6)[6:]],  # 0.6 s of 50 s

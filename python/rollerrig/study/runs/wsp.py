@@ -289,7 +289,7 @@ def faults(found: StopTests, *, must_slide: bool = True) -> Iterator[str]:
     for key, (text, _, has) in GATES.items():
         bad = [one for one in tests if not has(one, tests)]
         if bad and (must_slide or key != "slid"):
-            why = f": {bad[0].message}" if key == "ended" else ""
+            why = f", one ended early: {bad[0].message}" if key == "ended" else ""
             yield f"{count - len(bad)} of {count} tests {text}{why}"
     rolling = sum(one.completed and not one.stopped for one in tests)
     if found.stop.stops and rolling:
