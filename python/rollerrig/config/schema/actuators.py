@@ -77,10 +77,14 @@ class Motor(Table):
         None, "rows [speed of the driven axle, largest torque], a torque-speed table: each speed once; absent: no limit"
     )
     bandwidth: Frequency = optional(50.0, "bandwidth of the torque loop")
-    damping_ratio: Annotated[float, Quantity("1", 0.0, 5.0)] = optional(0.0, "damping of second order; 0: first order")
+    damping_ratio: Annotated[float, Quantity("1", 0.0, 5.0)] = optional(
+        0.0, "damping ratio of a torque loop of second order; 0: first order"
+    )
     largest_torque: DriveTorque | None = optional(None, "on the driven axle, either way; absent: no limit")
     largest_power: DrivePower | None = optional(None, "torque times speed of the axle, either way; absent: no limit")
-    largest_speed: DriveSpeed | None = optional(None, "speed beyond which there is no torque; absent: no limit")
+    largest_speed: DriveSpeed | None = optional(
+        None, "largest speed of the driven axle: beyond it there is no torque; absent: no limit"
+    )
     rotor_inertia: Annotated[float, Quantity("kg m^2", 0.0, 1e8)] = optional(
         0.0, "inertia of the rotor about its shaft; on the driven axle it counts times gear_ratio squared"
     )
@@ -99,12 +103,20 @@ class Brake(Table):
     release_rate: PressureRate = optional(1.2e5, "its fall")
     follow_rate: Rate = optional(20.0, "how fast the control valve closes in on the demand")
     air: AnyAir = optional(UnlimitedAir(), "what fills and vents the cylinders: its kind, or a table")
-    ambient_pressure: PositivePressure = optional(101325.0, "that of the air: valves choke by absolute pressures")
+    ambient_pressure: PositivePressure = optional(
+        101325.0, "pressure of the air around: valves choke by ratios of absolute pressures"
+    )
     volume: Volume = optional(5e-3, "volume of one axle's cylinders, and of its pipes where brake.air has none")
-    piston_area: Annotated[float, Quantity("m^2", 1e-8, 10.0)] = optional(0.085, "times ratio, efficiency of rigging")
+    piston_area: Annotated[float, Quantity("m^2", 1e-8, 10.0)] = optional(
+        0.085, "times ratio and efficiency of the rigging, one axle"
+    )
     spring_force: Annotated[float, Quantity("N", 0.0, 1e7)] = optional(500.0, "spring force of the retracting spring")
-    friction: FrictionOverSpeed = optional(((0.0, 0.38), (50.0, 0.30)), "rows [sliding speed of the pads, friction]")
-    friction_radius: Annotated[float, Quantity("m", 1e-4, 2.0)] = optional(0.247, "effective radius of disc or wheel")
+    friction: FrictionOverSpeed = optional(
+        ((0.0, 0.38), (50.0, 0.30)), "rows [sliding speed at the friction radius, friction of the pads]"
+    )
+    friction_radius: Annotated[float, Quantity("m", 1e-4, 2.0)] = optional(
+        0.247, "effective radius of the disc; of a tread brake the wheel radius"
+    )
     faces: Annotated[float, Quantity("1", 0.01, 100.0)] = optional(2.0, "friction faces that the force presses on")
     friction_regularisation_speed: PositiveSpeed = optional(0.05, "below it friction is viscous")
     by_traction_motors: StrictBool = optional(False, "the traction motors exert the brake's torque, as far as they can")
@@ -172,7 +184,9 @@ class BrakeUnit(Controller):
 class SlipSearch(Table):
     """Search for the slip at which an axle transmits most: perturb and observe. All numbers are ours."""
 
-    interval: Pause = optional(0.0, "interval between changes of the slip that costs torque, about 2 s; 0: no search")
+    interval: Pause = optional(
+        0.0, "interval between two changes of the slip above which an axle loses torque, about 2 s; 0: no search"
+    )
     ratio: Annotated[float, Quantity("1", 1.001, 10.0)] = optional(1.15, "ratio of a change, up or down")
     least: Annotated[float, Quantity("1", 1e-3, 1.0)] = optional(0.1, "least slip tried, over slip and slip_speed")
     largest: Annotated[float, Quantity("1", 1.0, 1e3)] = optional(8.0, "largest slip tried, over slip and slip_speed")
@@ -189,10 +203,14 @@ class WheelSlipControl(Controller):
     reduction_rate: Rate = optional(4.0, "reduction rate of the factor on the torque")
     restoring_rate: Rate = optional(0.35, "restoring rate of the factor on the torque")
     least_factor: Ratio = optional(0.05, "what is always left of the torque")
-    release_interval: Pause = optional(3.0, "while axles slip one is released so often, for the reference; 0: never")
+    release_interval: Pause = optional(
+        3.0, "while axles slip one is released this often for the reference speed; 0: never"
+    )
     shortest_release: Pause = optional(0.4, "shortest duration of such a release: the torque needs some time to go")
     longest_release: Phase = optional(1.2, "longest duration of such a release")
-    release_deceleration: Deceleration = optional(0.5, "a released axle that slows less has the train's speed")
+    release_deceleration: Deceleration = optional(
+        0.5, "a released axle that slows less has run down to the train's speed"
+    )
     least_acceleration: Deceleration = optional(0.05, "least acceleration of the reference speed between releases")
     regained_after: Phase = optional(3.0, "without slip for so long the axles count as gripping")
     search: SlipSearch = optional(SlipSearch(), "search for the slip at which each axle transmits most")
@@ -205,7 +223,9 @@ class ReferencedProtection(Controller):
     """What every law of slide protection has: reference speed, stepwise filling, watchdog."""
 
     reference_deceleration: Deceleration = optional(1.6, "the reference speed falls no faster: no train brakes harder")
-    release_interval: Pause = optional(3.0, "while all slide one axle is released so often for a reference; 0: never")
+    release_interval: Pause = optional(
+        3.0, "while all axles slide one is released this often for the reference speed; 0: never"
+    )
     shortest_release: Pause = optional(0.3, "shortest duration of such a release: valve and cylinder need some time")
     longest_release: Phase = optional(1.2, "longest duration of such a release")
     least_deceleration: Deceleration = optional(0.2, "least deceleration of the reference speed between releases")
@@ -229,7 +249,9 @@ class ReferencedProtection(Controller):
 class SlideProtection(ReferencedProtection):
     """Our law: two slips, a deceleration, written after EN 15595's principles."""
 
-    kind: Literal["slip_and_deceleration"] = optional("slip_and_deceleration", "slips and deceleration, after EN 15595")
+    kind: Literal["slip_and_deceleration"] = optional(
+        "slip_and_deceleration", "two slips and a deceleration; written after EN 15595's principles"
+    )
     vent_slip: Ratio = optional(0.12, "relative slip above which a cylinder is vented")
     vent_slip_speed: PositiveSpeed = optional(1.0, "lower limit of that slip as a speed")
     vent_deceleration: Deceleration = optional(4.0, "a slipping axle that slows faster is vented")
@@ -241,8 +263,12 @@ class TableSlideProtection(ReferencedProtection):
     """Bands of slip and acceleration, an entry for each: the phases of an anti-lock cycle (Kiencke and Nielsen); numbers ours."""
 
     kind: Literal["threshold_table"] = needed("a table over bands of slip and acceleration: phases of anti-lock")
-    least_slip_reference: PositiveSpeed = optional(30.0 / 3.6, "at lower reference speeds slip is over this one")
-    slip_thresholds: tuple[Ratio, ...] = optional((0.05, 0.1, 0.2), "slips between the rows of `entries`, ascending")
+    least_slip_reference: PositiveSpeed = optional(
+        30.0 / 3.6, "below this reference speed slip is over it, not over the reference"
+    )
+    slip_thresholds: tuple[Ratio, ...] = optional(
+        (0.05, 0.1, 0.2), "relative slips between the rows of `entries`, ascending"
+    )
     acceleration_thresholds: tuple[Annotated[float, Quantity("m/s^2", -1e3, 1e3)], ...] = optional(
         (-4.0, -1.5, 0.5), "limits of the axle's acceleration, between the columns of `entries`, ascending"
     )

@@ -30,8 +30,14 @@ class Condition(Table):
     """A rail's surface: friction, and what is left of the creep curve's stiffness."""
 
     friction: AnyFriction = needed("a number, or a law over slip velocity")
-    k_A: Share = optional(1.0, "reduction factor of the creep stiffness on the area of adhesion, not polach's own")
-    k_S: Share = optional(1.0, "on the area of slip, at most k_A; laws without both: times their mean, beside k_0")
+    k_A: Share = optional(
+        1.0, "reduction factor of the creep curve's stiffness on the area of adhesion, in place of polach's own"
+    )
+    k_S: Share = optional(
+        1.0,
+        "on the area of slip, at most k_A; the stiffness of laws without k_A and k_S is times their mean, beside "
+        "k_0 of modified_fastsim",
+    )
 
     def _mistakes(self) -> Mistakes:
         if self.k_S > self.k_A:
@@ -79,10 +85,14 @@ class Adhesion(Table):
         "in `rail`; or `condition`, a name that holds from there on",
     )
     blend: Annotated[float, Quantity("m", 0.0, 1e5)] = optional(
-        0.0, "length over which conditions pass into the next, like '10 m', or time where pieces have one; 0: a jump"
+        0.0,
+        "length over which one condition passes into the next, like '10 m'; where pieces begin at a time the "
+        "time, like '0.1 s'; 0: a jump",
     )
     recovery_per: Literal["area", "length"] = optional(
-        "area", "what the recovery constant goes with: energy per area, tau in m^2/J; or per metre of a wheel, in m/J"
+        "area",
+        "what the recovery constant goes with: energy per area of the running surface, tau in m^2/J; or per metre "
+        "run by a wheel, tau in m/J",
     )
     recovery_constant: Annotated[float, Quantity("m^2/J", 0.0, 1e6)] = optional(
         0.0,
@@ -90,9 +100,13 @@ class Adhesion(Table):
         "a text's unit decides `recovery_per`; 0: no recovery",
     )
     wheel_memory: Annotated[float, Quantity("m", 0.0, 1e6)] = optional(
-        0.0, "sliding cleans the wheel's tread, too: length over which that fades; 0: only the rail is cleaned"
+        0.0,
+        "sliding cleans the wheel's tread too, and it takes up a film again as it rolls: length over which its "
+        "cleaning fades; 0: only the rail is cleaned",
     )
-    cell_length: Annotated[float, Quantity("m", 1e-4, 100.0)] = optional(0.05, "cells of dissipated energy on the rail")
+    cell_length: Annotated[float, Quantity("m", 1e-4, 100.0)] = optional(
+        0.05, "length of the cells along the rail in which dissipated energy is kept"
+    )
     recovered: AnyCondition = optional(
         Condition(friction=FallingFriction(kind="falling", mu_0=0.70, A=0.40, B=0.60)),
         "condition of the rail once it has recovered",

@@ -62,7 +62,8 @@ class Train(Table):
     gradient: Annotated[float, Quantity("1", -0.1, 0.1)] = optional(0.0, "positive uphill")
     axles: TrainAxles | None = optional(None, "the train's axles, of which some are under test; absent: all are")
     brake_signal_speed: Annotated[float, Quantity("m/s", 10.0, 1e4)] | None = optional(
-        None, "at which the brake demand runs along the main pipe, from the train's first axle; absent: at once"
+        None,
+        "at which the brake demand runs along the main pipe, from the train's first axle; absent: everywhere at once",
     )
 
 
@@ -108,10 +109,16 @@ class ReservoirAir(Table):
     fill_conductance: Conductance = optional(2.5e-7, "sonic conductance C, reservoir or pipe to one axle's cylinders")
     vent_conductance: Conductance = optional(2.5e-7, "sonic conductance C from one axle's cylinders to the ambient")
     critical_ratio: Annotated[float, Quantity("1", 0.0, 0.9)] = optional(0.3, "critical pressure ratio b of orifices")
-    relay_band: Annotated[float, Quantity("Pa", 1.0, 1e7)] = optional(1e4, "missing pressure that opens the relay wide")
-    opening_time: DeadTime = optional(0.02, "dead time of dump valves' magnets, a multiple of time.sampling_step")
+    relay_band: Annotated[float, Quantity("Pa", 1.0, 1e7)] = optional(
+        1e4, "missing cylinder pressure from which the relay valve is wide open"
+    )
+    opening_time: DeadTime = optional(
+        0.02, "dead time of a dump valve's magnet valves, a multiple of time.sampling_step"
+    )
     closing_time: DeadTime = optional(0.02, "the same for closing")
-    least_pulse: DeadTime = optional(0.02, "a magnet's command stays at least so long: a shorter one is prolonged")
+    least_pulse: DeadTime = optional(
+        0.02, "a magnet valve's command stays at least so long: a shorter one is prolonged"
+    )
     reservoir_volume: Volume = optional(0.1, "volume of each auxiliary reservoir")
     axles_per_reservoir: Annotated[StrictInt, Field(ge=1, le=MOST_AXLES)] | None = optional(
         None, "axles in a row that share a reservoir, counted from the front: 4 of a coach, 2 of a bogie; absent: all"
@@ -123,7 +130,9 @@ class ReservoirAir(Table):
     )
     reference_pressure: PositivePressure = optional(1e5, "at which conductances hold, with 20 degrees C (ISO 8778)")
     temperature: Annotated[float, Quantity("K", 200.0, 400.0)] = optional(293.15, "constant temperature of all air")
-    pipe: CylinderPipe | None = optional(None, "pipes from relay to dump valves; absent: relay valves at cylinders")
+    pipe: CylinderPipe | None = optional(
+        None, "pipes from a relay valve to the dump valves of its axles; absent: a relay valve at each cylinder"
+    )
 
 
 AnyAir = Annotated[UnlimitedAir | ReservoirAir, by_kind("unlimited")]
@@ -139,7 +148,9 @@ ForceOverSpeed = Annotated[Rows[BrakeSpeed, BrakeForce], Field(min_length=2)]
 class ElectrodynamicBrake(Table):
     """What every electrodynamic brake has: its axles, its lag, and its place beside friction brake and slide protection."""
 
-    axles: tuple[str, ...] | None = optional(None, "wheelsets that brake; absent: all", min_length=1)
+    axles: tuple[str, ...] | None = optional(
+        None, "wheelsets with a motor that brakes, by name; absent: all", min_length=1
+    )
     share: Share = optional(1.0, "share of the torque asked of the axle, at most; friction gives the rest")
     time_constant: Annotated[float, Quantity("s", 1e-4, 100.0)] = optional(0.1, "time constant of the torque")
     blending_delay: Annotated[float, Quantity("s", 0.0, 10.0)] = optional(
@@ -179,7 +190,9 @@ class ForceTableBrake(ElectrodynamicBrake):
     """Points of the diagram of force over speed."""
 
     kind: Literal["table"] = needed("points of the diagram of force over speed")
-    forces: ForceOverSpeed = needed("rows [circumferential speed, largest force of one axle]; linear, constant beyond")
+    forces: ForceOverSpeed = needed(
+        "rows [speed of the wheels' circumference, largest force of one axle]; linear between, constant beyond"
+    )
 
 
 AnyElectrodynamicBrake = Annotated[ConstantPowerBrake | ForceTableBrake, by_kind("constant_power")]
@@ -228,7 +241,9 @@ Place = Annotated[float, Quantity("m", 0.0, 1e6)]
 class SandOnSlide(Table):
     """While slide protection vents an axle, or wheel-slip control takes torque off one."""
 
-    kind: Literal["on_slide"] = optional("on_slide", "while slide protection or wheel-slip control acts on an axle")
+    kind: Literal["on_slide"] = optional(
+        "on_slide", "while slide protection vents an axle or wheel-slip control takes torque off one"
+    )
 
 
 class SandBetween(Table):
@@ -267,7 +282,9 @@ class Sanding(Table):
     """Sand in front of some axles: they and all axles behind them find it on the rail. All numbers are ours."""
 
     start: AnySandingStart = optional(SandOnSlide(), "when sand is wanted: its kind, or a table")
-    axles: tuple[str, ...] | None = optional(None, "wheelsets that have sand; absent: the leading one", min_length=1)
+    axles: tuple[str, ...] | None = optional(
+        None, "wheelsets in front of which sand falls, by name; absent: the leading one", min_length=1
+    )
     delay: Annotated[float, Quantity("s", 0.0, 10.0)] = optional(
         0.5, "delay from the wish to the sand on the rail, and back, a multiple of time.sampling_step"
     )

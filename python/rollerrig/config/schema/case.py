@@ -97,7 +97,9 @@ class Contact(Table):
     """Laws and parameters of the contact between wheel and rail or roller."""
 
     material: Material = needed("material of both: a catalogue name, a file or a table")
-    friction: AnyFriction = optional(ConstantFriction(kind="constant", mu_0=0.3), "a coefficient, or a law over slip")
+    friction: AnyFriction = optional(
+        ConstantFriction(kind="constant", mu_0=0.3), "a coefficient, or a law over slip velocity"
+    )
     gauge_face_friction: Friction | None = optional(
         None,
         "coefficient on the gauge face of rail or roller, from a contact angle of 40 degrees on; up to 20 degrees "
@@ -143,12 +145,19 @@ class Contact(Table):
 class Motion(Table):
     """How the vehicle and the rollers are driven, and when a brake test ends."""
 
-    speed: RunningSpeed = needed("running speed at the start; absent: from speed_table", instead_of="speed_table")
+    speed: RunningSpeed = needed(
+        "running speed at the start; on rollers the simulated one; taken from speed_table if absent",
+        instead_of="speed_table",
+    )
     drive: Literal["speed_controlled", "free", "torque"] = optional(
         "speed_controlled", "rollers (or track): speed constant or by speed_table, free to turn, or given a torque"
     )
-    speed_table: SpeedTable | None = optional(None, "rows [time, speed], for speed_controlled, linear; constant beyond")
-    torque_table: TorqueTable | None = optional(None, "rows [time, roller torque] for 'torque', positive forward")
+    speed_table: SpeedTable | None = optional(
+        None, "rows [time, speed] for drive = 'speed_controlled'; linear between, constant beyond"
+    )
+    torque_table: TorqueTable | None = optional(
+        None, "rows [time, torque per roller axle] for drive = 'torque'; positive drives forward running"
+    )
     stop_speed: Annotated[float, Quantity("m/s", 1e-4, 50.0)] = optional(
         1.0, "lowest speed with [brake]: a train slower than this counts as stationary, and the run ends"
     )
@@ -239,15 +248,21 @@ class TimeSettings(Table):
         "absent: rodas4, and with actuators or controllers exponential_adams with the sampling step",
     )
     step: Step | None = optional(
-        None, "step of rk4 and exponential_rk4, longest of exponential_adams; for the others the first one tried"
+        None,
+        "step of rk4 and exponential_rk4, longest step of exponential_adams, which need it; for the others the "
+        "first step tried",
     )
-    relative_tolerance: Annotated[float, Quantity("1", 1e-13, 0.1)] = optional(1e-6, "relative local error per step")
+    relative_tolerance: Annotated[float, Quantity("1", 1e-13, 0.1)] = optional(
+        1e-6, "local error per step, relative to each state"
+    )
     absolute_tolerance: Annotated[float, Quantity("1", 1e-16, 1.0)] = optional(
         1e-9, "local error per step of a displacement or angle [m, rad]; of its rate 100 1/s times that"
     )
     maximum_step: Interval | None = optional(None, "longest step of an adaptive method; absent: no limit")
     sampling_step: Annotated[float, Quantity("s", 1e-6, 1.0)] = optional(
-        1e-3, "period of actuators and controllers, whose samples, delays and commands are at its multiples"
+        1e-3,
+        "period of actuators and controllers: samples, delays and changes of commands are at its multiples; the "
+        "method integrates from one to the next",
     )
     output_step: Interval = optional(0.01, "interval between kept samples")
 
@@ -272,10 +287,14 @@ class CaseTables(Named):
     model_config = ConfigDict(title="Case")
 
     base: str | None = optional(
-        None, "a case of the catalogue, or a file relative to this one, from which this one says only what is different"
+        None,
+        "a case of the catalogue, or a file relative to this one, from which this one says only what is "
+        "different; loading writes that into it",
     )
     without: tuple[str, ...] | None = optional(None, "dotted keys that `base` has and this one has not")
-    gravity: Annotated[float, Quantity("m/s^2", 0.05, 1e4)] = optional(GRAVITY, "another one only in ideal similitude")
+    gravity: Annotated[float, Quantity("m/s^2", 0.05, 1e4)] = optional(
+        GRAVITY, "acceleration of gravity; another one only in ideal similitude"
+    )
     vehicle: VehicleChoice = needed("the vehicle")
     support: SupportChoice = needed("the rig or the track")
     contact: Contact = needed("the contact")
@@ -293,12 +312,16 @@ class CaseTables(Named):
     traction: Traction | None = optional(None, "traction drive of each axle")
     slide_protection: AnySlideProtection | None = optional(None, "wheel slide protection: its kind, or a table")
     wheel_slip_control: WheelSlipControl | None = optional(None, "protection of the traction drives against wheel slip")
-    brake_unit: BrakeUnit | None = optional(None, "brake unit of your own: cylinder pressures; absent: that of [brake]")
+    brake_unit: BrakeUnit | None = optional(
+        None, "brake unit of your own: demand and valves -> cylinder pressures; absent: that of [brake]"
+    )
     sensors: Sensors = optional(Sensors(), "what the controllers see")
     rig_control: RigControl | None = optional(None, "controller of the roller drives")
     fault: tuple[AnyFault, ...] = optional((), "faults of axles' brakes and sensors", max_length=16)
 
-    ensemble: Ensemble = optional(Ensemble(), "what differs between tests of an ensemble, as adhesion and wsp make it")
+    ensemble: Ensemble = optional(
+        Ensemble(), "what differs between the tests of an ensemble, as adhesion and wsp make them"
+    )
     similitude: ScaledFrom | None = optional(None, "the full-scale case that this one models; absent: at full scale")
 
     @property

@@ -17,7 +17,9 @@ class Ensemble(Table):
     """
 
     distribution: Literal["uniform", "normal"] = optional(
-        "uniform", "distribution of each within plus and minus its spread; normal: two standard deviations, cut off"
+        "uniform",
+        "distribution of each of them within plus and minus its spread; normal: the spread is two standard "
+        "deviations, beyond which nothing is drawn",
     )
     adhesion: Spread = optional(0.02, "relative spread of the friction of every rail of [adhesion]")
     pad_friction: Spread = optional(0.02, "relative spread of the friction of the brake pads")

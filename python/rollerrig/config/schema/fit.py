@@ -35,7 +35,9 @@ class Output(Table):
 
     of: str = needed("output of the model, as `rollerrig export` calls it: wheelset_1.lateral", min_length=1)
     column: str | None = optional(None, "column of the log; absent: one of the output's name")
-    unit: str | None = optional(None, "unit of the column; absent: that in brackets in its heading")
+    unit: str | None = optional(
+        None, "unit of the column; absent: what its heading says in brackets; one of the two is needed"
+    )
     error: Value | None = optional(None, "standard deviation of one value; absent: found from what the fit leaves")
     error_column: str | None = optional(None, "column with the standard deviation of each value, in its place")
     low_pass: Annotated[float, Quantity("Hz", 1e-3, 1e6)] | None = optional(
@@ -55,7 +57,9 @@ class Input(Table):
     column: str = needed("column of the log", min_length=1)
     unit: str | None = optional(None, "unit of the column; absent: what its heading says in brackets")
     factor: Annotated[float, Quantity("1", -1e6, 1e6)] = optional(1.0, "factor of the values: a gear ratio, or -1")
-    between: Literal["line", "hold"] = optional("line", "between two rows: linear, or held, as what is switched")
+    between: Literal["line", "hold"] = optional(
+        "line", "between two rows: linear, or held until the next row, as what is switched"
+    )
 
 
 class Log(Table):
@@ -124,5 +128,7 @@ class FitPlan(Named):
         "linear", "what a deviation counts; with the others a few wrong points do not pull"
     )
     held_back: Part = optional(0.0, "part of each log kept for checking: the end of runs, rows spread over other logs")
-    starts: Annotated[int, Field(ge=1, le=100)] = optional(1, "searches, the first from the case's own values")
+    starts: Annotated[int, Field(ge=1, le=100)] = optional(
+        1, "searches from so many places: from the case's own values, and spread over the ranges"
+    )
     seed: Annotated[int, Field(ge=0, lt=2**32)] = optional(1, "seed of those places")

@@ -52,13 +52,18 @@ AnyDistribution = Annotated[Normal | Lognormal | Triangular, Discriminator("kind
 class Variation(Table):
     """One thing that is varied: by a list, a range, or a distribution."""
 
-    key: str = needed("dotted key of the case; with `*` all that match get the same value", min_length=1)
+    key: str = needed(
+        "dotted key of the case, as in `--set`: `support.roller_radius`; with `*` all that match get the same value",
+        min_length=1,
+    )
     name: Name | None = optional(None, "in results and figures; absent: the end of the key")
     values: tuple[Any, ...] | None = optional(None, "all values, also with units or as words", min_length=1)
     least: Value | None = optional(None, "lower end of a range; it cuts a distribution off")
     most: Value | None = optional(None, "upper end")
     count: Count | None = optional(None, "values of a range in a grid, both ends included")
-    scale: Literal["linear", "logarithmic"] = optional("linear", "how a range is divided, or samples are spread in it")
+    scale: Literal["linear", "logarithmic"] = optional(
+        "linear", "how a range is divided, or where in it samples are equally likely"
+    )
     distribution: AnyDistribution | None = optional(None, "distribution of the samples; absent: uniform in the range")
 
     def _mistakes(self) -> Mistakes:

@@ -95,12 +95,18 @@ class ProfileFile(ProfileSpec):
     inner_side: Literal["auto", "negative", "positive"] = optional(
         "auto", "sign of the file's abscissa on the flange or gauge side; auto looks for the flange"
     )
-    z_positive: Literal["auto", "up", "down"] = optional("auto", "where its ordinate grows, mounted; auto: by flanks")
-    tape_circle: Annotated[float, Quantity("m", -1.0, 1.0)] = optional(0.0, "a wheel's tape circle in the file's axes")
+    z_positive: Literal["auto", "up", "down"] = optional(
+        "auto", "whether the file's ordinate grows up or down as mounted; auto looks at the flanks"
+    )
+    tape_circle: Annotated[float, Quantity("m", -1.0, 1.0)] = optional(
+        0.0, "abscissa of the tape circle in the file's own axes; wheels only"
+    )
     inclination: Annotated[float, Quantity("1", -0.2, 0.2)] = optional(
         0.0, "further lean of a rail towards the track centre; 0 where the file is already inclined"
     )
-    smoothing: Smoothing = optional("auto", "cut-off wavelength; auto: the shortest that leaves a usable curvature")
+    smoothing: Smoothing = optional(
+        "auto", "cut-off wavelength of the smoothing; auto: the shortest that leaves a usable curvature"
+    )
     require_flange: StrictBool = optional(True, "refuse a wheel without a flange")
     step: KnotSpacing = optional(0.05e-3, _STEP)
 

@@ -19,8 +19,12 @@ class BrakedRun(Named):
     """What every stop of a programme has."""
 
     speed: RunningSpeed = needed("at the demand for braking")
-    pressure: Pressure | None = optional(None, "demanded cylinder pressure over the ambient; absent: the largest")
-    duration: Annotated[float, Quantity("s", 1.0, 1e4)] = optional(120.0, "longest; nothing is decided without a stop")
+    pressure: Pressure | None = optional(
+        None, "demanded cylinder pressure over the ambient; absent: the largest that the case demands"
+    )
+    duration: Annotated[float, Quantity("s", 1.0, 1e4)] = optional(
+        120.0, "longest; where the train has not stopped by then nothing is decided"
+    )
     rail: AnyCondition = needed(f"condition of the rail at the start: {ALLOWED}")
 
     stops: ClassVar[bool] = True
@@ -148,7 +152,9 @@ class Limit(Table):
     criterion: CriterionName = needed("what is limited")
     at_least: float | None = optional(None, "least that is allowed, in the criterion's unit", json_schema_extra=NUMBER)
     at_most: float | None = optional(None, "most that is allowed, in the criterion's unit", json_schema_extra=NUMBER)
-    stops: tuple[str, ...] = optional((), "names of the stops; none: all that have such a number", max_length=100)
+    stops: tuple[str, ...] = optional(
+        (), "names of the stops that it holds for; none: all that have such a number", max_length=100
+    )
     origin: str = needed("who set it, and why", min_length=1)
     clause: str = optional("", "clause of the standard or specification that it is taken from, as you have it")
 
@@ -187,4 +193,4 @@ class Programme(Sourced):
     starts: Count = optional(8, "tests of each stop on each support, without which nothing is decided")
     flat: FlatWear = optional(FlatWear(), "estimate of wheel flats")
     stop: tuple[AnyStop, ...] = needed("the stops, in their order", min_length=1, max_length=100)
-    limit: tuple[Limit, ...] = optional((), "what assesses them; none: nothing", max_length=1000)
+    limit: tuple[Limit, ...] = optional((), "what they are assessed by; none: nothing is", max_length=1000)

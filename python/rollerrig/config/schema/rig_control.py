@@ -32,15 +32,21 @@ class PhonicWheel(Table):
     """Toothed wheel with one pick-up; a magnitude, it does not tell the direction."""
 
     teeth: Annotated[float, Quantity("1", 1.0, 1e5)] = optional(100.0, "around the phonic wheel")
-    pitch_error: Annotated[float, Quantity("1", 0.0, 0.1)] = optional(0.0, "standard deviation of teeth, in pitches")
+    pitch_error: Annotated[float, Quantity("1", 0.0, 0.1)] = optional(
+        0.0, "standard deviation of a tooth's place, in pitches; the same in each turn"
+    )
 
 
 class PulsePeriod(PhonicWheel):
     """Speed from the time between edges of a phonic wheel."""
 
     kind: Literal["pulse_period"] = needed("phonic wheel: speed from the time between edges")
-    averaging_time: Annotated[float, Quantity("s", 0.0, 1.0)] = optional(5e-3, "edges are timed so long; 0: by samples")
-    timeout: Annotated[float, Quantity("s", 1e-3, 100.0)] = optional(0.3, "an axle without edges for so long stands")
+    averaging_time: Annotated[float, Quantity("s", 0.0, 1.0)] = optional(
+        5e-3, "edges are timed over at least so long; 0: from sample to sample"
+    )
+    timeout: Annotated[float, Quantity("s", 1e-3, 100.0)] = optional(
+        0.3, "without an edge for so long the axle counts as standing"
+    )
     clock: Annotated[float, Quantity("Hz", 0.0, 1e12)] = optional(1e6, "that times the edges; 0: exactly")
 
 
@@ -71,9 +77,13 @@ class Sensors(Table):
     axles: AnySpeedSensor = optional(Encoder(), "the rig's own on each axle of the vehicle: its kind, or a table")
     rollers: AnySpeedSensor = optional(Encoder(), "on each roller axle: its kind, or a table")
     vehicle: AnySpeedSensor | None = optional(
-        None, "the vehicle's own on each axle, for its protections: kind, or table; absent: they see those of `axles`"
+        None,
+        "the vehicle's own on each axle, for its slide protection and wheel-slip control: its kind, or a table; "
+        "absent: they see what `axles` does",
     )
-    roller_torque: ForceSensor | None = optional(None, "torque flange of each roller axle; absent: its torque is known")
+    roller_torque: ForceSensor | None = optional(
+        None, "torque flange in the drive shaft of each roller axle; absent: its torque is known"
+    )
     axle_load: ForceSensor = optional(ForceSensor(), "vertical force on the rollers (or rails) under each axle")
     seed: Annotated[int, Field(strict=True, ge=0, le=2**31)] = optional(1, "seed of all noise")
 
@@ -111,7 +121,9 @@ class BandwidthEstimator(Estimator):
     """An estimator of limited bandwidth."""
 
     bandwidth: Frequency = optional(
-        20.0, "pole of the filter, natural frequency of the observer; `rollerrig check` prints the resulting ones"
+        20.0,
+        "pole of the filter, natural frequency of the observer; `rollerrig check` prints bandwidth and delay that "
+        "are measured on the estimate",
     )
 
 
@@ -132,7 +144,9 @@ class KalmanFilter(BandwidthEstimator):
     """A Kalman filter of both speeds, force and torque."""
 
     kind: Literal["kalman"] = needed("a Kalman filter of both speeds, force and torque")
-    speed_noise: Annotated[float, Quantity("rad/s", 1e-12, 1e3)] = optional(1e-3, "standard deviation of a speed")
+    speed_noise: Annotated[float, Quantity("rad/s", 1e-12, 1e3)] = optional(
+        1e-3, "standard deviation of a measured speed"
+    )
     force_change: Annotated[float, Quantity("N", 1e-6, 1e12)] | None = optional(
         None, "standard deviation of the contact force's change over 1 s; absent: from `bandwidth`"
     )
@@ -160,7 +174,9 @@ class KnownTorque(Table):
 
     kind: Literal["known"] = optional("known", "torque from pressure, pad friction and motor; the estimate corrects it")
     correction: Frequency = optional(1.0, "bandwidth of the correction by the estimate")
-    brake_friction: Annotated[float, Quantity("1", 0.0, 10.0)] = optional(1.0, "assumed pad friction over the real")
+    brake_friction: Annotated[float, Quantity("1", 0.0, 10.0)] = optional(
+        1.0, "friction of the pads as the controller assumes it, over the real one"
+    )
 
 
 class ExtrapolatedTorque(Table):
@@ -252,7 +268,9 @@ class RollerDrive(Motor):
 
     largest_torque: DriveTorque | None = optional(2e4, "on the roller axle, either way; ours")
     largest_power: DrivePower | None = optional(1e6, "torque times speed of the roller axle, either way; ours")
-    largest_speed: DriveSpeed | None = optional(134.0, "350 km/h at a radius of 725 mm, beyond it there is no torque")
+    largest_speed: DriveSpeed | None = optional(
+        134.0, "largest speed of the roller axle, 350 km/h at a radius of 725 mm: beyond it there is no torque"
+    )
 
 
 class Assumed(Table):
@@ -283,7 +301,9 @@ class RigControl(Controller):
         "it, and its brake's torque, then the reaction to the roller's, is not used",
     )
     estimator: AnyEstimator = optional(Observer(), "estimator of the contact force: its kind, or a table")
-    axle_torque: AnyAxleTorque = optional(KnownTorque(), "axle torque of the virtual train: its kind, or a table")
+    axle_torque: AnyAxleTorque = optional(
+        KnownTorque(), "torque on an axle that the virtual train takes: its kind, or a table"
+    )
     feedback: AnyFeedback = optional(ProportionalIntegral(), "on the axles' speeds: its kind, or a table")
     drive_command: AnyDriveCommand = optional(LeadCommand(), "how drives are asked for torque: its kind, or a table")
     motor: RollerDrive = optional(RollerDrive(), "drive of each roller axle, with its limits")

@@ -27,7 +27,9 @@ from rollerrig.track import PiecewiseCubic, ramps
 class Spot(Table):
     """A worn or out-of-round spot of the rollers, at the same place of all of them; ramps join it to the rest of the crown."""
 
-    start: Annotated[float, Quantity("m", 0.0, 100.0)] = optional(0.5, "way of the crown until it is under a wheel")
+    start: Annotated[float, Quantity("m", 0.0, 100.0)] = optional(
+        0.5, "way that the crown runs until the spot first comes under the wheel"
+    )
     length: Annotated[float, Quantity("m", 0.0, 100.0)] = needed("along the crown, between the ramps")
     ramp: Annotated[float, Quantity("m", 1e-3, 100.0)] = needed("length of each ramp")
     depth: Annotated[float, Quantity("m", -0.01, 0.01)] = optional(0.0, "depth by which its radius is less")
@@ -49,11 +51,17 @@ class Rig(WithGauge):
     kind: Literal["rig"] = needed("rollers")
     roller_radius: RollerRadius = needed("radius at the crown")
     roller_mass: Mass = needed("mass of a pair of rollers with their axle")
-    roller_inertia: tuple[Inertia, Inertia, Inertia] = needed("moments of inertia of a pair about x, y (spin) and z")
-    coupling: Literal["axle", "independent"] = optional("axle", "both turn as one, or each with half the spin inertia")
+    roller_inertia: tuple[Inertia, Inertia, Inertia] = needed(
+        "moments of inertia of a pair about x, y (spin) and z through its centre"
+    )
+    coupling: Literal["axle", "independent"] = optional(
+        "axle", "axle: left and right turn as one; independent: each with half of the spin inertia"
+    )
     losses: RollerLosses | None = optional(None, "torques of bearings and air, per pair of rollers; absent: none")
     mounting: Mounting | None = optional(None, "elastic support of the roller axles; absent: they only spin")
-    restraint: Restraint | None = optional(None, "a coupler rod that holds the vehicle along the track; absent: none")
+    restraint: Restraint | None = optional(
+        None, "a coupler rod that holds a vehicle along the track which nothing else holds; absent: there is none"
+    )
     steered: StrictBool = optional(
         True,
         "steering of the rollers: with an irregularity they also turn about z into the direction of "

@@ -27,7 +27,9 @@ class Deviation(Table):
     """What every irregularity may say about itself."""
 
     length_scale: Annotated[float, Quantity("1", 1e-3, 10.0)] = optional(
-        1.0, "factor on all lengths and displacements: 0.2 are the rails of a 1:5 model; other keys stay full-scale"
+        1.0,
+        "factor on all lengths, along the track and of the displacements: 0.2 are the rails of a 1:5 model; every "
+        "other key is that of the full-scale track",
     )
 
     fade_in: Annotated[float, Quantity("m", 0.0, 1e4)] = optional(
@@ -63,7 +65,9 @@ class MeasuredIrregularity(Deviation):
     kind: Literal["file"] = needed("a CSV file of measured rails, columns with units")
     path: str = needed("the file, relative to the file that names it", min_length=1)
     start: Annotated[float, Quantity("m", -1e6, 1e6)] | None = optional(
-        None, "distance in the file where the vehicle's middle starts; absent: the foremost wheelset at the first row"
+        None,
+        "distance in the file at which the middle of the vehicle (or of its cut) starts; absent: the foremost "
+        "wheelset starts at the first row",
     )
 
 
@@ -175,7 +179,9 @@ class Foundation(WithSupports):
     lateral: LinearSupport | None = optional(None, "elastic support of one rail's foot along y")
     vertical: LinearSupport | None = optional(None, "elastic support of one rail's foot along z")
     roll: AngularSupport | None = optional(None, "elastic support of one rail about its foot")
-    rail_height: Annotated[float, Quantity("m", 0.01, 1.0)] = optional(0.172, "top of rail over its foot: a lever arm")
+    rail_height: Annotated[float, Quantity("m", 0.01, 1.0)] = optional(
+        0.172, "top of rail over foot: lever arm of the lateral force"
+    )
     sleeper: Sleeper | None = optional(None, "a second layer between the supports and the ground; absent: none")
 
     def _mistakes(self) -> Mistakes:
@@ -206,14 +212,18 @@ class WithGauge(Sourced):
     """What rails and rollers have in common: their gauge is given, or the distance of the contacts."""
 
     profile: AnyProfile = needed("head of the left rail, or generatrix of the left roller")
-    right_profile: AnyProfile | None = optional(None, "right one, as a left one would have it; absent: the same")
+    right_profile: AnyProfile | None = optional(
+        None, "head or generatrix on the right, as a left one would have it; absent: the same"
+    )
     gauge: Gauge = optional(1.435, "distance between the gauge sides of the two rails or rollers")
     gauge_depth: GaugeDepth = optional(0.014, "depth below the top of rail or the crown at which the gauge is taken")
     contact_distance: Gauge | None = optional(
         None, "distance between contacts of the centred wheelset in place of gauge; needs the same head left and right"
     )
     irregularity: AnyIrregularity | None = optional(
-        None, "what the rails deviate from their design position; on a rig the rollers move so; absent: nothing"
+        None,
+        "irregularities of the rails; on a rig those of a track that actuators feed to the wheels by moving the "
+        "rollers; absent: none",
     )
 
     def _mistakes(self) -> Mistakes:
@@ -238,9 +248,13 @@ class LaidSegment(Table):
     """What a straight or a curve says of its rails; transitions pass from one of their neighbours to the other."""
 
     length: SegmentLength = needed("length")
-    gauge: Gauge | None = optional(None, "gauge of its rails; absent: that of the track")
+    gauge: Gauge | None = optional(
+        None, "gauge of its rails; absent: that of the track; transitions widen or narrow between their neighbours"
+    )
     inclination: Inclination | None = optional(None, "inclination in place of the profiles', also a ratio like '1:40'")
-    profile: AnyProfile | None = optional(None, "head of its rails; absent: as the track has them")
+    profile: AnyProfile | None = optional(
+        None, "head of its rails; absent: as the track has them; transitions blend between their neighbours"
+    )
     right_profile: AnyProfile | None = optional(None, "right rail's head, as a left one has it; absent: the left's")
 
 
@@ -280,7 +294,9 @@ class Track(WithGauge):
         "first continues behind the start, the last beyond its end; absent: straight",
         max_length=1000,
     )
-    smoothing: Annotated[float, Quantity("m", 1e-3, 50.0)] = optional(4.0, "length of parabolas that round its corners")
+    smoothing: Annotated[float, Quantity("m", 1e-3, 50.0)] = optional(
+        4.0, "length over which a corner of curvature and cant is rounded by a parabola"
+    )
     cant_base: Annotated[float, Quantity("m", 0.01, 5.0)] = optional(1.5, "distance over which cant is measured")
     foundation: Foundation | None = optional(None, "what the rails lie on; absent: rigid")
 

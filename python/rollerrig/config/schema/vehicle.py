@@ -54,11 +54,15 @@ class Body(Table):
 
     name: Name = needed("name, unique in the vehicle")
     at: dict[Name, dict[str, Any]] | None = optional(
-        None, "places by the end of the name: at.1 = { position = [...] } of `wheelset` is `wheelset_1`"
+        None,
+        "places at which it stands, by the end of the name: at.1 = { position = [...] } of `wheelset` is "
+        "`wheelset_1`; loading makes a body of each",
     )
     kind: Literal["rigid", "wheelset"] = optional("rigid", "a wheelset carries two wheels and spins")
     mass: Mass = needed("mass")
-    inertia: tuple[Inertia, Inertia, Inertia] = needed("principal moments of inertia about x, y, z")
+    inertia: tuple[Inertia, Inertia, Inertia] = needed(
+        "principal moments of inertia about x, y, z through the centre of mass"
+    )
     position: Vector = needed("design position of the centre of mass", instead_of="at")
     locked: tuple[Direction, ...] = optional((), "directions in which the body cannot move")
 
@@ -116,9 +120,13 @@ class LinearLaw(Law):
     """
 
     stiffness: Stiffness | None = optional(None, "force per deflection")
-    table: ForceOverDeflection | None = optional(None, "rows [deflection, force] of a nonlinear spring or a bumpstop")
+    table: ForceOverDeflection | None = optional(
+        None, "rows [deflection, force] in place of a stiffness: a nonlinear spring or a bumpstop"
+    )
     damping: Damping | None = optional(None, "force per speed, in parallel with the spring")
-    damping_table: ForceOverSpeed | None = optional(None, "rows [speed, force] of a nonlinear damper")
+    damping_table: ForceOverSpeed | None = optional(
+        None, "rows [speed, force] in place of a damping: a nonlinear damper"
+    )
     damper: SeriesDamper | None = optional(None, "a damper in series with its own spring, in parallel")
     preload: Force = optional(0.0, "force at the design position, positive as a positive deflection makes it")
 
@@ -139,14 +147,18 @@ class Element(Table):
 
     name: Name = needed("name, unique in the vehicle")
     at: dict[Name, dict[str, Any]] | None = optional(
-        None, "places by the end of the name: at.1 = { between = [...], point = [...] } of `primary` is `primary_1`"
+        None,
+        "places at which it stands, by the end of the name: at.1 = { between = [...], point = [...] } of "
+        "`primary` is `primary_1`; loading makes an element of each",
     )
     both_sides: StrictBool | None = optional(
         None, "true: on the left as written, `NAME_left`, and mirrored on the right, `NAME_right`; loading makes both"
     )
     between: tuple[str, str] = needed("the bodies a and b", instead_of="at")
     point: Vector | None = optional(None, "design position of both ends")
-    points: tuple[Vector, Vector] | None = optional(None, "ends on a and on b where they differ; the force acts at b's")
+    points: tuple[Vector, Vector] | None = optional(
+        None, "design positions of the end on a and the end on b, where they differ; the force acts at b's"
+    )
     carries_load: StrictBool = optional(False, "its vertical preload is solved from the static equilibrium")
     clamped: StrictBool = optional(
         False,

@@ -6,7 +6,7 @@ pydantic models -> [key_places] -> every dotted key with its table -> [explain] 
 import re
 import tomllib
 import types
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from functools import cache
 from textwrap import shorten
@@ -264,21 +264,36 @@ def _allowed(annotation: Any, marks: Any = ()) -> Iterator[str]:
     if origin is Literal:
         yield from (f'"{choice}"' for choice in parts)
     elif origin in (Union, types.UnionType):
-        tags = ", ".join(filter(None, map(tag_of, tables_in(annotation))))
-        if tags:
-            yield f"a table of a kind: {tags}"
-        for part in () if tags else parts:
-            yield from _allowed(part)
+        tables = [part for part in parts if isinstance(part, type) and issubclass(part, BaseModel) and tag_of(part)]
+        if tables:
+            yield f"a table of a kind: {', '.join(map(tag_of, tables))}"
+        for part in parts:
+            if part not in tables:
+                yield from _allowed(part)
     elif origin is dict:
         yield f"tables by name, each {' or '.join(_allowed(parts[1]))}"
     elif origin is tuple:
         each = dict.fromkeys(" or ".join(_allowed(part)) for part in parts if part is not Ellipsis)
         yield f"a list{'' if Ellipsis in parts else f' of {len(parts)}'}, each {'; then '.join(each)}"
+    elif annotation is int:
+        yield f"a whole number{_ends(marks)}"
     elif annotation is not types.NoneType:
         yield _TYPES.get(annotation, "a table")
 
 
-_TYPES = {str: "a text", bool: "true or false", int: "a whole number", float: "a number", Any: "a value"}
+def _ends(marks: Iterable[Any]) -> str:
+    """The range of a whole number in words."""
+    limits = [limit for mark in marks for limit in (mark.metadata if isinstance(mark, FieldInfo) else (mark,))]
+    least, most, below = (
+        next((getattr(one, end) for one in limits if hasattr(one, end)), None) for end in ("ge", "le", "lt")
+    )
+    most = below - 1 if below is not None else most
+    if least is None:
+        return ""
+    return f", at least {least}" if most is None else f", from {least} to {most}"
+
+
+_TYPES = {str: "a text", bool: "true or false", float: "a number", Any: "a value"}
 
 
 def _default(field: FieldInfo) -> str:
