@@ -206,7 +206,7 @@ struct MovingPatch {
   Vec3<T> const* wheelset;  ///< its centre, b components [m]
   ContactMotion<T> const* motion;
   Friction const* friction;
-  PatchStrips<T> const* strips{nullptr};  ///< if the creep law follows them: contact/patch.hpp
+  PatchStrips<T> const* strips{nullptr};  ///< if the creep law follows them: contact/patch_lanes.cpp
 
   /// @param slip  velocity [m/s]
   RailSurface<T> surface(T const& time, T const& slip) const {

@@ -1,6 +1,10 @@
 // mechatronics/rig_laws.hpp - the laws of the rig's controller that a case can name: feedback of the roller drives, where it takes
 // the torque on an axle from, and how a roller's drive is asked for a torque.
 //
+//   error of speed, feed-forward -> [feedback] -> wanted torque
+//   estimate, pressure in the cylinder, torque of the motor -> [axle torque] -> C of the virtual train, (D3)
+//   wanted torque, measured torque -> [drive command] -> command, within the largest torque
+//
 // To add one: a struct here, its line in AnyFeedback, AnyAxleTorque or AnyDriveCommand, its parameters in
 // python/rollerrig/config/schema/rig_control.py.
 #pragma once

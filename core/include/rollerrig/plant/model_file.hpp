@@ -7,7 +7,7 @@
 //         16  version of what follows, u32; 0, u32
 //         24  length of the layout, u64; length of the model, u64
 //         40  CRC-64 of everything but these eight bytes, u64
-//         48  layout: a text, a line for each field; then the model, or the part
+//         48  layout: a text, a line for each field, of a part the checksum of that text; then the model, or the part
 //
 // The layout is that of the core that wrote the file: another core reads only what has the same.
 #pragma once

@@ -66,7 +66,7 @@ class Plant : public AnyPlant {
   double sampling_step() const {
     return assembled_.setup ? assembled_.setup->step : 0.0;
   }  ///< [s]; 0: nothing is sampled
-  /// The wheel that ended the run, wheelset_1.left; empty: none did.
+  /// The wheel that ended the run, wheelset_1_left; empty: none did.
   std::string_view failed_wheel() const override;
   std::string_view wheel_of(int contact) const;                   ///< empty: of none
   AssembledModel const& assembled() const { return assembled_; }  ///< with its parameters as at the last start()
