@@ -32,6 +32,7 @@ from rollerrig.simulation.starting_state import starting_state
 
 NOT_DECIDED = "not_decided"  # status of a run that came to its end, but to no decision
 PIECE = 2.0  # length by which a run is prolonged until it is decided [s]
+EARLY_LOOKS = 12  # times within the least length at which a run ends whose amplitude has come to stay
 
 STEP = 2e-3
 """Longest step of `exponential_adams`, at full scale [s]. A step evaluates the contacts twice, one of `rodas4` some thirty times,
@@ -45,9 +46,9 @@ class HuntingSettings:
     """How the runs of a hunting study are done."""
 
     disturbance: float = 3e-3  # lateral offset of the leading wheelset at the start [m]
-    duration: float = (
-        6.0  # least length of each run [s]; of shorter ones some linger beside a cycle that they leave later
-    )
+    # least length of each run [s], unless its amplitude has come to stay before: of shorter ones some linger beside a cycle
+    # that they leave later
+    duration: float = 6.0
     output_step: float = 5e-3  # interval of the samples [s]
     relative_tolerance: float = 1e-4  # of the integrator
     absolute_tolerance: float = 1e-7  # of the integrator, for displacements [m]
@@ -126,13 +127,15 @@ def hunting_run(job: tuple[Case, float, HuntingSettings], progress: Progress | N
         if progress is not None:
             progress(at / longest, f"{3.6 * speed:.0f} km/h, t = {at:.1f} s")  # Ctrl-C arrives here
 
-    while code == _core.status_codes["ok"] and decision == "open" and at < longest:
-        until = min(max(at + PIECE, settings.duration), longest)
+    looks = [settings.duration * (k + 1) / EARLY_LOOKS for k in range(EARLY_LOOKS)]
+    for until in (*looks, *np.arange(settings.duration + PIECE, longest, PIECE).tolist(), longest):
         room_left = times[filled:], rows[filled:]
         code, more = march(simulation, until, *room_left, slice_length=settings.output_step, begin_at=at, report=report)
         at, filled = until, filled + more
         lateral = rows[:filled, body * len(_core.body_fields) + LATERAL]
-        decision = decide_motion(times[:filled], lateral, ended=at >= longest)
+        decision = decide_motion(times[:filled], lateral, ended=at >= longest, early=at < settings.duration)
+        if code != _core.status_codes["ok"] or decision != "open" or at >= longest:
+            break
     _, motion = audited(simulation, model, times[:filled], rows[:filled], code, ("lateral", "yaw"))
     time, lateral = motion["time"].to_numpy(), motion["lateral"].sel(body=observed).to_numpy()
     final = final_motion(time, lateral, PIECE / at if at > settings.duration else 1 / 3)

@@ -196,6 +196,7 @@ Decision = Literal["persists", "decays", "open"]
 
 SETTLED, WINDOWS = 0.01, 3
 """Amplitudes that differ by less than this part of the largest have come to stay, in so many windows in a row."""
+SETTLED_EARLY = 1e-3  # the same before a run's least length is over, when a motion may still linger beside a cycle
 LEVEL = 5e-4  # fall from window to window that says nothing; larger ones that do not slow down are not those of a limit cycle
 IRREGULAR, TREND = 8, 0.02  # windows in which amplitudes that scatter may have no trend above this growth rate [1/s]
 FALLEN, NOT_SLOWING = 0.1, 0.9
@@ -203,16 +204,19 @@ FALLEN, NOT_SLOWING = 0.1, 0.9
 fall that the last one must have."""
 
 
-def decide(amplitudes: Sequence[float], window: float, *, ended: bool = False) -> Decision:
+def decide(amplitudes: Sequence[float], window: float, *, ended: bool = False, early: bool = False) -> Decision:
     """Whether an oscillation persists or decays, by its amplitudes [m], one per window [s]: the one rule, of every study.
 
     It persists where its amplitudes have come to stay. It decays where they are below LEAST_AMPLITUDE and fall, or where they
     fall without slowing down: a motion that falls ever more slowly may come to a limit cycle or linger beside the place of
     one before it decays, and is open. A motion that grows is open until its time is over (`ended`), then it persists.
+    Before its least length is over (`early`) a motion is open unless its amplitudes differ by SETTLED_EARLY at most.
     """
     last = np.asarray(amplitudes[-4:])
     if not len(last):
         return "open"
+    if early:
+        return "persists" if last[-1] >= LEAST_AMPLITUDE and _are_alike(last[-WINDOWS:], SETTLED_EARLY) else "open"
     changes = np.diff(np.log(np.maximum(last, 1e-300)))
     if last[-1] < LEAST_AMPLITUDE:
         tiny = len(changes) > 0 and last[-1] < 0.05 * LEAST_AMPLITUDE
@@ -226,16 +230,20 @@ def decide(amplitudes: Sequence[float], window: float, *, ended: bool = False) -
     return "persists" if ended and len(changes) > 1 and (changes > 0.0).all() else "open"
 
 
-def _lingers(amplitudes: Array) -> bool:
-    """Whether amplitudes [m] fall without slowing down: as beside an unstable cycle, which the motion then leaves."""
-    falls = -np.diff(np.log(np.maximum(amplitudes, 1e-300)))
-    return bool((falls > LEVEL).all()) and float(falls[-1]) >= float(falls[0])
+def _are_alike(last: Array, part: float) -> bool:
+    """Whether the last WINDOWS amplitudes [m] differ by this part of the largest at most, and do not linger.
+
+    A motion lingers that falls without slowing down: as beside an unstable cycle, which it then leaves.
+    """
+    if len(last) < WINDOWS or float(np.ptp(last)) > part * float(last.max()):
+        return False
+    falls = -np.diff(np.log(np.maximum(last, 1e-300)))
+    return not ((falls > LEVEL).all() and float(falls[-1]) >= float(falls[0]))
 
 
 def is_settled(amplitudes: Sequence[float], window: float) -> bool:
     """Whether the positive amplitudes of successive windows of time [m], [s] have come to stay."""
-    last = np.asarray(amplitudes[-WINDOWS:])
-    if len(last) == WINDOWS and float(np.ptp(last)) <= SETTLED * float(last.max()) and not _lingers(last):
+    if _are_alike(np.asarray(amplitudes[-WINDOWS:]), SETTLED):
         return True
     many = np.asarray(amplitudes[-IRREGULAR:])
     if len(many) < IRREGULAR or not many.min() > 0.0:
@@ -246,7 +254,7 @@ def is_settled(amplitudes: Sequence[float], window: float) -> bool:
     return abs(slope) < TREND and abs(slope) * window * len(many) < scatter
 
 
-def decide_motion(time: Array, signal: Array, *, ended: bool = False) -> Decision:
+def decide_motion(time: Array, signal: Array, *, ended: bool = False, early: bool = False) -> Decision:
     """The same of a lateral displacement [m] over rising times [s], in windows of WAVES waves from its end on.
 
     An amplitude is half the range of the signal's spline in its window.
@@ -254,6 +262,8 @@ def decide_motion(time: Array, signal: Array, *, ended: bool = False) -> Decisio
     from scipy.interpolate import CubicSpline  # slow to load, and seldom needed
 
     final = final_motion(time, signal)
+    if early and not final.amplitude:
+        return "open"
     if not final.amplitude:  # less than a wave in the last third, or nothing at all
         tail = signal[time >= time[-1] - (time[-1] - time[0]) / 3] if len(time) else signal
         return "decays" if len(tail) > 3 and 0.5 * float(np.ptp(tail)) < LEAST_AMPLITUDE else "open"
@@ -262,4 +272,4 @@ def decide_motion(time: Array, signal: Array, *, ended: bool = False) -> Decisio
     grid = np.linspace(time[-1] - count * window, time[-1], count * POINTS + 1)
     values = CubicSpline(time, signal)(grid)
     ranges = [0.5 * float(np.ptp(values[k * POINTS : (k + 1) * POINTS + 1])) for k in range(count)]
-    return decide(ranges, window, ended=ended)
+    return decide(ranges, window, ended=ended, early=early)

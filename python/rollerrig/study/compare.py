@@ -370,7 +370,8 @@ class CompareStudy(Study[Results]):
         header = ("on", "linear critical speed [km/h]", "frequency [Hz]", "mode", "by disturbance", "limit cycle there")
         offset, duration = 1e3 * self.hunting.disturbance, self.hunting.duration
         definition = (
-            f"By disturbance: runs of {duration:g} s after a lateral offset of {offset:g} mm of the leading wheelset."
+            f"By disturbance: runs of {duration:g} s, less where the amplitude stands still before, after a lateral offset of "
+            f"{offset:g} mm of the leading wheelset."
         )
         blocks: list[Block] = [Table(header, rows, definition)]
         tables = {label: one.table for label, one in results.by_disturbance.items()}

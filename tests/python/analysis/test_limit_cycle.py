@@ -207,6 +207,23 @@ def test_one_rule_says_whether_a_motion_persists(radius, decision: str) -> None:
     assert decide_motion(time, signal, ended=True) in at_the_end
 
 
+@pytest.mark.parametrize(
+    ("radius", "decision"),
+    [
+        (lambda t: 2.0 + np.exp(-8.0 * t), "persists"),
+        (lambda t: 2.0 + np.exp(-2.0 * t), "open"),  # within 1 %, and still comes nearer
+        (lambda t: 2.0 - 0.0012 * np.exp(0.8 * t), "open"),  # lingers beside an unstable cycle, within 1 %
+        (lambda t: 2.0 + 0.002 * t, "open"),
+        (lambda t: 3.0 * np.exp(-5.0 * t), "open"),  # at rest: its time costs nothing
+        (lambda t: 2.0 + 0.1 * np.sin(11.0 * t), "open"),  # irregular
+    ],
+)
+def test_before_its_least_length_a_motion_persists_only_where_its_amplitude_stands_still(radius, decision: str) -> None:
+    time = np.arange(0.0, 3.0, 5e-3)
+    signal = 1e-3 * radius(time) * np.sin(2 * np.pi * 5.3 * time)
+    assert decide_motion(time, signal, early=True) == decision
+
+
 def test_a_motion_that_grows_persists_once_its_time_is_over() -> None:
     grows = 1e-3 * np.exp(0.2 * np.arange(6.0))
     assert (decide(grows, 1.0), decide(grows, 1.0, ended=True)) == ("open", "persists")
