@@ -47,6 +47,20 @@ def test_pages_docstrings_and_messages_use_the_terms_of_the_field() -> None:
     assert NO_TERM.findall("Ventings; a loop rings: `verdict`, ring buffer") == ["Ventings", "rings", "verdict"]
 
 
+def test_descriptions_of_keys_begin_with_a_noun_or_a_verb() -> None:
+    tables = [
+        node
+        for node in nodes()
+        if isinstance(node, ast.Call) and getattr(node.func, "id", "") in ("needed", "optional")
+    ]
+    texts = [str(one.value) for node in tables for one in node.args[-1:] if isinstance(one, ast.Constant)]
+    assert len(texts) > 350
+    no_noun = re.compile(
+        r"(?:what|how|on|at|in|below|above|after|when|where|who|which|that|times|its|as|over|without)\b"
+    )
+    assert [text for text in texts if no_noun.match(text)] == []
+
+
 def test_meanings_of_recorded_quantities_begin_with_a_noun_or_a_verb() -> None:
     """Also those of the variables of an FMU."""
     tables = [getattr(_core, name) for name in dir(_core) if name.endswith("_fields") and name != "reading_fields"]

@@ -80,7 +80,9 @@ class Motor(Table):
     damping_ratio: Annotated[float, Quantity("1", 0.0, 5.0)] = optional(
         0.0, "damping ratio of a torque loop of second order; 0: first order"
     )
-    largest_torque: DriveTorque | None = optional(None, "on the driven axle, either way; absent: no limit")
+    largest_torque: DriveTorque | None = optional(
+        None, "largest torque on the driven axle, either way; absent: no limit"
+    )
     largest_power: DrivePower | None = optional(None, "torque times speed of the axle, either way; absent: no limit")
     largest_speed: DriveSpeed | None = optional(
         None, "largest speed of the driven axle: beyond it there is no torque; absent: no limit"
@@ -100,15 +102,15 @@ class Brake(Table):
 
     demand: Rows[Time, Pressure] = needed("rows [time, cylinder pressure over the ambient]; linear between")
     application_rate: PressureRate = optional(1.2e5, "rise of the control valve's pressure")
-    release_rate: PressureRate = optional(1.2e5, "its fall")
-    follow_rate: Rate = optional(20.0, "how fast the control valve closes in on the demand")
-    air: AnyAir = optional(UnlimitedAir(), "what fills and vents the cylinders: its kind, or a table")
+    release_rate: PressureRate = optional(1.2e5, "fall of the control valve's pressure")
+    follow_rate: Rate = optional(20.0, "rate at which the control valve approaches the demand")
+    air: AnyAir = optional(UnlimitedAir(), "air supply of the cylinders: its kind, or a table")
     ambient_pressure: PositivePressure = optional(
         101325.0, "pressure of the air around: valves choke by ratios of absolute pressures"
     )
     volume: Volume = optional(5e-3, "volume of one axle's cylinders, and of its pipes where brake.air has none")
     piston_area: Annotated[float, Quantity("m^2", 1e-8, 10.0)] = optional(
-        0.085, "times ratio and efficiency of the rigging, one axle"
+        0.085, "piston area of one axle times ratio and efficiency of the rigging"
     )
     spring_force: Annotated[float, Quantity("N", 0.0, 1e7)] = optional(500.0, "spring force of the retracting spring")
     friction: FrictionOverSpeed = optional(
@@ -118,7 +120,7 @@ class Brake(Table):
         0.247, "effective radius of the disc; of a tread brake the wheel radius"
     )
     faces: Annotated[float, Quantity("1", 0.01, 100.0)] = optional(2.0, "friction faces that the force presses on")
-    friction_regularisation_speed: PositiveSpeed = optional(0.05, "below it friction is viscous")
+    friction_regularisation_speed: PositiveSpeed = optional(0.05, "sliding speed below which friction is viscous")
     by_traction_motors: StrictBool = optional(False, "the traction motors exert the brake's torque, as far as they can")
     electrodynamic: AnyElectrodynamicBrake | None = optional(
         None, "traction motors brake first, the friction brake gives the rest: their kind, or a table; absent: none do"
@@ -132,7 +134,7 @@ class Traction(Table):
     motor: Motor = optional(Motor(), "the motor and its gear, seen from the axle")
     suspension: Literal["frame", "ground", "axle"] = optional(
         "frame",
-        "what holds the motor against its moment: the bogie frame; nothing of the vehicle; or, axle-hung "
+        "reaction to the motor's moment: the bogie frame; nothing of the vehicle; or, axle-hung "
         "(nose-suspended), its bearings on the axle and a link on the frame, which exert two opposite vertical forces",
     )
     link: Annotated[float, Quantity("m", 1e-3, 20.0)] | None = optional(
@@ -195,24 +197,24 @@ class SlipSearch(Table):
 class WheelSlipControl(Controller):
     """Takes torque off an axle that slips under its motor, driving or braking, and gives it back."""
 
-    reference_acceleration: Deceleration = optional(1.5, "the reference speed rises at most this fast")
+    reference_acceleration: Deceleration = optional(1.5, "largest rise of the reference speed")
     slip: Ratio = optional(0.04, "relative slip above which torque is taken off")
     slip_speed: PositiveSpeed = optional(0.15, "lower limit of that slip as a speed")
-    acceleration: Deceleration = optional(3.0, "an axle that gains speed faster loses torque as well")
+    acceleration: Deceleration = optional(3.0, "acceleration above which an axle loses torque as well")
     filter_time: Phase = optional(0.04, "filter time of the axles' acceleration")
     reduction_rate: Rate = optional(4.0, "reduction rate of the factor on the torque")
     restoring_rate: Rate = optional(0.35, "restoring rate of the factor on the torque")
-    least_factor: Ratio = optional(0.05, "what is always left of the torque")
+    least_factor: Ratio = optional(0.05, "least part of the torque that is left")
     release_interval: Pause = optional(
         3.0, "while axles slip one is released this often for the reference speed; 0: never"
     )
     shortest_release: Pause = optional(0.4, "shortest duration of such a release: the torque needs some time to go")
     longest_release: Phase = optional(1.2, "longest duration of such a release")
     release_deceleration: Deceleration = optional(
-        0.5, "a released axle that slows less has run down to the train's speed"
+        0.5, "deceleration below which a released axle has run down to the train's speed"
     )
     least_acceleration: Deceleration = optional(0.05, "least acceleration of the reference speed between releases")
-    regained_after: Phase = optional(3.0, "without slip for so long the axles count as gripping")
+    regained_after: Phase = optional(3.0, "time without slip after which the axles count as gripping")
     search: SlipSearch = optional(SlipSearch(), "search for the slip at which each axle transmits most")
 
 
@@ -222,22 +224,22 @@ Entry = Literal["fill", "hold", "vent", "vent_in_steps"]
 class ReferencedProtection(Controller):
     """What every law of slide protection has: reference speed, stepwise filling, watchdog."""
 
-    reference_deceleration: Deceleration = optional(1.6, "the reference speed falls no faster: no train brakes harder")
+    reference_deceleration: Deceleration = optional(1.6, "largest fall of the reference speed: no train brakes harder")
     release_interval: Pause = optional(
         3.0, "while all axles slide one is released this often for the reference speed; 0: never"
     )
     shortest_release: Pause = optional(0.3, "shortest duration of such a release: valve and cylinder need some time")
     longest_release: Phase = optional(1.2, "longest duration of such a release")
     least_deceleration: Deceleration = optional(0.2, "least deceleration of the reference speed between releases")
-    regained_after: Phase = optional(2.0, "an axle without slip for so long counts as gripping")
+    regained_after: Phase = optional(2.0, "time without slip after which an axle counts as gripping")
     filter_time: Phase = optional(0.04, "filter time of the axles' deceleration")
-    recovery_acceleration: Deceleration = optional(0.5, "an axle that gains speed faster is left alone")
-    pulse_time: Phase = optional(0.06, "after a slide filling is stepwise: open for so long ...")
+    recovery_acceleration: Deceleration = optional(0.5, "acceleration above which an axle is left alone")
+    pulse_time: Phase = optional(0.06, "length of each step of filling after a slide ...")
     pulse_pause: Phase = optional(0.14, "... closed for so long")
-    longest_vent: Phase = optional(5.0, "after this the watchdog fills")
-    least_speed: PositiveSpeed = optional(5.0 / 3.6, "below it the protection is off: all valves fill")
+    longest_vent: Phase = optional(5.0, "time of venting after which the watchdog fills")
+    least_speed: PositiveSpeed = optional(5.0 / 3.6, "speed below which the protection is off: all valves fill")
     return_speed: PositiveSpeed | None = optional(
-        None, "a protection that is off is on again once its reference speed has passed this; absent: least_speed"
+        None, "reference speed above which a protection that is off is on again; absent: least_speed"
     )
 
     def _mistakes(self) -> Mistakes:
@@ -254,7 +256,7 @@ class SlideProtection(ReferencedProtection):
     )
     vent_slip: Ratio = optional(0.12, "relative slip above which a cylinder is vented")
     vent_slip_speed: PositiveSpeed = optional(1.0, "lower limit of that slip as a speed")
-    vent_deceleration: Deceleration = optional(4.0, "a slipping axle that slows faster is vented")
+    vent_deceleration: Deceleration = optional(4.0, "deceleration above which a slipping axle is vented")
     fill_slip: Ratio = optional(0.06, "relative slip below which a cylinder is filled")
     fill_slip_speed: PositiveSpeed = optional(0.5, "lower limit of that slip as a speed")
 
@@ -264,7 +266,7 @@ class TableSlideProtection(ReferencedProtection):
 
     kind: Literal["threshold_table"] = needed("a table over bands of slip and acceleration: phases of anti-lock")
     least_slip_reference: PositiveSpeed = optional(
-        30.0 / 3.6, "below this reference speed slip is over it, not over the reference"
+        30.0 / 3.6, "reference speed below which slip is over this speed, not over the reference"
     )
     slip_thresholds: tuple[Ratio, ...] = optional(
         (0.05, 0.1, 0.2), "relative slips between the rows of `entries`, ascending"
@@ -279,7 +281,7 @@ class TableSlideProtection(ReferencedProtection):
             ("vent", "vent_in_steps", "vent_in_steps", "hold"),
             ("vent", "vent", "vent", "hold"),
         ),
-        "what an axle's valve does: a row for each band of slip, least first, with an entry for each band of "
+        "states of an axle's valve: a row for each band of slip, least first, with an entry for each band of "
         "acceleration, strongest deceleration first; after a slide filling is stepwise",
     )
 

@@ -35,8 +35,8 @@ class Condition(Table):
     )
     k_S: Share = optional(
         1.0,
-        "on the area of slip, at most k_A; the stiffness of laws without k_A and k_S is times their mean, beside "
-        "k_0 of modified_fastsim",
+        "part of the stiffness that is left on the area of slip, at most k_A; the stiffness of laws without k_A and k_S "
+        "is times their mean, beside k_0 of modified_fastsim",
     )
 
     def _mistakes(self) -> Mistakes:
@@ -69,7 +69,9 @@ class Piece(Table):
     distance: Annotated[float, Quantity("m", 0.0, 1e6)] | None = optional(
         None, "distance of the wheel from the vehicle's place at the start, where the piece begins"
     )
-    time: Annotated[float, Quantity("s", 1e-6, 1e6)] | None = optional(None, "when it begins, in its place")
+    time: Annotated[float, Quantity("s", 1e-6, 1e6)] | None = optional(
+        None, "time at which it begins, in place of its position"
+    )
     rail: AnyCondition = needed(ALLOWED)
 
 
@@ -77,7 +79,7 @@ class Adhesion(Table):
     """Adhesion of the rail: on track of the rail itself, on a rig of the virtual rail that the rollers reproduce."""
 
     rail: AnyCondition = needed(f"condition at the start: {ALLOWED}")
-    piece: tuple[Piece, ...] = optional((), "where or when it changes, ascending", max_length=10_000)
+    piece: tuple[Piece, ...] = optional((), "changes over distance or time, ascending", max_length=10_000)
     file: str | None = optional(
         None,
         "CSV file in place of `piece`, relative to the file that names it: columns `distance [m]` and `friction`, of "
@@ -91,7 +93,7 @@ class Adhesion(Table):
     )
     recovery_per: Literal["area", "length"] = optional(
         "area",
-        "what the recovery constant goes with: energy per area of the running surface, tau in m^2/J; or per metre "
+        "reference of the recovery constant: energy per area of the running surface, tau in m^2/J; or per metre "
         "run by a wheel, tau in m/J",
     )
     recovery_constant: Annotated[float, Quantity("m^2/J", 0.0, 1e6)] = optional(

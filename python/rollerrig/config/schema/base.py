@@ -136,14 +136,14 @@ Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9_\-]{1,60}$")]
 class Named(Table):
     """A table that stands for itself: a file of its own, or a part of one."""
 
-    name: Name = needed("its name, in results and messages")
-    description: str = optional("", "one line about it")
+    name: Name = needed("name, in results and messages")
+    description: str = optional("", "description in one line")
 
 
 class Sourced(Named):
     """A table of data that somebody else published or measured."""
 
-    source: str = optional("", "where the data come from")
+    source: str = optional("", "origin of the data")
 
 
 def in_order(rows: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:

@@ -20,7 +20,7 @@ class TrainAxles(Table):
 
     positions: tuple[Annotated[float, Quantity("m", 0.0, 1e4)], ...] = needed("distances behind the first axle, rising")
     under_test: tuple[Annotated[StrictInt, Field(ge=1, le=MOST_AXLES)], ...] = needed(
-        "which of them are those of [vehicle]: on rollers, or on track in the 3-D model; the first axle is 1"
+        "those of them that [vehicle] has: on rollers, or on track in the 3-D model; the first axle is 1"
     )
     loads: tuple[Annotated[float, Quantity("N", 1.0, 1e7)], ...] | None = optional(
         None, "loads of each simulated axle, in order; absent: the mean of the axles under test"
@@ -53,7 +53,7 @@ class TrainAxles(Table):
 class Train(Table):
     """The train of which the axles under test brake or pull their part: it runs on a track, on a rig it is reproduced."""
 
-    mass: Mass | None = optional(None, "that these axles brake or pull; absent: what they carry")
+    mass: Mass | None = optional(None, "mass that these axles brake or pull; absent: what they carry")
     resistance_constant: Annotated[float, Quantity("N", 0.0, 1e8)] = optional(
         0.0, "A in the part of the running resistance that these axles overcome, R = A + B v + C v^2"
     )
@@ -63,7 +63,7 @@ class Train(Table):
     axles: TrainAxles | None = optional(None, "the train's axles, of which some are under test; absent: all are")
     brake_signal_speed: Annotated[float, Quantity("m/s", 10.0, 1e4)] | None = optional(
         None,
-        "at which the brake demand runs along the main pipe, from the train's first axle; absent: everywhere at once",
+        "speed at which the brake demand runs along the main pipe, from the train's first axle; absent: everywhere at once",
     )
 
 
@@ -115,20 +115,22 @@ class ReservoirAir(Table):
     opening_time: DeadTime = optional(
         0.02, "dead time of a dump valve's magnet valves, a multiple of time.sampling_step"
     )
-    closing_time: DeadTime = optional(0.02, "the same for closing")
-    least_pulse: DeadTime = optional(
-        0.02, "a magnet valve's command stays at least so long: a shorter one is prolonged"
-    )
+    closing_time: DeadTime = optional(0.02, "time for closing")
+    least_pulse: DeadTime = optional(0.02, "least length of a magnet valve's command: a shorter one is prolonged")
     reservoir_volume: Volume = optional(0.1, "volume of each auxiliary reservoir")
     axles_per_reservoir: Annotated[StrictInt, Field(ge=1, le=MOST_AXLES)] | None = optional(
         None, "axles in a row that share a reservoir, counted from the front: 4 of a coach, 2 of a bogie; absent: all"
     )
-    reservoir_pressure: Pressure | None = optional(None, "over the ambient, at the start; absent: as the main pipe")
-    main_pipe_pressure: Pressure = optional(8.5e5, "over the ambient")
+    reservoir_pressure: Pressure | None = optional(
+        None, "pressure of the reservoir over the ambient, at the start; absent: as the main pipe"
+    )
+    main_pipe_pressure: Pressure = optional(8.5e5, "pressure of the main pipe over the ambient")
     charging_conductance: Annotated[float, Quantity("m^3/(s Pa)", 0.0, 1e-2)] = optional(
         2e-8, "conductance of the choke between main pipe and reservoir; 0: the reservoir is not fed"
     )
-    reference_pressure: PositivePressure = optional(1e5, "at which conductances hold, with 20 degrees C (ISO 8778)")
+    reference_pressure: PositivePressure = optional(
+        1e5, "pressure at which conductances hold, with 20 degrees C (ISO 8778)"
+    )
     temperature: Annotated[float, Quantity("K", 200.0, 400.0)] = optional(293.15, "constant temperature of all air")
     pipe: CylinderPipe | None = optional(
         None, "pipes from a relay valve to the dump valves of its axles; absent: a relay valve at each cylinder"
@@ -174,7 +176,7 @@ class ConstantPowerBrake(ElectrodynamicBrake):
     kind: Literal["constant_power"] = optional("constant_power", "constant force, constant power, fading at low speed")
     largest_force: BrakeForce = optional(15e3, "largest force of one axle at the wheels' circumference")
     largest_power: Annotated[float, Quantity("W", 0.0, 1e9)] = optional(300e3, "largest power of one axle")
-    fade_from: BrakeSpeed = optional(10.0 / 3.6, "below this speed the force fades ...")
+    fade_from: BrakeSpeed = optional(10.0 / 3.6, "speed below which the force fades ...")
     fade_to: BrakeSpeed = optional(3.0 / 3.6, "... along a straight line, to nothing here")
 
     def _mistakes(self) -> Mistakes:
@@ -208,7 +210,9 @@ class TrackBrake(Table):
     demand: Excitation = needed("rows [time, excitation asked for, 0 to 1]; linear between")
     delay: Annotated[float, Quantity("s", 0.0, 1e3)] = optional(0.5, "delay of the first force: magnets are lowered")
     rise_time: Annotated[float, Quantity("s", 1e-4, 1e3)] = optional(0.5, "rise time of the excitation, none to full")
-    release_speed: Annotated[float, Quantity("m/s", 0.0, 1e3)] = optional(0.0, "a slower train has the magnets lifted")
+    release_speed: Annotated[float, Quantity("m/s", 0.0, 1e3)] = optional(
+        0.0, "speed below which the magnets are lifted"
+    )
 
 
 class MagneticTrackBrake(TrackBrake):
@@ -220,7 +224,9 @@ class MagneticTrackBrake(TrackBrake):
         FallingFriction(kind="falling", mu_0=0.20, A=0.35, B=0.1),
         "friction coefficient of pole shoes over speed: a number, or a law; the state of the rail is not part of it",
     )
-    regularisation_speed: Annotated[float, Quantity("m/s", 1e-6, 10.0)] = optional(0.05, "below it friction is viscous")
+    regularisation_speed: Annotated[float, Quantity("m/s", 1e-6, 10.0)] = optional(
+        0.05, "speed below which friction is viscous"
+    )
 
 
 class EddyCurrentTrackBrake(TrackBrake):
@@ -228,7 +234,7 @@ class EddyCurrentTrackBrake(TrackBrake):
 
     kind: Literal["eddy_current"] = needed("magnets over the rail that do not touch it: eddy currents brake")
     largest_force: MagnetForce = optional(15e3, "largest force of one bogie, at the critical speed")
-    critical_speed: Annotated[float, Quantity("m/s", 1e-3, 1e3)] = optional(25.0, "at which the force is largest")
+    critical_speed: Annotated[float, Quantity("m/s", 1e-3, 1e3)] = optional(25.0, "speed at which the force is largest")
 
 
 AnyTrackBrake = Annotated[MagneticTrackBrake | EddyCurrentTrackBrake, by_kind("magnetic")]
@@ -281,7 +287,7 @@ AnySandingStart = Annotated[SandOnSlide | SandFromDistance | SandFromTime, by_ki
 class Sanding(Table):
     """Sand in front of some axles: they and all axles behind them find it on the rail. All numbers are ours."""
 
-    start: AnySandingStart = optional(SandOnSlide(), "when sand is wanted: its kind, or a table")
+    start: AnySandingStart = optional(SandOnSlide(), "criterion that demands sand: its kind, or a table")
     axles: tuple[str, ...] | None = optional(
         None, "wheelsets in front of which sand falls, by name; absent: the leading one", min_length=1
     )
@@ -289,8 +295,8 @@ class Sanding(Table):
         0.5, "delay from the wish to the sand on the rail, and back, a multiple of time.sampling_step"
     )
     run_on: Duration = optional(1.0, "sand is wanted for so long after its reason has gone")
-    flow: Annotated[float, Quantity("kg/s", 1e-9, 100.0)] = optional(0.01, "on each rail in front of one axle")
-    least_speed: Annotated[float, Quantity("m/s", 0.0, 1e3)] = optional(2.0, "a slower train gets none")
+    flow: Annotated[float, Quantity("kg/s", 1e-9, 100.0)] = optional(0.01, "sand on each rail in front of one axle")
+    least_speed: Annotated[float, Quantity("m/s", 0.0, 1e3)] = optional(2.0, "speed below which there is no sand")
     saturation: Annotated[float, Quantity("kg/m", 1e-9, 100.0)] = optional(
         5e-4, "mass per length of rail that brings 63 % of the effect, q_0 in 1 - exp(-q/q_0)"
     )

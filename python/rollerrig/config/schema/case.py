@@ -42,7 +42,7 @@ class ScaledFrom(Table):
     density: Factor = needed("a density at full scale over that of the model")
     keep: tuple[Kept, ...] = optional(
         (),
-        "what a real model cannot scale, or does not: gravity; material of wheels and rollers; clock, sample times "
+        "properties that a real model cannot scale, or does not: gravity; material of wheels and rollers; clock, sample times "
         "and delays of the controllers; drives, bandwidth of the motors",
     )
 
@@ -80,7 +80,9 @@ class SupportChoice(Table):
 
     use: str | None = optional(None, "a support of the catalogue, or a file relative to this one")
     data: AnySupport = needed("the support itself, in place of `use`; always here after loading", instead_of="use")
-    roller_radius: RollerRadius | None = optional(None, "in place of the rig's own; loading writes it into `data`")
+    roller_radius: RollerRadius | None = optional(
+        None, "radius of the rollers in place of the rig's own; loading writes it into `data`"
+    )
     changes: dict[str, Any] | None = optional(None, "values in place of its own by dotted key, written into `data`")
 
 
@@ -123,7 +125,7 @@ class Contact(Table):
         "the rig's control law assumes; one force per axle, without a limit, takes the place of the longitudinal creep forces' "
         "mean; normal forces, lateral and yaw creep stay. For studies of what real sliding does to the control",
     )
-    roller_effects: RollerEffects = optional(RollerEffects(), "which of a roller's differences from a rail count")
+    roller_effects: RollerEffects = optional(RollerEffects(), "differences of a roller from a rail that count")
 
     @property
     def creep_shear_modulus(self) -> float:
@@ -315,13 +317,11 @@ class CaseTables(Named):
     brake_unit: BrakeUnit | None = optional(
         None, "brake unit of your own: demand and valves -> cylinder pressures; absent: that of [brake]"
     )
-    sensors: Sensors = optional(Sensors(), "what the controllers see")
+    sensors: Sensors = optional(Sensors(), "sensors of the controllers")
     rig_control: RigControl | None = optional(None, "controller of the roller drives")
     fault: tuple[AnyFault, ...] = optional((), "faults of axles' brakes and sensors", max_length=16)
 
-    ensemble: Ensemble = optional(
-        Ensemble(), "what differs between the tests of an ensemble, as adhesion and wsp make them"
-    )
+    ensemble: Ensemble = optional(Ensemble(), "scatter between the tests of an ensemble, as adhesion and wsp make them")
     similitude: ScaledFrom | None = optional(None, "the full-scale case that this one models; absent: at full scale")
 
     @property

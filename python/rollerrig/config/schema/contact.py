@@ -122,10 +122,10 @@ class ModifiedFastsim(Law):
     limitation = "The creep force follows the modified FASTSIM, with an empirical reduction of the initial stiffness."
     sources = ("kalker1982", "spiryagin2013")
     kind: Literal["modified_fastsim"] = needed("FASTSIM for clean, wet and contaminated surfaces")
-    k_0: Share = optional(1.0, "what is left of Kalker's stiffness at small creepage")
-    k_inf: Share = optional(1.0, "what is left of k_0 at large creepage")
+    k_0: Share = optional(1.0, "part of Kalker's stiffness that is left at small creepage")
+    k_inf: Share = optional(1.0, "part of k_0 that is left at large creepage")
     beta: Annotated[float, Quantity("1", 0.0, 1e3)] = optional(
-        0.0, "how fast it falls with eps, pi/4 of k_0 times the force of linear theory over mu N, as published"
+        0.0, "rate of its fall with eps, pi/4 of k_0 times the force of linear theory over mu N, as published"
     )
 
 
@@ -135,8 +135,8 @@ class Polach(Law):
     limitation = "The creep force follows Polach's law: an elliptical patch, and spin by an approximate closed form."
     sources = ("polach1999", "polach2005")
     kind: Literal["polach"] = needed("Polach's closed form")
-    k_A: Share = needed("what is left of the stiffness on the area of adhesion")
-    k_S: Share = needed("what is left of it on the area of slip; at most k_A")
+    k_A: Share = needed("part of the stiffness that is left on the area of adhesion")
+    k_S: Share = needed("part of the stiffness that is left on the area of slip; at most k_A")
 
 
 class ExactTable(Law):
@@ -217,7 +217,7 @@ class FallingFriction(Law):
     kind: Literal["falling"] = needed("Polach's friction")
     mu_0: Friction = needed("coefficient of friction at no slip")
     A: Fraction = optional(1.0, "friction at large slip over mu_0; 1: Coulomb's law")
-    B: Annotated[float, Quantity("s/m", 0.0, 1e4)] = optional(0.0, "how fast it falls with slip")
+    B: Annotated[float, Quantity("s/m", 0.0, 1e4)] = optional(0.0, "rate of its fall with slip velocity")
 
 
 def _friction(value: Any) -> Any:

@@ -17,12 +17,12 @@ class FreeKey(Table):
     """A number of the case that is sought."""
 
     key: str = needed("dotted key of the case; with `*` all that match get the same value", min_length=1)
-    name: Name | None = optional(None, "in results; absent: the end of the key")
+    name: Name | None = optional(None, "name in results; absent: the end of the key")
     least: Value = needed("lower end of its range")
     most: Value = needed("upper end of its range")
-    start: Value | None = optional(None, "where the search begins; absent: the case's own value")
+    start: Value | None = optional(None, "value from which the search begins; absent: the case's own value")
     scale: Literal["linear", "logarithmic"] = optional("linear", "whether the number or its logarithm is sought")
-    prior: AnyPrior | None = optional(None, "what was known before: one more measurement; absent: nothing")
+    prior: AnyPrior | None = optional(None, "knowledge from before, as one more measurement; absent: none")
 
     @property
     def label(self) -> str:
@@ -58,7 +58,7 @@ class Input(Table):
     unit: str | None = optional(None, "unit of the column; absent: what its heading says in brackets")
     factor: Annotated[float, Quantity("1", -1e6, 1e6)] = optional(1.0, "factor of the values: a gear ratio, or -1")
     between: Literal["line", "hold"] = optional(
-        "line", "between two rows: linear, or held until the next row, as what is switched"
+        "line", "course between two rows: linear, or held until the next row, as what is switched"
     )
 
 
@@ -69,7 +69,7 @@ class Log(Table):
     changes: dict[str, Any] = optional({}, "changes of the case for this log: dotted key -> value")
     over: str | None = optional(None, "column of times, speeds or creepages; absent: time, speed or creepage, by kind")
     unit: str | None = optional(None, "unit of that column; absent: what its heading says in brackets")
-    output: tuple[Output, ...] = needed("what is compared", min_length=1, max_length=50)
+    output: tuple[Output, ...] = needed("compared outputs", min_length=1, max_length=50)
 
 
 class TimeLog(Log):
@@ -120,12 +120,14 @@ class FitPlan(Named):
 
     case: str = needed("the case: a name of the catalogue, or a file", min_length=1)
     changes: dict[str, Any] = optional({}, "changes of the case for all logs: dotted key -> value")
-    free: tuple[FreeKey, ...] = needed("what is sought", min_length=1, max_length=50)
+    free: tuple[FreeKey, ...] = needed("keys that are sought", min_length=1, max_length=50)
     log: Annotated[tuple[AnyLog, ...], BeforeValidator(_one_or_more)] = needed(
-        "how the logs are read, one after the other; a single one serves for all", min_length=1, max_length=100
+        "tables by which the logs are read, one after the other; a single one serves for all",
+        min_length=1,
+        max_length=100,
     )
     loss: Literal["linear", "soft_l1", "huber", "cauchy"] = optional(
-        "linear", "what a deviation counts; with the others a few wrong points do not pull"
+        "linear", "weight of a deviation; with the others a few wrong points do not pull"
     )
     held_back: Part = optional(0.0, "part of each log kept for checking: the end of runs, rows spread over other logs")
     starts: Annotated[int, Field(ge=1, le=100)] = optional(

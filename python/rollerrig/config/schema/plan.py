@@ -27,15 +27,15 @@ class Normal(Table):
     """A normal distribution."""
 
     kind: Literal["normal"] = needed("a normal distribution")
-    mean: Value = needed("its mean, in the unit of the key")
-    deviation: Value = needed("its standard deviation, positive, in the unit of the key")
+    mean: Value = needed("mean, in the unit of the key")
+    deviation: Value = needed("standard deviation, positive, in the unit of the key")
 
 
 class Lognormal(Table):
     """A quantity whose logarithm is normally distributed."""
 
     kind: Literal["lognormal"] = needed("the logarithm is normally distributed")
-    median: Value = needed("its median, positive, in the unit of the key")
+    median: Value = needed("median, positive, in the unit of the key")
     deviation: Annotated[float, Quantity("1", 1e-6, 10.0)] = needed("standard deviation of the logarithm: 0.1 is 10 %")
 
 
@@ -56,13 +56,13 @@ class Variation(Table):
         "dotted key of the case, as in `--set`: `support.roller_radius`; with `*` all that match get the same value",
         min_length=1,
     )
-    name: Name | None = optional(None, "in results and figures; absent: the end of the key")
+    name: Name | None = optional(None, "name in results and figures; absent: the end of the key")
     values: tuple[Any, ...] | None = optional(None, "all values, also with units or as words", min_length=1)
     least: Value | None = optional(None, "lower end of a range; it cuts a distribution off")
     most: Value | None = optional(None, "upper end")
     count: Count | None = optional(None, "values of a range in a grid, both ends included")
     scale: Literal["linear", "logarithmic"] = optional(
-        "linear", "how a range is divided, or where in it samples are equally likely"
+        "linear", "division of a range, or where in it samples are equally likely"
     )
     distribution: AnyDistribution | None = optional(None, "distribution of the samples; absent: uniform in the range")
 
@@ -185,6 +185,6 @@ class Plan(Named):
 
     case: str = needed("the case: a name of the catalogue, or a file", min_length=1)
     changes: dict[str, Any] = optional({}, "dotted key of the case -> value that all cases of the sweep have")
-    design: AnyDesign = optional(Design(), "how the cases are chosen")
-    vary: tuple[Variation, ...] = needed("what is varied", min_length=1, max_length=100)
-    measure: tuple[AnyMeasure, ...] = needed("what is computed of each case", max_length=20)
+    design: AnyDesign = optional(Design(), "choice of the cases")
+    vary: tuple[Variation, ...] = needed("keys that are varied", min_length=1, max_length=100)
+    measure: tuple[AnyMeasure, ...] = needed("quantities that are computed of each case", max_length=20)

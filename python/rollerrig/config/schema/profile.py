@@ -33,8 +33,8 @@ class ProfileSpec(Table):
     """What every profile may say about itself."""
 
     name: str = optional("", "name of the profile in tables and plots")
-    description: str = optional("", "one line about the profile")
-    source: str = optional("", "where the definition comes from")
+    description: str = optional("", "description in one line")
+    source: str = optional("", "origin of the definition")
     length_scale: Annotated[float, Quantity("1", 1e-3, 10.0)] = optional(
         1.0, "factor on all lengths of the finished curve: 0.2 is the profile of a 1:5 model"
     )

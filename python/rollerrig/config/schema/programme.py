@@ -18,7 +18,7 @@ Count = Annotated[int, Field(ge=4, le=100)]
 class BrakedRun(Named):
     """What every stop of a programme has."""
 
-    speed: RunningSpeed = needed("at the demand for braking")
+    speed: RunningSpeed = needed("speed at the demand for braking")
     pressure: Pressure | None = optional(
         None, "demanded cylinder pressure over the ambient; absent: the largest that the case demands"
     )
@@ -50,7 +50,7 @@ class SteppedStop(BrakedRun):
     """A rail whose condition changes along the way, under all axles."""
 
     kind: Literal["steps"] = needed("the rail changes along the way")
-    piece: tuple[Piece, ...] = needed("where it changes, as in [adhesion]", min_length=1, max_length=1000)
+    piece: tuple[Piece, ...] = needed("changes of the rail, as in [adhesion]", min_length=1, max_length=1000)
     blend: Annotated[float, Quantity("m", 0.0, 1e3)] = optional(0.0, "length over which conditions pass into the next")
 
     def pieces(self) -> tuple[Piece, ...]:
@@ -149,13 +149,13 @@ NUMBER = {"anyOf": [{"type": "number"}, {"type": "string"}]}
 class Limit(Table):
     """A limit, who set it, and the clause of a standard that it stands for."""
 
-    criterion: CriterionName = needed("what is limited")
+    criterion: CriterionName = needed("criterion that is limited")
     at_least: float | None = optional(None, "least that is allowed, in the criterion's unit", json_schema_extra=NUMBER)
     at_most: float | None = optional(None, "most that is allowed, in the criterion's unit", json_schema_extra=NUMBER)
     stops: tuple[str, ...] = optional(
         (), "names of the stops that it holds for; none: all that have such a number", max_length=100
     )
-    origin: str = needed("who set it, and why", min_length=1)
+    origin: str = needed("origin of the limit: who set it, and why", min_length=1)
     clause: str = optional("", "clause of the standard or specification that it is taken from, as you have it")
 
     _parse = field_validator("at_least", "at_most", mode="before")(_bound)
@@ -193,4 +193,4 @@ class Programme(Sourced):
     starts: Count = optional(8, "tests of each stop on each support, without which nothing is decided")
     flat: FlatWear = optional(FlatWear(), "estimate of wheel flats")
     stop: tuple[AnyStop, ...] = needed("the stops, in their order", min_length=1, max_length=100)
-    limit: tuple[Limit, ...] = optional((), "what they are assessed by; none: nothing is", max_length=1000)
+    limit: tuple[Limit, ...] = optional((), "limits by which they are assessed; none: nothing is", max_length=1000)

@@ -45,9 +45,11 @@ class PulsePeriod(PhonicWheel):
         5e-3, "edges are timed over at least so long; 0: from sample to sample"
     )
     timeout: Annotated[float, Quantity("s", 1e-3, 100.0)] = optional(
-        0.3, "without an edge for so long the axle counts as standing"
+        0.3, "time without an edge after which the axle counts as standing"
     )
-    clock: Annotated[float, Quantity("Hz", 0.0, 1e12)] = optional(1e6, "that times the edges; 0: exactly")
+    clock: Annotated[float, Quantity("Hz", 0.0, 1e12)] = optional(
+        1e6, "frequency of the clock that times the edges; 0: exactly"
+    )
 
 
 class PulseFrequency(PhonicWheel):
@@ -74,11 +76,11 @@ class ForceSensor(Table):
 class Sensors(Table):
     """What controllers see of speeds, torques and loads."""
 
-    axles: AnySpeedSensor = optional(Encoder(), "the rig's own on each axle of the vehicle: its kind, or a table")
-    rollers: AnySpeedSensor = optional(Encoder(), "on each roller axle: its kind, or a table")
+    axles: AnySpeedSensor = optional(Encoder(), "sensor of the rig on each axle of the vehicle: its kind, or a table")
+    rollers: AnySpeedSensor = optional(Encoder(), "sensor on each roller axle: its kind, or a table")
     vehicle: AnySpeedSensor | None = optional(
         None,
-        "the vehicle's own on each axle, for its slide protection and wheel-slip control: its kind, or a table; "
+        "sensor of the vehicle on each axle, for its slide protection and wheel-slip control: its kind, or a table; "
         "absent: they see what `axles` does",
     )
     roller_torque: ForceSensor | None = optional(
@@ -150,7 +152,9 @@ class KalmanFilter(BandwidthEstimator):
     force_change: Annotated[float, Quantity("N", 1e-6, 1e12)] | None = optional(
         None, "standard deviation of the contact force's change over 1 s; absent: from `bandwidth`"
     )
-    torque_change: Annotated[float, Quantity("N m", 1e-6, 1e12)] | None = optional(None, "the same of axle torque")
+    torque_change: Annotated[float, Quantity("N m", 1e-6, 1e12)] | None = optional(
+        None, "standard deviation of the axle torque's change over 1 s; absent: from `bandwidth`"
+    )
 
 
 class ExactEstimator(Estimator):
@@ -166,7 +170,7 @@ ESTIMATORS = kinds(AnyEstimator)
 class EstimatedTorque(Table):
     """The axle's torque as the estimator finds it, with its lag."""
 
-    kind: Literal["estimated"] = needed("as the estimator finds it, with its lag")
+    kind: Literal["estimated"] = needed("torque as the estimator finds it, with its lag")
 
 
 class KnownTorque(Table):
@@ -182,7 +186,7 @@ class KnownTorque(Table):
 class ExtrapolatedTorque(Table):
     """The estimate, run ahead along its slope."""
 
-    kind: Literal["extrapolated"] = needed("as the estimator finds it, run ahead along its slope")
+    kind: Literal["extrapolated"] = needed("torque as the estimator finds it, run ahead along its slope")
     ahead: Delay = optional(8e-3, "time by which it runs ahead")
     bandwidth: Frequency = optional(40.0, "bandwidth of the low-pass on its slope")
 
@@ -208,7 +212,7 @@ class TorqueLoop(Table):
 
     kind: Literal["torque_loop"] = needed("a loop around the drive, closed over its measured torque")
     gain: Annotated[float, Quantity("1", 0.0, 1e3)] = optional(
-        2.0, "on wanted less measured torque; a drive of first order gets 1 + gain times its bandwidth"
+        2.0, "gain on wanted less measured torque; a drive of first order gets 1 + gain times its bandwidth"
     )
 
 
@@ -266,7 +270,7 @@ class RollerDrive(Motor):
     figures of torque and power were found that could be stood behind.
     """
 
-    largest_torque: DriveTorque | None = optional(2e4, "on the roller axle, either way; ours")
+    largest_torque: DriveTorque | None = optional(2e4, "largest torque on the roller axle, either way; ours")
     largest_power: DrivePower | None = optional(1e6, "torque times speed of the roller axle, either way; ours")
     largest_speed: DriveSpeed | None = optional(
         134.0, "largest speed of the roller axle, 350 km/h at a radius of 725 mm: beyond it there is no torque"
@@ -289,7 +293,7 @@ class RigControl(Controller):
     delay: Delay = optional(0.0, "delay of the command, a multiple of time.sampling_step")
     load_transfer: LoadTransfer = optional(
         "quasi_static",
-        "how the virtual train's axle loads change with its acceleration: as geometry and masses of the vehicle "
+        "change of the virtual train's axle loads with its acceleration: as geometry and masses of the vehicle "
         "say, not at all, or by [kg] for each axle, N per m/s^2 forward",
     )
     loads: Literal["computed", "measured"] = optional(
@@ -304,8 +308,10 @@ class RigControl(Controller):
     axle_torque: AnyAxleTorque = optional(
         KnownTorque(), "torque on an axle that the virtual train takes: its kind, or a table"
     )
-    feedback: AnyFeedback = optional(ProportionalIntegral(), "on the axles' speeds: its kind, or a table")
-    drive_command: AnyDriveCommand = optional(LeadCommand(), "how drives are asked for torque: its kind, or a table")
+    feedback: AnyFeedback = optional(ProportionalIntegral(), "feedback of the axles' speeds: its kind, or a table")
+    drive_command: AnyDriveCommand = optional(
+        LeadCommand(), "way in which torque is demanded of the drives: its kind, or a table"
+    )
     motor: RollerDrive = optional(RollerDrive(), "drive of each roller axle, with its limits")
     protection: Protection = optional(Protection(), "limits that protect the rollers")
-    assumed: Assumed = optional(Assumed(), "what the controller believes in")
+    assumed: Assumed = optional(Assumed(), "parameters that the controller assumes")

@@ -33,8 +33,8 @@ class Spot(Table):
     length: Annotated[float, Quantity("m", 0.0, 100.0)] = needed("along the crown, between the ramps")
     ramp: Annotated[float, Quantity("m", 1e-3, 100.0)] = needed("length of each ramp")
     depth: Annotated[float, Quantity("m", -0.01, 0.01)] = optional(0.0, "depth by which its radius is less")
-    profile: AnyProfile | None = optional(None, "its generatrix; absent: that of the roller")
-    sides: Literal["both", "left", "right"] = optional("both", "which rollers have it")
+    profile: AnyProfile | None = optional(None, "generatrix of the spot; absent: that of the roller")
+    sides: Literal["both", "left", "right"] = optional("both", "rollers that have it")
 
 
 class RollerLosses(Table):

@@ -154,7 +154,7 @@ class Restraint(Table):
     height: Position = needed("height of the rod above the crowns")
     stiffness: PositiveStiffness = needed("stiffness of the rod with its anchorage, along the track")
     damping: Damping = optional(0.0, "damping of the same")
-    body: Name | None = optional(None, "that it holds; absent: the heaviest that is no wheelset")
+    body: Name | None = optional(None, "body that it holds; absent: the heaviest that is no wheelset")
 
 
 class Sleeper(WithSupports):
@@ -277,7 +277,7 @@ class Curve(LaidSegment):
 
     kind: Literal["curve"] = needed("constant curvature and cant")
     radius: Annotated[float, Quantity("m", 20.0, 1e7)] = needed("radius of the track's middle")
-    direction: Literal["left", "right"] = optional("left", "where it leads")
+    direction: Literal["left", "right"] = optional("left", "direction in which it leads")
     cant: Cant = optional(0.0, "height of the outer rail over the inner one")
 
 
@@ -298,7 +298,7 @@ class Track(WithGauge):
         4.0, "length over which a corner of curvature and cant is rounded by a parabola"
     )
     cant_base: Annotated[float, Quantity("m", 0.01, 5.0)] = optional(1.5, "distance over which cant is measured")
-    foundation: Foundation | None = optional(None, "what the rails lie on; absent: rigid")
+    foundation: Foundation | None = optional(None, "foundation of the rails; absent: rigid")
 
     def _mistakes(self) -> Mistakes:
         yield from super()._mistakes()
