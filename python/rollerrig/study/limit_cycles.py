@@ -3,6 +3,8 @@
 Case, speeds -> [cycle_chains] -> jobs, results by name -> [cycle_diagram] -> Diagram -> numbers, rows, sentences, figures
 """
 
+from __future__ import annotations
+
 import math
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence
@@ -258,3 +260,38 @@ def critical_speed(
     ends = {"end": ["decays", "persists"]} if any(np.ndim(v) for v in found.values()) else {}
     attributes = {"case": chosen.name, "title": f"Critical speed of {chosen.name}"}
     return xr.Dataset(variables, ends, attributes | {"linear_searched_to_kmh": searched_to})
+
+
+def limit_cycle(
+    case: Case | str,
+    speeds_kmh: Sequence[float] = SPEEDS_KMH,
+    *,
+    linear_critical_kmh: float = math.nan,
+    processes: int = 1,
+    folder: str | Path | None = None,
+    progress: Progress | None = None,
+    **settings: float,
+) -> xr.Dataset:
+    """The limit-cycle diagram: what the vehicle ends in at each speed, stepped up and down.
+
+    Args:
+        case: the case; its rollers or rails are speed-controlled.
+        speeds_kmh: speeds of the runs [km/h].
+        linear_critical_kmh: linear critical speed, which decides how the bifurcation is called [km/h]; NaN: unknown.
+        processes: with 2, the two sweeps run at a time; that asks a script for `if __name__ == "__main__":`.
+        folder: where each finished run is kept: after Ctrl-C or a killed program the same call goes on; None: nowhere.
+        progress: called with the fraction done and a short text.
+        **settings: of `LimitCycleSettings`, such as disturbance [m] and tolerance_kmh.
+
+    Returns:
+        Dataset over `cycle_point`, see `limit_cycle_table`; attributes `critical_speed_by_continuation_kmh`, `bifurcation`.
+
+    Raises:
+        ConfigError: the folder has the runs of another case, or with other settings.
+        OutputError: the folder takes no files.
+        StartError: no state was found from which a run can start.
+    """
+    chosen = LimitCycleSettings(**settings)
+    found = limit_cycles(as_case(case), speeds_kmh, linear_critical_kmh, chosen, processes=processes, folder=folder,
+                         progress=progress)  # fmt: skip
+    return limit_cycle_table(found)

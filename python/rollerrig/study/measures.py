@@ -21,7 +21,7 @@ from rollerrig.config import Case, Programme, case_from_toml
 from rollerrig.config.schema import plan
 from rollerrig.config.schema.actuators import SlideProtection
 from rollerrig.config.schema.programme import FlatWear
-from rollerrig.contact_analysis.static_contact import contact_table
+from rollerrig.contact_analysis.static_contact import contact
 from rollerrig.results import COMPLETED, RunInfo
 from rollerrig.results.quantities import registered
 from rollerrig.study.ensemble import recorded
@@ -92,7 +92,7 @@ def _onset(case: Case, options: plan.CriticalSpeedMeasure, progress: Progressing
 
 def _contact(case: Case, options: plan.ContactMeasure, _progress: Progressing) -> Numbers:
     """Patches of the leading wheelset at one position, and rolling radii by side."""
-    table, radii = contact_table(case, [(options.lateral, options.yaw)]), {}
+    table, radii = contact(case, [(options.lateral, options.yaw)]), {}
     for side in ("left", "right"):
         own = table.isel(row=(table["side"] == side).to_numpy())
         if not own.sizes["row"]:
@@ -110,7 +110,7 @@ def _contact(case: Case, options: plan.ContactMeasure, _progress: Progressing) -
 
 def _creep(case: Case, options: plan.CreepMeasure, _progress: Progressing) -> Numbers:
     """The patch with the largest normal force, wheelset centred, and the force of the case's creep law on it over that."""
-    table = contact_table(case, [(0.0, 0.0)])
+    table = contact(case, [(0.0, 0.0)])
     patch = table.isel(row=int(np.argmax(table["normal"].to_numpy())))
     a, b, normal = (float(patch[name]) for name in ("a", "b", "normal"))
     creepage = np.array([[options.longitudinal, options.lateral, options.spin]])

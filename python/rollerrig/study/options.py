@@ -1,16 +1,21 @@
-"""How an argument of a public function is written on the command line; its meaning is that of the docstring.
+"""A public function as a command: how its arguments are written on the command line, with the meanings of its docstring.
 
-function of rollerrig.cli.commands -> [parameters] -> rollerrig.cli.study_command -> `rollerrig NAME`
+function under @command -> [its head] -> parameters -> rollerrig.cli.study_command -> `rollerrig NAME`
 """
 
 from __future__ import annotations
 
 import inspect
 import re
-import sys
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from contextvars import ContextVar
 from dataclasses import dataclass
-from typing import Annotated, Any, get_args, get_origin
+from typing import Annotated, Any, TypeVar, get_args, get_origin
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+RUNNER: ContextVar[Callable[..., Any] | None] = ContextVar("RUNNER", default=None)
+"""What the command line does with a study: it writes the outcome into a folder."""
 
 SPEEDS_KMH = tuple(float(v) for v in range(60, 301, 20))
 """Speeds of a stability analysis unless others are given [km/h]."""
@@ -50,7 +55,10 @@ HIDDEN = ("progress", "folder", "parameters")
 
 Processes = Annotated[int, Option(least=1, most=64, default=2, meaning="runs at a time.")]
 OneProcess = Annotated[int, Option(least=1, most=64, meaning="runs at a time.")]
-SpeedsKmh = Annotated[Sequence[float], Option(meaning="speeds [km/h] as start:stop:step, or a list with commas.")]
+
+NAMES = {"Annotated": Annotated, "Mapping": Mapping, "Sequence": Sequence, "Option": Option, "Processes": Processes,
+         "OneProcess": OneProcess, "SPEEDS_KMH": SPEEDS_KMH}  # fmt: skip
+"""What defaults, and types in Annotated, of a command's function may name: its head is read without the imports of its module."""
 
 
 @dataclass(frozen=True)
@@ -72,9 +80,27 @@ class Parameter:
     meaning: str
 
 
+def command(function: F) -> F:
+    """Make a function a command, which bears its name; its annotations are plain types from here on.
+
+    Errors under `Raises` of its docstring are mistakes of the user: the command ends with their message.
+    """
+    for one in parameters(function):
+        function.__annotations__[one.name] = one.kind
+    return function
+
+
+def head(text: str) -> Callable[..., Any]:
+    """A function without its body, from its text down to the end of the docstring."""
+    names: dict[str, Any] = dict(NAMES)
+    exec(f"from __future__ import annotations\n{text}", names)
+    found: Callable[..., Any] = names[re.findall(r"def (\w+)", text)[0]]
+    return found
+
+
 def parameters(function: Callable[..., Any]) -> list[Parameter]:
-    """The arguments of a function that the command line has; its annotations are plain types from here on."""
-    names, found = vars(sys.modules[function.__module__]), []
+    """The arguments of a function that the command line has."""
+    names, found = function.__globals__, []
     meanings = dict(re.findall(r"^ {4}(\w+): ((?:.|\n {5,})+)$", inspect.getdoc(function) or "", re.MULTILINE))
     for name, one in inspect.signature(function).parameters.items():
         if name in HIDDEN or one.kind is inspect.Parameter.VAR_KEYWORD:
@@ -85,7 +111,6 @@ def parameters(function: Callable[..., Any]) -> list[Parameter]:
         if get_origin(declared) is Annotated:
             plain, *options = get_args(declared)
             kind = plain.__name__ if isinstance(plain, type) else str(plain).replace("collections.abc.", "")
-            function.__annotations__[name] = kind
         found.append(Parameter(name, kind, one.default, tuple(options), " ".join(meanings[name].split())))
     return found
 
@@ -93,3 +118,9 @@ def parameters(function: Callable[..., Any]) -> list[Parameter]:
 def summary(function: Callable[..., Any]) -> str:
     """The docstring before its sections."""
     return re.split(r"\n\n(?=\w+:\n)", inspect.getdoc(function) or "")[0]
+
+
+def errors(function: Callable[..., Any]) -> set[str]:
+    """Names of the errors in the docstring."""
+    section = (inspect.getdoc(function) or "").partition("Raises:\n")[2].partition("\n\n")[0]
+    return {name for names in re.findall(r"^ {4}([\w, ]+):", section, re.MULTILINE) for name in names.split(", ")}

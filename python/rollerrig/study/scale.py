@@ -7,10 +7,12 @@ difference. The ideal model is full scale again but for round-off; once a slide 
 some of the switchings, and what the ideal model differs by is the repeatability of the test.
 """
 
+from __future__ import annotations
+
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated, Any
 
 import xarray as xr
 from numpy.typing import ArrayLike
@@ -18,6 +20,7 @@ from numpy.typing import ArrayLike
 from rollerrig import similitude
 from rollerrig.analysis import scaled_model
 from rollerrig.analysis.slide_statistics import wheel_radius
+from rollerrig.cases import as_case
 from rollerrig.common.formatting import number, percent
 from rollerrig.config import Case
 from rollerrig.config.schema.case import ScaledFrom
@@ -26,8 +29,9 @@ from rollerrig.plot import scaled as figures
 from rollerrig.results import COMPLETED
 from rollerrig.similitude import ContactAtRest, Requirement, Similitude, factors_of
 from rollerrig.simulation.run import simulate
-from rollerrig.study.frame import Study
-from rollerrig.study.jobs import Done, Round, job
+from rollerrig.study.frame import Outcome, Study
+from rollerrig.study.jobs import Done, Progress, Round, job
+from rollerrig.study.options import Option, Processes, command
 from rollerrig.study.quantities import Numbers
 from rollerrig.study.report import Picture, Section, Table
 
@@ -281,3 +285,45 @@ def _speed_of(name: str) -> str:
 
 def _moves_sideways(numbers: Numbers) -> bool:
     return any(numbers[of]["lateral_largest_m"] > MICROMETRE for of in ("full", "model_mapped_back"))
+
+
+@command
+def scale(
+    case: Case | str,
+    strategy: Annotated[str, Option()],
+    *,
+    length: float | None = None,
+    time: float | None = None,
+    density: float | None = None,
+    keep: Annotated[Sequence[str], Option(commas=True)] = ("gravity", "material"),
+    changes: Annotated[Mapping[str, object] | None, Option("change")] = None,
+    error_budget: Annotated[bool, Option(meaning="with --run: also each violation alone.")] = True,
+    processes: Processes = 1,
+    progress: Progress | None = None,
+) -> Outcome[Scaled]:
+    """The same test on a full-scale rig and on its scaled model, mapped back; `outcome.study.model` is the model's case.
+
+    Args:
+        case: full-scale case on rollers: a name of the catalogue or a TOML file.
+        strategy: 'mmu' keeps time, 'dlr' gravity, 'inrets' speed and elastic contact.
+        length: length at full scale over that of the model; 5, 5, 4 by default.
+        time: time at full scale over that of the model.
+        density: density at full scale over that of the model.
+        keep: what the model does not scale: gravity, material, clock, drives; none: ideal similitude.
+        changes: what the model has of its own, at its own scale: dotted key of its case -> value.
+        error_budget: also the ideal model, and each violation alone.
+        processes: runs at a time; more than 1 asks a script for `if __name__ == "__main__":`.
+        progress: called with the fraction done and a short text.
+
+    Raises:
+        ConfigError: the case cannot be scaled so.
+        StartError: a case finds no equilibrium to start from.
+    """
+    factors, kept = (
+        similitude.similitude(strategy, length, time, density),
+        tuple(name for name in keep if name != "none"),
+    )
+    study = scale_study(
+        as_case(case), factors, strategy=strategy, keep=kept, changes=changes, error_budget=error_budget
+    )
+    return study.outcome(processes, progress)

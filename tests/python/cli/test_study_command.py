@@ -8,13 +8,13 @@ from typing import Any
 
 import pytest
 import typer
+from rollerrig.cli.commands import STUDIES
 from typer.testing import CliRunner
 
 from called import called
 from rollerrig.analysis.mode_table import SPEEDS_KMH
 from rollerrig.cli import commands
 from rollerrig.cli.app import build_app
-from rollerrig.cli.commands import STUDIES
 from rollerrig.cli.study_command import _options, _shown, _value
 from rollerrig.study import options
 from rollerrig.study.options import UNITS, Option, Parameter
