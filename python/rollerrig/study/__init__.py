@@ -32,8 +32,9 @@ def heads() -> dict[str, Head]:
 
 
 def studies() -> list[Any]:
-    """All classes of studies, in the order of their commands."""
+    """The classes of studies, one for each command, in alphabetical order."""
     for path in _FOLDER.glob("[!_]*.py"):
         import_module(f"{__name__}.{path.stem}")
     found = import_module(f"{__name__}.frame").Study.__subclasses__()
-    return sorted((one for one in found if one.__module__.startswith(__name__)), key=lambda one: str(one.command))
+    own = {str(one.command): one for one in found if one.__module__.startswith(__name__)}
+    return [own[name] for name in sorted(own)]

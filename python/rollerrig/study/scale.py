@@ -1,6 +1,7 @@
 """The same test on a full-scale rig and on its scaled model, mapped back, and the effect of each violated similitude.
 
-Full-scale case, its model -> [ScaleStudy] -> both runs at full scale, runs with one violation each, linear critical speeds
+Full-scale case, its model -> [ModelStudy] -> case.toml, requirements of similitude
+                          -> [ScaleStudy] -> both runs at full scale, runs with one violation each, linear critical speeds
 
 Beside the model as it is, the model is run with everything scaled, and with one violation at a time: the error budget of the
 difference. The ideal model is full scale again but for round-off; once a slide protection switches valves, round-off decides
@@ -23,7 +24,6 @@ from rollerrig.analysis.slide_statistics import wheel_radius
 from rollerrig.cases import as_case
 from rollerrig.common.formatting import number, percent
 from rollerrig.config import Case
-from rollerrig.config.schema.case import ScaledFrom
 from rollerrig.config.write.toml import to_short_toml
 from rollerrig.plot import scaled as figures
 from rollerrig.results import COMPLETED
@@ -32,7 +32,7 @@ from rollerrig.simulation.run import simulate
 from rollerrig.study.frame import Outcome, Study
 from rollerrig.study.jobs import Done, Progress, Round, job
 from rollerrig.study.options import Option, Processes, command
-from rollerrig.study.quantities import Numbers
+from rollerrig.study.quantities import Numbers, Quantities
 from rollerrig.study.report import Picture, Section, Table
 
 
@@ -54,6 +54,31 @@ def model_summary(model: Case, found: Sequence[Requirement]) -> list[str]:
         *(f"violated: {one.name} ({deviation(one.deviation)}): {one.effect}" for one in violated),
         *(["All requirements of similitude are met."] if not violated else []),
     ]
+
+
+def model_numbers(full: Case, model: Case, found: Sequence[Requirement]) -> dict[str, Any]:
+    """What is reported of a model without a run."""
+    assert model.similitude is not None
+    keys = [q.name for q in Quantities("scale").below("violations.*")]
+    return {
+        "case": full.name,
+        "model": model.name,
+        "similitude": model.similitude.model_dump(exclude={"case"}),
+        "violations": [
+            {key: "" if key == "effect" and one.met else getattr(one, key) for key in keys} for one in found
+        ],
+    }
+
+
+def similitude_section(model: Case, numbers: Numbers) -> Section:
+    """The factors of a model, and the requirements that it meets or violates."""
+    assert model.similitude is not None
+    factors, title = factors_of(model), similitude.STRATEGIES[model.similitude.strategy].title
+    scaled = [[name, number(factors.factor(unit)), unit] for name, unit in similitude.FACTORS]
+    scaling = Table(("quantity", "full scale over model", "unit"), scaled, title)
+    caption = "requirements, met or violated"
+    violations = Quantities("scale").table(numbers["violations"], "violations.*", caption)
+    return Section("Similitude", [scaling, violations])
 
 
 def contact_at_rest_table(model: Case, at_full_scale: ContactAtRest, own: ContactAtRest) -> Table:
@@ -102,6 +127,7 @@ LEFT_OUT = (
     "weight; leave `gravity` out of --keep for such a one. What is computed beside the model, virtual train and rail, pneumatic "
     "brake, slide protection, runs at the model's time."
 )
+OWN_SCALE = "the model's case, at its own scale"
 CASE_FILE = "case.toml"  # the scaled rig, to be run like any other
 MICROMETRE = 1e-6  # lateral motion below it is round-off [m]
 
@@ -115,6 +141,38 @@ class Scaled:
     critical: Mapping[str, float]  # linear critical speed by name [m/s], mapped back; NaN: none
     violations: Sequence[Requirement]  # all requirements, met or not
     contact: tuple[ContactAtRest, ContactAtRest]  # the contact at rest of full scale and model, each at its own scale
+
+
+@dataclass(frozen=True)
+class ModelStudy(Study[list[Requirement]]):
+    """The model of a full-scale case, at its own scale, and the requirements of similitude."""
+
+    full: Case
+    model: Case
+
+    command = "scale"
+    heading = "{model.name}, a model of {full.name}"
+    writes = (CASE_FILE,)
+    leaves_out = (LEFT_OUT,)
+    resumable = False
+
+    def cases(self) -> Mapping[str, Case]:
+        return {OWN_SCALE: self.model}
+
+    def rounds(self, done: Done) -> Iterator[Round]:
+        yield {self.command: job(similitude.requirements, self.full, self.model)}
+
+    def numbers(self, results: list[Requirement]) -> dict[str, Any]:
+        return model_numbers(self.full, self.model, results)
+
+    def summary(self, results: list[Requirement], numbers: Numbers) -> list[str]:
+        return model_summary(self.model, results)
+
+    def files(self, results: list[Requirement], numbers: Numbers) -> Mapping[str, Any]:
+        return {CASE_FILE: to_short_toml(self.model)}
+
+    def sections(self, results: list[Requirement], numbers: Numbers) -> list[Section]:
+        return [similitude_section(self.model, numbers)]
 
 
 @dataclass(frozen=True)
@@ -139,17 +197,11 @@ class ScaleStudy(Study[Scaled]):
         return self.variants["model"]
 
     @property
-    def record(self) -> ScaledFrom:
-        """What the model's case says of its scaling."""
-        assert self.model.similitude is not None
-        return self.model.similitude
-
-    @property
     def title(self) -> str:
-        return f"{self.full.name} at full scale, and by a 1:{self.record.length:g} model"
+        return f"{self.full.name} at full scale, and by a 1:{factors_of(self.model).length:g} model"
 
     def cases(self) -> Mapping[str, Case]:
-        return {"the model's case, at its own scale": self.model}
+        return {OWN_SCALE: self.model}
 
     def rounds(self, done: Done) -> Iterator[Round]:
         yield {LABELS[name]: job(simulate, case) for name, case in self.variants.items()}
@@ -180,19 +232,12 @@ class ScaleStudy(Study[Scaled]):
             {**scaled_model.run_numbers(run), "linear_critical_speed_kmh": 3.6 * results.critical.get(name, math.nan)}
             for name, run in (("full", results.full), ("model", results.mapped["model"]))
         )
-        violated = self.quantities.below("violations.*")
         return {
-            "case": self.full.name,
-            "model": self.model.name,
-            "similitude": self.record.model_dump(exclude={"case"}),
+            **model_numbers(self.full, self.model, results.violations),
             "full": full,
             "model_mapped_back": model,
             "fidelity": compared.pop("model"),
             "error_budget": compared,
-            "violations": [
-                {q.name: "" if q.name == "effect" and one.met else getattr(one, q.name) for q in violated}
-                for one in results.violations
-            ],
             "contact": dict(zip(("full", "model"), map(vars, results.contact), strict=True)),
             "motor_limited_share": scaled_model.motor_limited(self.model, results.mapped["model"]),
         }
@@ -216,13 +261,8 @@ class ScaleStudy(Study[Scaled]):
 
     def sections(self, results: Scaled, numbers: Numbers) -> list[Section]:
         runs = {"full scale": numbers["full"], "model, mapped back": numbers["model_mapped_back"]}
-        violations = self.quantities.table(numbers["violations"], "violations.*", "requirements, met or violated")
-        factors = factors_of(self.model)
-        scaled = [[name, number(factors.factor(unit)), unit] for name, unit in similitude.FACTORS]
-        title = similitude.STRATEGIES[self.record.strategy].title
-        scaling = Table(("quantity", "full scale over model", "unit"), scaled, title)
         sections = [
-            Section("Similitude", [scaling, violations]),
+            similitude_section(self.model, numbers),
             Section("Contact at rest", [contact_at_rest_table(self.model, *results.contact)]),
             Section("Numbers", [self.quantities.list_table(runs, "*")]),
         ]
@@ -297,11 +337,14 @@ def scale(
     density: float | None = None,
     keep: Annotated[Sequence[str], Option(commas=True)] = ("gravity", "material"),
     changes: Annotated[Mapping[str, object] | None, Option("change")] = None,
-    error_budget: Annotated[bool, Option(meaning="with --run: also each violation alone.")] = True,
+    run: Annotated[bool, Option(default=False)] = True,
+    error_budget: bool = True,
     processes: Processes = 1,
     progress: Progress | None = None,
-) -> Outcome[Scaled]:
-    """The same test on a full-scale rig and on its scaled model, mapped back; `outcome.study.model` is the model's case.
+) -> Outcome[Any]:
+    """A scaled rig by similitude: its case, to be run like any other, what it violates, and the same test at both scales.
+
+    In Python `outcome.study.model` is the model's case.
 
     Args:
         case: full-scale case on rollers: a name of the catalogue or a TOML file.
@@ -311,7 +354,8 @@ def scale(
         density: density at full scale over that of the model.
         keep: what the model does not scale: gravity, material, clock, drives; none: ideal similitude.
         changes: what the model has of its own, at its own scale: dotted key of its case -> value.
-        error_budget: also the ideal model, and each violation alone.
+        run: also run the test at full scale and on the model, mapped back.
+        error_budget: of the runs: also the ideal model, and each violation alone.
         processes: runs at a time; more than 1 asks a script for `if __name__ == "__main__":`.
         progress: called with the fraction done and a short text.
 
@@ -319,11 +363,7 @@ def scale(
         ConfigError: the case cannot be scaled so.
         StartError: a case finds no equilibrium to start from.
     """
-    factors, kept = (
-        similitude.similitude(strategy, length, time, density),
-        tuple(name for name in keep if name != "none"),
-    )
-    study = scale_study(
-        as_case(case), factors, strategy=strategy, keep=kept, changes=changes, error_budget=error_budget
-    )
-    return study.outcome(processes, progress)
+    full, factors = as_case(case), similitude.similitude(strategy, length, time, density)
+    kept, budget = tuple(name for name in keep if name != "none"), run and error_budget
+    study = scale_study(full, factors, strategy=strategy, keep=kept, changes=changes, error_budget=budget)
+    return (study if run else ModelStudy(full, study.model)).outcome(processes, progress)
