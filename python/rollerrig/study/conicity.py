@@ -57,6 +57,9 @@ class Characteristics:
         return xr.concat(tables, labels, join="outer", combine_attrs="override")
 
 
+AMPLITUDES = tuple(round(1e-4 * k, 6) for k in range(5, 71))  # [m]
+
+
 @dataclass(frozen=True)
 class ConicityStudy(Study[Characteristics]):
     """Characteristics of a pair on rails, and on rollers of the same head; attributes as the arguments of `rollerrig.conicity`.
@@ -66,7 +69,7 @@ class ConicityStudy(Study[Characteristics]):
 
     wheel: str
     rail: str
-    amplitudes: tuple[float, ...] = tuple(round(1e-4 * k, 6) for k in range(5, 71))
+    amplitudes: tuple[float, ...] = AMPLITUDES
     roller_radius: float | None = None
     largest: float = 8e-3
     step: float = 1e-4
@@ -238,7 +241,7 @@ def conicity(
             quantity=("Rig", "roller_radius"), meaning="radius of rollers of this head, to be shown beside the rails."
         ),
     ] = None,
-    amplitudes: Annotated[Sequence[float] | None, Option("amplitudes_mm", "mm", default="0.5:7:0.1")] = None,
+    amplitudes: Annotated[Sequence[float] | None, Option("amplitudes_mm", "mm")] = None,
     largest: Annotated[float, Option("shift_mm", "mm", 0.1, 50.0)] = 8e-3,
     step: Annotated[float, Option("step_mm", "mm", 0.005, 1.0)] = 1e-4,
     yaw: Annotated[float, Option("yaw_mrad", "mrad", -100.0, 100.0)] = 0.0,
@@ -251,7 +254,7 @@ def conicity(
         rail: rail profile, also the generatrix of a roller: likewise.
         lengths: gauge, gauge_depth, back_to_back, radius of `pair_case` [m].
         roller_radius: radius of rollers of this head, to be shown beside the rails [m]; None: rails only.
-        amplitudes: amplitudes of the conicity [m]; None: 0.5 to 7 mm by steps of 0.1 mm.
+        amplitudes: amplitudes of the conicity [m]; None: 0.5 to 7 mm in steps of 0.1 mm, as far as the shift goes.
         largest: lateral shift to both sides [m].
         step: distance of the rows [m].
         yaw: yaw angle of the wheelset [rad].
@@ -262,7 +265,7 @@ def conicity(
 
     Raises:
         ConfigError: a profile or a length cannot be used.
-        ValueError: the wheels do not touch, or not at an amplitude.
+        ValueError: the wheels do not touch, or an amplitude is beyond the shift.
 
     Example:
         >>> import rollerrig as rr
@@ -270,7 +273,11 @@ def conicity(
         >>> round(float(found["conicity"].sel(support="rail", amplitude=3e-3, method="nearest")), 3)
         0.174
     """
-    usual = (round(1e-4 * k, 6) for k in range(5, 71))
-    values = tuple(sorted(set(usual if amplitudes is None else amplitudes)))
+    if amplitudes is not None and not 0.0 < min(amplitudes) <= max(amplitudes) <= largest * (1.0 + 1e-9):
+        least, most, end = (1e3 * one for one in (min(amplitudes), max(amplitudes), largest))
+        raise ValueError(
+            f"amplitudes from {least:g} to {most:g} mm: allowed above 0 and up to the largest shift, {end:g} mm"
+        )
+    values = AMPLITUDES if amplitudes is None else tuple(sorted(set(amplitudes)))
     rows = (largest, min(step, largest), free_to_roll, yaw)
     return ConicityStudy(wheel, rail, values, roller_radius, *rows, lengths or {}).outcome().results.dataset()

@@ -366,5 +366,10 @@ def run(case: Case | str, *, progress: Progress | None = None) -> Outcome[Result
     Args:
         case: case: a name of the catalogue or a TOML file.
         progress: called with the fraction done and a short text.
+
+    Example:
+        >>> import rollerrig as rr
+        >>> rr.run(rr.load_case("wheelset_rollers").with_changes({"time.duration": "0.1 s"})).statuses
+        ['ok']
     """
     return RunStudy(as_case(case)).outcome(progress=progress)
