@@ -127,7 +127,7 @@ def creep(
 
     Args:
         a_over_b: semi-axis along the rolling direction over the one across it.
-        laws: by the names that `contact.creep` knows, each once.
+        laws: creep laws by the names that `contact.creep` knows, each once.
         poisson_ratio: Poisson's ratio.
         demands: sizes of the creepage; 1 demands the friction limit [-].
         k_A: polach's k_A; dry 1.0, wet 0.3.

@@ -485,7 +485,7 @@ def fit(
     Args:
         plan: plan of a fit: a name of the catalogue or a TOML file.
         logs: files of measured signals (.csv, .mat, .nc, .parquet), one for each [[log]] of the plan.
-        changes: other values for keys of the plan's case: dotted key -> value.
+        changes: other values of the plan's case, by dotted key.
         allow_code: also take controllers from outside the folder of the case that names them.
         processes: searches at a time.
         progress: called with the fraction done and a short text.

@@ -344,8 +344,6 @@ def scale(
 ) -> Outcome[Any]:
     """A scaled rig by similitude: its case, to be run like any other, what it violates, and the same test at both scales.
 
-    In Python `outcome.study.model` is the model's case.
-
     Args:
         case: full-scale case on rollers: a name of the catalogue or a TOML file.
         strategy: 'mmu' keeps time, 'dlr' gravity, 'inrets' speed and elastic contact.
@@ -353,11 +351,14 @@ def scale(
         time: time at full scale over that of the model.
         density: density at full scale over that of the model.
         keep: what the model does not scale: gravity, material, clock, drives; none: ideal similitude.
-        changes: what the model has of its own, at its own scale: dotted key of its case -> value.
+        changes: what the model has of its own, at its own scale, by dotted key of its case.
         run: also run the test at full scale and on the model, mapped back.
         error_budget: of the runs: also the ideal model, and each violation alone.
         processes: runs at a time; more than 1 asks a script for `if __name__ == "__main__":`.
         progress: called with the fraction done and a short text.
+
+    Returns:
+        Outcome whose `study.model` is the model's case.
 
     Raises:
         ConfigError: the case cannot be scaled so.
