@@ -12,7 +12,6 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any, NamedTuple
 
-_FOLDER = Path(__file__).parent
 _HEAD = re.compile(r'^@command\n(def (\w+)\(.*?""".*?"""\n)', re.MULTILINE | re.DOTALL)
 
 
@@ -23,17 +22,21 @@ class Head(NamedTuple):
     text: str
 
 
+def _files() -> list[Path]:
+    return [path for folder in __path__ for path in Path(folder).glob("[!_]*.py")]
+
+
 @cache
 def heads() -> dict[str, Head]:
     """The functions under `@command` by name, in alphabetical order."""
-    texts = {path.stem: path.read_text(encoding="utf-8") for path in _FOLDER.glob("*.py")}
+    texts = {path.stem: path.read_text(encoding="utf-8") for path in _files()}
     found = {name: Head(f"study.{stem}", head) for stem, text in texts.items() for head, name in _HEAD.findall(text)}
     return dict(sorted(found.items()))
 
 
 def studies() -> list[Any]:
     """The classes of studies, one for each command, in alphabetical order."""
-    for path in _FOLDER.glob("[!_]*.py"):
+    for path in _files():
         import_module(f"{__name__}.{path.stem}")
     found = import_module(f"{__name__}.frame").Study.__subclasses__()
     own = {str(one.command): one for one in found if one.__module__.startswith(__name__)}
