@@ -17,7 +17,7 @@ import typer
 
 from rollerrig.cli.command import AllowCode, Changes, Force, Out, carry_out, changes_of, code_lines, read_case
 from rollerrig.cli.ranges import check_finite, read_range, read_speeds
-from rollerrig.cli.termination import MISTAKES, say, stop
+from rollerrig.cli.termination import say
 from rollerrig.study import heads
 from rollerrig.study.options import RUNNER, UNITS, Option, Parameter, errors, head, parameters, summary
 
@@ -33,17 +33,10 @@ def study_command(name: str) -> Callable[..., None]:
     arguments = parameters(declared)
     first, others = ([one for one in arguments if bool(one.options) == named] for named in (False, True))
     of_case = bool(first) and first[0].kind == "Case | str"
-    own = [parameter for one in others for parameter in _options(one)]
+    found = [*map(_argument, first), _parameter("out", Out), *(option for one in others for option in _options(one))]
     shared = [("change", Changes, None), ("allow_code", AllowCode, False)] if of_case else []
-    last = [one for one in (*shared, ("force", Force, False)) if one[0] not in {parameter.name for parameter in own}]
-    named = [
-        _parameter(
-            one.name,
-            Annotated[ARGUMENTS.get(one.kind, str), typer.Argument(metavar=one.name.upper(), help=_text(one.meaning))],
-        )
-        for one in first
-    ]
-    found = [*named, _parameter("out", Out), *own, *(_parameter(*one) for one in last)]
+    own = {parameter.name for parameter in found}
+    found += [_parameter(*one) for one in (*shared, ("force", Force, False)) if one[0] not in own]
 
     def command(**given: Any) -> None:
         values = {one.name: given[one.name] for one in first} | {one.name: _value(one, given) for one in others}
@@ -64,15 +57,10 @@ def study_command(name: str) -> Callable[..., None]:
         token = RUNNER.set(runner)
         try:
             getattr(import_module(f"rollerrig.{heads()[name].module}"), name)(**values)
-        except typer.Exit:  # a RuntimeError
-            raise
-        except Exception as error:
-            if type(error).__name__ in MISTAKES or not {one.__name__ for one in type(error).__mro__} & errors(declared):
-                raise
-            stop(error)
         finally:
             RUNNER.reset(token)
 
+    command.mistakes = errors(declared)  # type: ignore[attr-defined]
     command.__name__, command.__doc__ = name, summary(declared) + cost(name)
     command.__annotations__ = {one.name: one.annotation for one in found}
     command.__signature__ = inspect.Signature(found)  # type: ignore[attr-defined]
@@ -110,10 +98,16 @@ ARGUMENTS: dict[str, Any] = {"Sequence[str | Path | Mapping[str, Any]]": list[st
 """Type of an argument without a name -> on the command line, where it is not one text."""
 
 
+def _argument(one: Parameter) -> inspect.Parameter:
+    """An argument that stands without a name, as typer takes it."""
+    info = typer.Argument(metavar=one.name.upper(), help=_text(one.meaning))
+    return _parameter(one.name, Annotated[ARGUMENTS.get(one.kind, str), info])
+
+
 def _options(one: Parameter) -> Iterator[inspect.Parameter]:
     """The options of an argument, as typer takes them."""
     for place, option in enumerate(one.options):
-        name, default = option.name or one.name, one.default
+        default = one.default
         kind: Any = str if option.quantity or option.commas else FORMS.get(one.kind, str)
         if len(one.options) > 1 and default is not None:
             default = default[place]
@@ -122,11 +116,9 @@ def _options(one: Parameter) -> Iterator[inspect.Parameter]:
             kind, default = kind | None, None
         meaning = option.meaning or one.meaning + _form(one.kind, option)
         meaning = meaning.replace(f"[{UNITS[option.unit][0]}]", f"[{option.unit}]").replace("None: ", "absent: ")
-        flag = f"--{name.replace('_', '-').lower()}"
-        # what is off by default has no `--no-` beside it
-        spelt = ("--set",) if name == "change" else (flag,) * (default is False or name != name.lower())
+        spelt = () if default is True else (option.flag,)  # what is off by default has no `--no-` beside it
         info = typer.Option(*spelt, help=_text(meaning), min=option.least, max=option.most)
-        yield _parameter(name, Annotated[kind, info], default)
+        yield _parameter(option.name, Annotated[kind, info], default)
 
 
 def _form(kind: str, option: Option) -> str:
@@ -153,8 +145,7 @@ def _shown(value: Any, option: Option) -> Any:
 
 def _value(one: Parameter, given: Given) -> Any:
     """The value of an argument from its options."""
-    values = {name: _read(one, name, option, given[name])
-              for option in one.options for name in (option.name or one.name,)}  # fmt: skip
+    values = {option.name: _read(one, option, given[option.name]) for option in one.options}
     if len(values) > 1:
         return tuple(values.values()) if one.kind.startswith("tuple") else values
     (value,) = values.values()
@@ -162,9 +153,9 @@ def _value(one: Parameter, given: Given) -> Any:
     return default if value is None else value
 
 
-def _read(one: Parameter, name: str, option: Option, value: Any) -> Any:
+def _read(one: Parameter, option: Option, value: Any) -> Any:
     """What an option says, in SI; None where it is absent."""
-    flag, factor = "--set" if name == "change" else f"--{name.replace('_', '-')}", UNITS[option.unit][1]
+    flag, factor = option.flag, UNITS[option.unit][1]
     if value is None or isinstance(value, bool | int):
         return value
     if isinstance(value, float):
@@ -178,13 +169,10 @@ def _read(one: Parameter, name: str, option: Option, value: Any) -> Any:
         return tuple(text.strip() for text in value.split(","))
     if not one.kind.startswith("Sequence[float]"):
         return value
-    numbers = read_speeds(value) if name == "speeds_kmh" else read_range(value, flag)
-    if (
-        option.least is not None
-        and option.most is not None
-        and not option.least <= min(numbers) <= max(numbers) <= option.most
-    ):
-        allowed = f"numbers must lie between {option.least:g} and {option.most:g}"
+    numbers = read_speeds(value) if option.name == "speeds_kmh" else read_range(value, flag)
+    least, most = option.least, option.most
+    if least is not None and most is not None and not least <= min(numbers) <= max(numbers) <= most:
+        allowed = f"numbers must lie between {least:g} and {most:g}"
         raise typer.BadParameter(f"'{value}': {allowed}", param_hint=flag)
     return tuple(factor * number for number in (sorted(numbers) if option.ordered else numbers))
 

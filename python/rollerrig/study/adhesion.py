@@ -11,8 +11,6 @@ The variants take one imperfection of the rig away after the other: their differ
 track, are the causes. Tests on track with a later protection give the rig's equivalent dead time.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass

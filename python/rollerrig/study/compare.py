@@ -4,8 +4,6 @@ vehicle or case, supports by name -> [compared_cases] -> label -> Case -> [Compa
     -> modes, critical speeds, effects of the rollers, forces, contact characteristics
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field

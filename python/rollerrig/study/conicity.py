@@ -3,8 +3,6 @@
 wheel, rail -> [ConicityStudy] -> tables over lateral shift and amplitude, equivalent conicity
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Iterator, Mapping, Sequence

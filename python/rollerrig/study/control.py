@@ -6,8 +6,6 @@ Case -> families of variants -> [ControlStudy] -> tracking and ripple of each ru
 Tracking is the wheel's speed less the virtual wheel's, over the train's speed (docs/theory/rig_control.md).
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 from collections.abc import Iterator, Mapping, Sequence

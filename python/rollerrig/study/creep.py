@@ -3,8 +3,6 @@
 a/b, names of laws -> [CreepStudy] -> forces and errors of each law; what a call costs
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Annotated, Any

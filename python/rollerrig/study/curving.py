@@ -3,8 +3,6 @@
 Case -> [CurvingStudy] -> all wheels as curving.nc, table and figure of the largest values in each curve
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial

@@ -4,8 +4,6 @@ Case of a rig with [rig_control] -> runs over torque, adhesion and load, refined
 -> map of the limits reached first, and the closed forms (V1) to (V6) beside it
 """
 
-from __future__ import annotations
-
 import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass

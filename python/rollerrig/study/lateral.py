@@ -4,8 +4,6 @@ Case on elastic rollers with a disturbance -> [LateralStudy] -> runs displaced a
 -> tracking, real sliding, hunting before and in the slide; lateral creep of sliding wheels against its closed form, (Q6)
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass

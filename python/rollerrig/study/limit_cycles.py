@@ -3,8 +3,6 @@
 Case, speeds -> [cycle_chains] -> jobs, results by name -> [cycle_diagram] -> Diagram -> numbers, rows, sentences, figures
 """
 
-from __future__ import annotations
-
 import math
 import tomllib
 from collections.abc import Iterator, Mapping, Sequence

@@ -9,8 +9,8 @@ import inspect
 import re
 from collections.abc import Callable, Mapping, Sequence
 from contextvars import ContextVar
-from dataclasses import dataclass
-from typing import Annotated, Any, TypeVar, get_args, get_origin
+from dataclasses import dataclass, replace
+from typing import Annotated, Any, TypeVar, get_args, get_origin, get_type_hints
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -29,7 +29,7 @@ class Option:
     """How an option differs from the argument.
 
     Attributes:
-        name: of the parameter.
+        name: of the parameter; that of the argument if none is given.
         unit: of UNITS.
         least, most: range.
         default: its default.
@@ -48,6 +48,11 @@ class Option:
     ordered: bool = False
     quantity: tuple[str, str] | None = None
     meaning: str = ""
+
+    @property
+    def flag(self) -> str:
+        """As it is written on the command line."""
+        return "--set" if self.name == "change" else f"--{self.name.replace('_', '-').lower()}"
 
 
 HIDDEN = ("progress", "folder", "parameters")
@@ -85,8 +90,7 @@ def command(function: F) -> F:
 
     Errors under `Raises` of its docstring are mistakes of the user: the command ends with their message.
     """
-    for one in parameters(function):
-        function.__annotations__[one.name] = one.kind
+    function.__annotations__ = get_type_hints(function)
     return function
 
 
@@ -111,7 +115,8 @@ def parameters(function: Callable[..., Any]) -> list[Parameter]:
         if get_origin(declared) is Annotated:
             plain, *options = get_args(declared)
             kind = plain.__name__ if isinstance(plain, type) else str(plain).replace("collections.abc.", "")
-        found.append(Parameter(name, kind, one.default, tuple(options), " ".join(meanings[name].split())))
+        own = tuple(replace(option, name=option.name or name) for option in options)
+        found.append(Parameter(name, kind, one.default, own, " ".join(meanings[name].split())))
     return found
 
 

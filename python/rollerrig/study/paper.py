@@ -3,8 +3,6 @@
 plan -> [PaperStudy] -> modes, ramps, runs from a disturbance, traction -> numbers, figures, checks against theory, report
 """
 
-from __future__ import annotations
-
 import itertools
 import math
 import tomllib

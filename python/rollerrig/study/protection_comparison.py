@@ -7,8 +7,6 @@ Test k of both systems draws the same adhesion, pads, load, speed and demand: wh
 difference. Neither system is better where a test of either is a bad one, as in the programme itself.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass

@@ -4,8 +4,6 @@ Case, log of a stop -> [reconstruct] -> friction over distance -> the case on th
 stop over each other; case.toml with that rail, for the rig and for every other study
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property

@@ -3,8 +3,6 @@
 Case, log of a rig -> [replay] -> estimates, bands, virtual train -> errors against what the log knows, episodes -> report
 """
 
-from __future__ import annotations
-
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any

@@ -3,8 +3,6 @@
 Case, commands, outputs, speeds -> [ResponseStudy] -> Bode, Nyquist, poles and zeros, margins, MATLAB files, report
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass

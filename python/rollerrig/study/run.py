@@ -4,8 +4,6 @@ Case -> [RunStudy] -> run, wheel-rail forces and running safety (EN 14363)
     -> run.nc, motion.csv, wheels.csv, running_safety.csv, summary.json, report.html, view.html
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass

@@ -8,8 +8,6 @@ difference. The ideal model is full scale again but for round-off; once a slide 
 some of the switchings, and what the ideal model differs by is the repeatability of the test.
 """
 
-from __future__ import annotations
-
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass

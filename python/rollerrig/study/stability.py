@@ -3,8 +3,6 @@
 Case, speeds -> [StabilityStudy] -> stability.nc, tables of modes, shapes and limit cycles, report
 """
 
-from __future__ import annotations
-
 import itertools
 import json
 import math

@@ -7,8 +7,6 @@ Half of the candidates fill the ranges, the others lie about the front found so 
 case as shipped is decided by draws that the choice has not seen.
 """
 
-from __future__ import annotations
-
 import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
