@@ -17,7 +17,7 @@ from rollerrig.analysis.critical_speed import onset_from
 from rollerrig.analysis.slide_statistics import TestRecord
 from rollerrig.analysis.wheel_rail_forces import filtered, wheel_forces
 from rollerrig.assembly.laws import core_law
-from rollerrig.config import Case, Programme, case_from_toml
+from rollerrig.config import CRITERIA, Case, Programme, case_from_toml
 from rollerrig.config.schema import plan
 from rollerrig.config.schema.actuators import SlideProtection
 from rollerrig.config.schema.programme import FlatWear
@@ -163,8 +163,9 @@ def _stop(case: Case, options: plan.WspMeasure, progress: Progressing) -> Number
     bad = [*wsp.faults(found, must_slide=False), *(wsp.dry_faults(found) if stop.stops else ())]
     if bad:
         raise RuntimeError("; ".join(bad))
-    names = dict(wsp.MEASURES) | {"largest_slip": ("largest_slip", 1.0), "odometer_error": ("odometer_error_m", 1.0)}
-    return {criterion: factor * found.values(name)[0] for criterion, (name, factor) in names.items()}
+    numbers = {name: one.factor * found.values(one.measure)[0] for name, one in CRITERIA.items()}
+    more = {"largest_slip": "largest_slip", "odometer_error": "odometer_error_m"}
+    return numbers | {name: found.values(measure)[0] for name, measure in more.items()}
 
 
 @lru_cache(maxsize=64)

@@ -27,7 +27,6 @@ from rollerrig.study.options import Option, Processes, command
 from rollerrig.study.quantities import Numbers
 from rollerrig.study.report import Block, Mark, Picture, Section, Table, Text
 from rollerrig.study.runs.wsp import (
-    MEASURES,
     OVER_DRY,
     SUPPORTS,
     StopTests,
@@ -77,7 +76,7 @@ class Difference:
             return "not decided"
         if interval.low <= 0.0 <= interval.high:
             return "neither" if interval.low == interval.high else "not decided"
-        more_is_better = CRITERIA[self.criterion].least  # type: ignore[index]
+        more_is_better = CRITERIA[self.criterion].least
         return "second" if (interval.low > 0.0) == more_is_better else "first"
 
     @property
@@ -223,8 +222,10 @@ def differences(results: Mapping[System, Results], stop: str, on: Support) -> It
     tests = {system: results[system][stop].tests for system in SYSTEMS}
     one, two = (tests[system][on] for system in SYSTEMS)
     common = [f"{system}: {why}" for system in SYSTEMS for why in _faults(tests[system], on)]
-    for criterion in (name for name in MEASURES if one.stop.stops or not CRITERIA[name].of_a_stop):  # type: ignore[index]
-        name, factor = MEASURES[criterion]
+    for criterion, what in CRITERIA.items():
+        if what.of_a_stop and not one.stop.stops:
+            continue
+        name, factor = what.measure, what.factor
         dry = [f"{s}: {why}" for s in SYSTEMS if name in OVER_DRY for why in dry_faults(tests[s][on])]
         found = difference(two.values(name), one.values(name))
         count = min(len(one.fine), len(two.fine))
