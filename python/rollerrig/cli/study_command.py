@@ -163,8 +163,8 @@ def _read(one: Parameter, option: Option, value: Any) -> Any:
         return factor * value
     if isinstance(value, list):
         return changes_of(value, flag) if one.kind.startswith("Mapping") else tuple(value)
-    if option.quantity is not None:
-        return _length(value, flag, *option.quantity)
+    if option.quantity:
+        return _length(value, flag, *option.quantity.split("."))
     if option.commas:
         return tuple(text.strip() for text in value.split(","))
     if not one.kind.startswith("Sequence[float]"):

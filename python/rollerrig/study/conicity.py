@@ -6,7 +6,7 @@ wheel, rail -> [ConicityStudy] -> tables over lateral shift and amplitude, equiv
 import itertools
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import partial
 from typing import Annotated, Any
 
@@ -55,9 +55,6 @@ class Characteristics:
         return xr.concat(tables, labels, join="outer", combine_attrs="override")
 
 
-AMPLITUDES = tuple(round(1e-4 * k, 6) for k in range(5, 71))  # [m]
-
-
 @dataclass(frozen=True)
 class ConicityStudy(Study[Characteristics]):
     """Characteristics of a pair on rails, and on rollers of the same head; attributes as the arguments of `rollerrig.conicity`.
@@ -67,13 +64,13 @@ class ConicityStudy(Study[Characteristics]):
 
     wheel: str
     rail: str
-    amplitudes: tuple[float, ...] = AMPLITUDES
-    roller_radius: float | None = None
-    largest: float = 8e-3
-    step: float = 1e-4
-    free_to_roll: bool = False
-    yaw: float = 0.0
-    lengths: Mapping[str, float] = field(default_factory=dict)
+    amplitudes: tuple[float, ...]
+    roller_radius: float | None
+    largest: float
+    step: float
+    free_to_roll: bool
+    yaw: float
+    lengths: Mapping[str, float]
 
     command = "conicity"
     writes = ("shift.csv", "conicity.csv")
@@ -218,26 +215,16 @@ def conicity(
     *,
     lengths: Annotated[
         Mapping[str, float] | None,
-        Option("gauge", quantity=("Track", "gauge"), default="1435mm", meaning="distance between the gauge sides."),
+        Option("gauge", quantity="Track.gauge", default="1435mm", meaning="distance between the gauge sides."),
         Option(
-            "gauge_depth",
-            quantity=("Track", "gauge_depth"),
-            default="14mm",
-            meaning="depth below the highest point where it is taken.",
+            "gauge_depth", quantity="Track.gauge_depth", default="14mm", meaning="its depth below the highest point."
         ),
-        Option(
-            "back_to_back",
-            quantity=("Wheel", "back_to_back"),
-            default="1360mm",
-            meaning="distance between the flange backs.",
-        ),
-        Option("radius", quantity=("Wheel", "radius"), default="460mm", meaning="wheel radius at the tape circle."),
+        Option("back_to_back", quantity="Wheel.back_to_back", default="1360mm", meaning="between the flange backs."),
+        Option("radius", quantity="Wheel.radius", default="460mm", meaning="wheel radius at the tape circle."),
     ] = None,
     roller_radius: Annotated[
         float | None,
-        Option(
-            quantity=("Rig", "roller_radius"), meaning="radius of rollers of this head, to be shown beside the rails."
-        ),
+        Option(quantity="Rig.roller_radius", meaning="radius of rollers of this head, to be shown beside the rails."),
     ] = None,
     amplitudes: Annotated[Sequence[float] | None, Option("amplitudes_mm", "mm")] = None,
     largest: Annotated[float, Option("shift_mm", "mm", 0.1, 50.0)] = 8e-3,
@@ -276,6 +263,6 @@ def conicity(
         raise ValueError(
             f"amplitudes from {least:g} to {most:g} mm: allowed above 0 and up to the largest shift, {end:g} mm"
         )
-    values = AMPLITUDES if amplitudes is None else tuple(sorted(set(amplitudes)))
+    values = sorted({round(1e-4 * k, 6) for k in range(5, 71)} if amplitudes is None else set(amplitudes))
     rows = (largest, min(step, largest), free_to_roll, yaw)
-    return ConicityStudy(wheel, rail, values, roller_radius, *rows, lengths or {}).outcome().results.dataset()
+    return ConicityStudy(wheel, rail, tuple(values), roller_radius, *rows, lengths or {}).outcome().results.dataset()

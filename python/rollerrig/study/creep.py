@@ -4,13 +4,13 @@ a/b, names of laws -> [CreepStudy] -> forces and errors of each law; what a call
 """
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Annotated, Any
 
 import xarray as xr
 
 from rollerrig.assembly.laws import creep_law
-from rollerrig.contact_analysis.creep_laws import COMPONENTS, DEMANDS, REFERENCE, compare_laws, error_table
+from rollerrig.contact_analysis.creep_laws import COMPONENTS, REFERENCE, compare_laws, error_table
 from rollerrig.plot.contact import creep_figure
 from rollerrig.study.frame import Study, dataset_rows
 from rollerrig.study.jobs import Done, Round, job
@@ -25,9 +25,9 @@ class CreepStudy(Study[xr.Dataset]):
 
     a_over_b: float
     laws: tuple[str, ...]
-    poisson_ratio: float = 0.28
-    demands: tuple[float, ...] = DEMANDS
-    parameters: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    poisson_ratio: float
+    demands: tuple[float, ...]
+    parameters: Mapping[str, Mapping[str, float]]
 
     command = "creep"
     heading = "Creep laws on an ellipse a/b = {a_over_b:g}"

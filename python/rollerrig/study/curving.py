@@ -11,8 +11,8 @@ from typing import Annotated, Any
 import numpy as np
 import xarray as xr
 
-from rollerrig.analysis.curving import DEFICIENCIES, RADII, curving_case
 from rollerrig.analysis.curving import curving as steady_curving
+from rollerrig.analysis.curving import curving_case
 from rollerrig.analysis.curving_sensitivity import curving_sensitivity, largest_change
 from rollerrig.analysis.stability_sensitivity import parameter_rows
 from rollerrig.analysis.wheel_rail_forces import QUOTIENT_LIMIT
@@ -60,10 +60,10 @@ class CurvingStudy(Study[Results]):
     """One vehicle in many curves; attributes as the arguments of `curving`, lengths in [m]."""
 
     case: Case
-    radii: tuple[float, ...] = RADII
-    deficiencies: tuple[float, ...] = DEFICIENCIES
-    cant: float | None = None
-    sensitivity: bool = False
+    radii: tuple[float, ...]
+    deficiencies: tuple[float, ...]
+    cant: float | None
+    sensitivity: bool
 
     command = "curving"
     heading = "Steady curving of {case.name}"

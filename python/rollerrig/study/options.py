@@ -35,7 +35,7 @@ class Option:
         default: its default.
         commas: whether one text holds its values; else it is repeated.
         ordered: whether its numbers are put in ascending order.
-        quantity: table and key of the configuration whose quantity it is, written with its unit.
+        quantity: TABLE.KEY of the configuration whose quantity it is, written with its unit.
         meaning: its own, where that of the argument does not fit.
     """
 
@@ -46,7 +46,7 @@ class Option:
     default: Any = None
     commas: bool = False
     ordered: bool = False
-    quantity: tuple[str, str] | None = None
+    quantity: str = ""
     meaning: str = ""
 
     @property

@@ -94,11 +94,11 @@ class ResponseStudy(Study[dict[str, AtSpeed]]):
     inputs: tuple[str, ...]
     outputs: tuple[str, ...]
     speeds_kmh: tuple[float, ...]
-    frequencies: tuple[float, float] = (0.1, 100.0)
-    points: int = 400
-    measured: int = 0
-    amplitude: float = 1000.0
-    brake_pressure: float = 0.0
+    frequencies: tuple[float, float]
+    points: int
+    measured: int
+    amplitude: float
+    brake_pressure: float
 
     command = "response"
     assumes = (
