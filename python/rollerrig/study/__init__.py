@@ -35,9 +35,8 @@ def heads() -> dict[str, Head]:
 
 
 def studies() -> list[Any]:
-    """The classes of studies, one for each command, in alphabetical order."""
+    """The classes of studies, in the order of their commands."""
     for path in _files():
         import_module(f"{__name__}.{path.stem}")
     found = import_module(f"{__name__}.frame").Study.__subclasses__()
-    own = {str(one.command): one for one in found if one.__module__.startswith(__name__)}
-    return [own[name] for name in sorted(own)]
+    return sorted((one for one in found if one.__module__.startswith(__name__)), key=lambda one: str(one.command))

@@ -22,6 +22,7 @@ from rollerrig.analysis.slide_statistics import wheel_radius
 from rollerrig.cases import as_case
 from rollerrig.common.formatting import number, percent
 from rollerrig.config import Case
+from rollerrig.config.schema.case import ScaledFrom
 from rollerrig.config.write.toml import to_short_toml
 from rollerrig.plot import scaled as figures
 from rollerrig.results import COMPLETED
@@ -30,53 +31,13 @@ from rollerrig.simulation.run import simulate
 from rollerrig.study.frame import Outcome, Study
 from rollerrig.study.jobs import Done, Progress, Round, job
 from rollerrig.study.options import Option, Processes, command
-from rollerrig.study.quantities import Numbers, Quantities
+from rollerrig.study.quantities import Numbers
 from rollerrig.study.report import Picture, Section, Table
 
 
 def deviation(value: float) -> str:
     """A deviation with its sign; what full scale does not have is new."""
     return percent(value, 3, signed=True) if math.isfinite(value) else "new"
-
-
-def model_summary(model: Case, found: Sequence[Requirement]) -> list[str]:
-    """The model and its violations, a line each."""
-    record = model.similitude
-    assert record is not None
-    strategy = similitude.STRATEGIES[record.strategy]
-    kept = ", ".join(record.keep) or "nothing: ideal similitude"
-    violated = [one for one in found if not one.met]
-    return [
-        f"{model.name}: a 1:{record.length:g} model of {record.case}, {strategy.title} (keeps {strategy.keeps}); "
-        f"speeds 1:{record.length / record.time:.4g}, times 1:{record.time:.4g}. Not scaled: {kept}.",
-        *(f"violated: {one.name} ({deviation(one.deviation)}): {one.effect}" for one in violated),
-        *(["All requirements of similitude are met."] if not violated else []),
-    ]
-
-
-def model_numbers(full: Case, model: Case, found: Sequence[Requirement]) -> dict[str, Any]:
-    """What is reported of a model without a run."""
-    assert model.similitude is not None
-    keys = [q.name for q in Quantities("scale").below("violations.*")]
-    return {
-        "case": full.name,
-        "model": model.name,
-        "similitude": model.similitude.model_dump(exclude={"case"}),
-        "violations": [
-            {key: "" if key == "effect" and one.met else getattr(one, key) for key in keys} for one in found
-        ],
-    }
-
-
-def similitude_section(model: Case, numbers: Numbers) -> Section:
-    """The factors of a model, and the requirements that it meets or violates."""
-    assert model.similitude is not None
-    factors, title = factors_of(model), similitude.STRATEGIES[model.similitude.strategy].title
-    scaled = [[name, number(factors.factor(unit)), unit] for name, unit in similitude.FACTORS]
-    scaling = Table(("quantity", "full scale over model", "unit"), scaled, title)
-    caption = "requirements, met or violated"
-    violations = Quantities("scale").table(numbers["violations"], "violations.*", caption)
-    return Section("Similitude", [scaling, violations])
 
 
 def contact_at_rest_table(model: Case, at_full_scale: ContactAtRest, own: ContactAtRest) -> Table:
@@ -125,7 +86,6 @@ LEFT_OUT = (
     "weight; leave `gravity` out of --keep for such a one. What is computed beside the model, virtual train and rail, pneumatic "
     "brake, slide protection, runs at the model's time."
 )
-OWN_SCALE = "the model's case, at its own scale"
 CASE_FILE = "case.toml"  # the scaled rig, to be run like any other
 MICROMETRE = 1e-6  # lateral motion below it is round-off [m]
 
@@ -142,46 +102,13 @@ class Scaled:
 
 
 @dataclass(frozen=True)
-class ModelStudy(Study[list[Requirement]]):
-    """The model of a full-scale case, at its own scale, and the requirements of similitude."""
-
-    full: Case
-    model: Case
-
-    command = "scale"
-    heading = "{model.name}, a model of {full.name}"
-    writes = (CASE_FILE,)
-    leaves_out = (LEFT_OUT,)
-    resumable = False
-
-    def cases(self) -> Mapping[str, Case]:
-        return {OWN_SCALE: self.model}
-
-    def rounds(self, done: Done) -> Iterator[Round]:
-        yield {self.command: job(similitude.requirements, self.full, self.model)}
-
-    def numbers(self, results: list[Requirement]) -> dict[str, Any]:
-        return model_numbers(self.full, self.model, results)
-
-    def summary(self, results: list[Requirement], numbers: Numbers) -> list[str]:
-        return model_summary(self.model, results)
-
-    def files(self, results: list[Requirement], numbers: Numbers) -> Mapping[str, Any]:
-        return {CASE_FILE: to_short_toml(self.model)}
-
-    def sections(self, results: list[Requirement], numbers: Numbers) -> list[Section]:
-        return [similitude_section(self.model, numbers)]
-
-
-@dataclass(frozen=True)
-class ScaleStudy(Study[Scaled]):
-    """A test at full scale and on models of it: by name of LABELS 'full', 'model', and those of the error budget."""
+class ModelStudy(Study[Any]):
+    """A full-scale case and its model, 'full' and 'model' of the variants; its results are the requirements of similitude."""
 
     variants: Mapping[str, Case]
 
     command = "scale"
     writes = (CASE_FILE, "full.nc", "model.nc", "axles.csv")
-    round_ends = (0.8, 1.0)
     leaves_out = (LEFT_OUT,)
 
     @property
@@ -195,11 +122,64 @@ class ScaleStudy(Study[Scaled]):
         return self.variants["model"]
 
     @property
+    def record(self) -> ScaledFrom:
+        """What the model's case says of its scaling."""
+        assert self.model.similitude is not None
+        return self.model.similitude
+
+    @property
     def title(self) -> str:
-        return f"{self.full.name} at full scale, and by a 1:{factors_of(self.model).length:g} model"
+        return f"A 1:{self.record.length:g} model of {self.full.name}"
 
     def cases(self) -> Mapping[str, Case]:
-        return {OWN_SCALE: self.model}
+        return {"the model's case, at its own scale": self.model}
+
+    def rounds(self, done: Done) -> Iterator[Round]:
+        yield {self.command: job(similitude.requirements, self.full, self.model)}
+
+    def numbers(self, results: Any) -> dict[str, Any]:
+        keys = [q.name for q in self.quantities.below("violations.*")]
+        return {
+            "case": self.full.name,
+            "model": self.model.name,
+            "similitude": self.record.model_dump(exclude={"case"}),
+            "violations": [
+                {key: "" if key == "effect" and one.met else getattr(one, key) for key in keys} for one in results
+            ],
+        }
+
+    def summary(self, results: Any, numbers: Numbers) -> list[str]:
+        record, violated = self.record, [one for one in results if not one.met]
+        strategy = similitude.STRATEGIES[record.strategy]
+        kept = ", ".join(record.keep) or "nothing: ideal similitude"
+        return [
+            f"{self.model.name}: a 1:{record.length:g} model of {record.case}, {strategy.title} (keeps {strategy.keeps}); "
+            f"speeds 1:{record.length / record.time:.4g}, times 1:{record.time:.4g}. Not scaled: {kept}.",
+            *(f"violated: {one.name} ({deviation(one.deviation)}): {one.effect}" for one in violated),
+            *(["All requirements of similitude are met."] if not violated else []),
+        ]
+
+    def files(self, results: Any, numbers: Numbers) -> Mapping[str, Any]:
+        return {CASE_FILE: to_short_toml(self.model)}
+
+    def sections(self, results: Any, numbers: Numbers) -> list[Section]:
+        violations = self.quantities.table(numbers["violations"], "violations.*", "requirements, met or violated")
+        factors = factors_of(self.model)
+        scaled = [[name, number(factors.factor(unit)), unit] for name, unit in similitude.FACTORS]
+        title = similitude.STRATEGIES[self.record.strategy].title
+        scaling = Table(("quantity", "full scale over model", "unit"), scaled, title)
+        return [Section("Similitude", [scaling, violations])]
+
+
+@dataclass(frozen=True)
+class ScaleStudy(ModelStudy):
+    """The test at full scale and on models of it: by name of LABELS 'full', 'model', and those of the error budget."""
+
+    round_ends = (0.8, 1.0)
+
+    @property
+    def title(self) -> str:
+        return f"{self.full.name} at full scale, and by a 1:{self.record.length:g} model"
 
     def rounds(self, done: Done) -> Iterator[Round]:
         yield {LABELS[name]: job(simulate, case) for name, case in self.variants.items()}
@@ -231,7 +211,7 @@ class ScaleStudy(Study[Scaled]):
             for name, run in (("full", results.full), ("model", results.mapped["model"]))
         )
         return {
-            **model_numbers(self.full, self.model, results.violations),
+            **super().numbers(results.violations),
             "full": full,
             "model_mapped_back": model,
             "fidelity": compared.pop("model"),
@@ -244,7 +224,7 @@ class ScaleStudy(Study[Scaled]):
         ended = {"full scale": results.full, "model": results.mapped["model"]}
         ideal = numbers["error_budget"].get("ideal", {})
         early = {label: run for label, run in ended.items() if run.attrs["status"] not in COMPLETED}
-        found = model_summary(self.model, results.violations)
+        found = super().summary(results.violations, numbers)
         for name, of in {"mapped back": numbers["fidelity"], "ideal, the repeatability of the test": ideal}.items():
             if said := self.quantities.said(of, "fidelity"):
                 found.append(f"Model less full scale, {name}: {said}.")
@@ -255,12 +235,12 @@ class ScaleStudy(Study[Scaled]):
     def files(self, results: Scaled, numbers: Numbers) -> Mapping[str, Any]:
         full, model = results.full, results.mapped["model"]
         axles = {"axles.csv": axle_columns(full, model)} if "train_speed" in full else {}
-        return {CASE_FILE: to_short_toml(self.model), "full.nc": full, "model.nc": model, **axles}
+        return {**super().files(results, numbers), "full.nc": full, "model.nc": model, **axles}
 
     def sections(self, results: Scaled, numbers: Numbers) -> list[Section]:
         runs = {"full scale": numbers["full"], "model, mapped back": numbers["model_mapped_back"]}
         sections = [
-            similitude_section(self.model, numbers),
+            *super().sections(results, numbers),
             Section("Contact at rest", [contact_at_rest_table(self.model, *results.contact)]),
             Section("Numbers", [self.quantities.list_table(runs, "*")]),
         ]
@@ -365,4 +345,4 @@ def scale(
     full, factors = as_case(case), similitude.similitude(strategy, length, time, density)
     kept, budget = tuple(name for name in keep if name != "none"), run and error_budget
     study = scale_study(full, factors, strategy=strategy, keep=kept, changes=changes, error_budget=budget)
-    return (study if run else ModelStudy(full, study.model)).outcome(processes, progress)
+    return (study if run else ModelStudy(study.variants)).outcome(processes, progress)
