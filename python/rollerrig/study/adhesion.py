@@ -77,7 +77,6 @@ class AdhesionStudy(Study[Runs]):
     command = "adhesion"
     round_ends = (0.05, 0.8)
     heading = "{case.name}: degraded track and the rig that reproduces it"
-    quantities = QUANTITIES
     quick_means = f"only {QUICK_STARTS} starts of each test, whose numbers only show that everything works"
     writes = ("track*.nc", "rig*.nc", "axles*.csv", VIEW)
     irrelevant = ("description", "error_budget")

@@ -12,6 +12,7 @@ from typing import Annotated, Any, get_args
 
 import xarray as xr
 
+from rollerrig.analysis import SPEEDS_KMH
 from rollerrig.analysis.control_loop import RollingState, rolling_state
 from rollerrig.analysis.critical_speed import (
     EFFECTS,
@@ -40,7 +41,7 @@ from rollerrig.study import critical_speeds as speeds
 from rollerrig.study.assessment import Interval, change_in_words
 from rollerrig.study.frame import Outcome, Study
 from rollerrig.study.jobs import Done, Progress, Round, job, whole_modes, whole_run
-from rollerrig.study.options import SPEEDS_KMH, Option, Processes, command
+from rollerrig.study.options import Option, Processes, command
 from rollerrig.study.quantities import Numbers
 from rollerrig.study.report import Block, Picture, Section, Table, Text
 from rollerrig.study.stability import MODE_COLUMNS, mode_rows
@@ -54,13 +55,7 @@ MATERIAL, FRICTION = "steel", 0.3  # contact of a vehicle that comes without a c
 def compared_cases(
     vehicle: str, on: Sequence[str], cut: str | None = None, *, allow_code: bool = False
 ) -> dict[str, Case]:
-    """One case per support: 'rig', 'track', names of the catalogue or files, each once; of a case its contact is kept.
-
-    Args:
-        vehicle: a vehicle of the catalogue or a file; or a case.
-        on: supports.
-        cut: part of the vehicle; of a case by default its own, of a vehicle all of it.
-        allow_code: whether controllers that a case names may lie outside its own folder.
+    """One case per support, each named once; of a case its contact is kept. Arguments as of `compare`.
 
     Returns:
         Label (as the user named the support, without folder and suffix) -> case at a constant speed, without torques and

@@ -183,7 +183,6 @@ class ControlStudy(Study[Found]):
 
     command = "control"
     heading = "{case.name}: controllers of the roller drives compared"
-    quantities = QUANTITIES
     writes = ("variants.csv", "loop.csv")
     irrelevant = ("description", "families", "loop")
     round_ends = (0.98, 1.0)

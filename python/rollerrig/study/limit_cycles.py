@@ -13,11 +13,11 @@ from typing import Any, Literal
 import numpy as np
 import xarray as xr
 
+from rollerrig.analysis import SPEEDS_KMH
 from rollerrig.analysis.critical_speed import onset_from
 from rollerrig.analysis.hunting import HuntingSettings
 from rollerrig.analysis.limit_cycle import KIND_SENTENCES, Branch, CyclePoint, Diagram, NotMadeError, diagram, trace
 from rollerrig.analysis.limit_cycle_runs import LastState, LimitCycleSettings, limit_cycle_table, settling_run
-from rollerrig.analysis.mode_table import SPEEDS_KMH
 from rollerrig.cases import as_case
 from rollerrig.common.arrays import Array
 from rollerrig.config import Case

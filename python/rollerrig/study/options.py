@@ -12,13 +12,12 @@ from contextvars import ContextVar
 from dataclasses import dataclass, replace
 from typing import Annotated, Any, TypeVar, get_args, get_origin, get_type_hints
 
+from rollerrig.analysis import SPEEDS_KMH
+
 F = TypeVar("F", bound=Callable[..., Any])
 
 RUNNER: ContextVar[Callable[..., Any] | None] = ContextVar("RUNNER", default=None)
 """What the command line does with a study: it writes the outcome into a folder."""
-
-SPEEDS_KMH = tuple(float(v) for v in range(60, 301, 20))
-"""Speeds of a stability analysis unless others are given [km/h]."""
 
 UNITS = {"": ("", 1.0), "mm": ("m", 1e-3), "mrad": ("rad", 1e-3), "bar": ("Pa", 1e5), "kN m": ("N m", 1e3)}
 """Unit of an option -> that of the argument, and the first in terms of the second."""

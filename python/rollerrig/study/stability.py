@@ -14,6 +14,7 @@ import numpy as np
 import xarray as xr
 
 from rollerrig import plot
+from rollerrig.analysis import SPEEDS_KMH
 from rollerrig.analysis.bifurcation import bifurcation
 from rollerrig.analysis.critical_speed import HIGHEST_KMH, LinearCriticalSpeed, linear_critical_speed, scan_linear
 from rollerrig.analysis.limit_cycle import Diagram
@@ -29,7 +30,7 @@ from rollerrig.study import limit_cycles as cycles
 from rollerrig.study.frame import Outcome, Study, dataset_rows
 from rollerrig.study.jobs import Chains, Done, Job, Progress, Round, job
 from rollerrig.study.limit_cycles import cycle_chains, cycle_diagram
-from rollerrig.study.options import SPEEDS_KMH, Option, command
+from rollerrig.study.options import Option, command
 from rollerrig.study.quantities import Numbers
 from rollerrig.study.report import VIEW, Block, Picture, Section, Table, Text
 

@@ -68,7 +68,6 @@ class WspStudy(Study[Results]):
 
     command = "wsp"
     heading = "{case.name}: wheel slide protection, programme {programme.name}"
-    quantities = QUANTITIES
     quick_means = (
         f"{QUICK_STARTS} starts of the first {QUICK_STOPS} stops, whose numbers only show that everything works"
     )

@@ -12,19 +12,14 @@ import typer
 from typer.testing import CliRunner
 
 from called import called
-from rollerrig.analysis.mode_table import SPEEDS_KMH
 from rollerrig.cli.app import build_app
 from rollerrig.cli.study_command import _options, _shown, _value
-from rollerrig.study import heads, options
+from rollerrig.study import heads
 from rollerrig.study.options import UNITS, Option, Parameter, head, parameters
 
 STUDIES = {name: parameters(head(one.text)) for name, one in heads().items()}
 EVERY = [(name, one) for name, found in STUDIES.items() for one in found]
 GROUP = typer.main.get_command(build_app())
-
-
-def test_speeds_are_those_of_the_analysis() -> None:
-    assert options.SPEEDS_KMH == SPEEDS_KMH
 
 
 @pytest.mark.parametrize(("name", "one"), EVERY, ids=lambda v: v if isinstance(v, str) else v.name)
