@@ -47,10 +47,14 @@ def test_help_has_the_meaning_of_every_argument_and_no_unit_of_the_other_side(na
 
 
 @pytest.mark.parametrize("name", STUDIES)
-def test_annotations_of_a_function_are_plain_types(name: str) -> None:
+def test_the_head_that_is_read_is_that_of_the_function(name: str) -> None:
     function = getattr(import_module(f"rollerrig.{heads()[name].module}"), name)
-    texts = [str(one.annotation) for one in inspect.signature(function).parameters.values()]
-    assert [text for text in texts if "Option" in text] == []
+    own, read = (inspect.signature(one).parameters for one in (function, head(heads()[name].text)))
+    assert {key: one.replace(annotation="") for key, one in own.items()} == {
+        key: one.replace(annotation="") for key, one in read.items()
+    }
+    assert inspect.getdoc(function) == inspect.getdoc(head(heads()[name].text))
+    assert [str(one.annotation) for one in own.values() if "Option" in str(one.annotation)] == []
 
 
 @pytest.mark.parametrize(
