@@ -22,12 +22,10 @@ from rollerrig.common.formatting import number
 from rollerrig.config import Case, ConfigError, ConfigProblem
 from rollerrig.config.errors import nearest, one_of, show_value
 from rollerrig.config.load.fit import WholeFit, load_fit
-from rollerrig.config.read import Document
 from rollerrig.config.schema.fit import BrakeUnitLog, CreepLog, Log, Output, TimeLog
 from rollerrig.config.schema.units import Quantity, unit_factor
 from rollerrig.plot import fit as figures
 from rollerrig.results import logs
-from rollerrig.results.logs import log_of
 from rollerrig.study.frame import Content, Outcome, Study
 from rollerrig.study.jobs import Done, Progress, Round, job
 from rollerrig.study.options import OneProcess, Option, command
@@ -43,7 +41,7 @@ JUMP = 1e-3
 """Part of the time between two rows, its last, in which a held input moves to the next row: tables have no jumps."""
 
 
-def records(whole: WholeFit, files: Sequence[str | Path | logs.Log]) -> tuple[Record, ...]:
+def records(whole: WholeFit, files: Sequence[str | Path | logs.Log | Mapping[str, Any]]) -> tuple[Record, ...]:
     """The logs with their cases.
 
     Raises:
@@ -56,7 +54,7 @@ def records(whole: WholeFit, files: Sequence[str | Path | logs.Log]) -> tuple[Re
         raise ConfigError.of(whole.file, "log", f"{len(files)} logs", needed)
     for place, file in enumerate(files):
         k = place if len(asked) > 1 else 0
-        table = file if isinstance(file, logs.Log) else logs.read_log(file)
+        table = logs.read_log(file, f"log {place + 1}")
         try:
             found.append(_Reader(table, asked[k], whole.file, f"log[{k}]").record(whole.cases[k], whole.plan.held_back))
         except ConfigError as error:
@@ -505,7 +503,5 @@ def fit(
         >>> {name: round(one["value"], 1) for name, one in found.numbers["numbers"].items()}
         {'mu_0': 0.4, 'B': 0.5, 'k_S': 0.4}
     """
-    source = Document(dict(plan), "plan", Path()) if isinstance(plan, Mapping) else str(plan)
-    whole = load_fit(source, allow_code=allow_code, changes=changes)
-    given = [log_of(one, f"log {k + 1}") if isinstance(one, Mapping) else one for k, one in enumerate(logs)]
-    return FitStudy(whole, records(whole, given)).outcome(processes, progress)
+    whole = load_fit(plan, allow_code=allow_code, changes=changes)
+    return FitStudy(whole, records(whole, logs)).outcome(processes, progress)
