@@ -479,7 +479,7 @@ def compare(
         cut: part of the vehicle; by default all of it, or what the case has.
         radii: radii of the rollers in the table of critical speeds [m].
         disturbance: lateral offset of the leading wheelset in the runs [m].
-        duration: length of each of these runs [s], at least.
+        duration: length of each of these runs [s], at least; less where the amplitude stands still before.
         processes: runs at a time; more than 1 asks a script for `if __name__ == "__main__":`.
         allow_code: also take controllers from outside the folder of the case that names them.
         progress: called with the fraction done and a short text.
