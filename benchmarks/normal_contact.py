@@ -17,7 +17,7 @@ from timing import best_time
 from rollerrig import load_case, simulate
 from rollerrig.assembly.model import assemble
 from rollerrig.config.schema.contact import NORMAL_LAWS
-from rollerrig.contact_analysis.static_contact import contact_table, leading_wheelset
+from rollerrig.contact_analysis.static_contact import contact, leading_wheelset
 
 POSITIONS = [(1e-3 * y, 0.0) for y in np.arange(-4.0, 4.1, 1.0)]  # lateral [m], yaw [rad]
 BATCHES = (1, 4, 8)
@@ -26,8 +26,8 @@ BATCHES = (1, 4, 8)
 def microseconds_per_wheel(case_name: str, law: str) -> list[float]:
     """Search and normal contact of a wheel: alone, and in each of BATCHES."""
     chosen = load_case(case_name).with_changes({"contact.normal": law})
-    table = contact_table(chosen, POSITIONS)
-    _, _, contact, unloaded = leading_wheelset(assemble(chosen))
+    table = contact(chosen, POSITIONS)
+    _, _, static, unloaded = leading_wheelset(assemble(chosen))
     costs = []
     for wheels in BATCHES:
         rounds = []
@@ -36,7 +36,7 @@ def microseconds_per_wheel(case_name: str, law: str) -> list[float]:
             for lateral, yaw in POSITIONS:
                 rows = table.isel(row=((table["lateral"] == lateral) & (table["side"] == "left")).to_numpy())
                 z, roll = float(rows["height"][0]) + unloaded, float(rows["roll"][0])
-                times.append(contact.seconds_per_contact(0.0, lateral, z, yaw, roll, False, wheels, 4000 // wheels))
+                times.append(static.seconds_per_contact(0.0, lateral, z, yaw, roll, False, wheels, 4000 // wheels))
             rounds.append(np.mean(times))
         costs.append(1e6 * min(rounds))
     return costs

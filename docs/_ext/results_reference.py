@@ -71,7 +71,7 @@ def reference() -> list[str]:
     """The whole reference as lines of MyST Markdown."""
     from rollerrig import load_case, simulate
     from rollerrig.contact_analysis.static_contact import _VARIABLES
-    from rollerrig.study import STUDIES
+    from rollerrig.study import studies
 
     run = simulate(load_case("wheelset_rollers").with_changes({"time.duration": "0.01 s"}))
     return [
@@ -81,7 +81,7 @@ def reference() -> list[str]:
         *columns({column: meaning for _, column, _, meaning in _VARIABLES.values()}),
         *(
             line
-            for study in STUDIES
+            for study in studies()
             for line in keys(f"rollerrig {study.command}".replace("_", " --"), study.quantities.described())
         ),
     ]

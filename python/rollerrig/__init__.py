@@ -11,6 +11,7 @@ Every command of the command line is a function here, under the same name; `plot
 first used, so that `import rollerrig` costs nothing. No public object has the name of a module.
 """
 
+from functools import cache
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
@@ -28,29 +29,13 @@ if TYPE_CHECKING:
     from rollerrig.catalog import catalog_entries as catalog_entries
     from rollerrig.catalog import catalog_text as catalog_text
     from rollerrig.catalog.starting_case import starting_case as starting_case
-    from rollerrig.cli.commands import adhesion as adhesion
-    from rollerrig.cli.commands import compare as compare
-    from rollerrig.cli.commands import conicity as conicity
-    from rollerrig.cli.commands import contact as contact
-    from rollerrig.cli.commands import control as control
-    from rollerrig.cli.commands import creep as creep
-    from rollerrig.cli.commands import envelope as envelope
-    from rollerrig.cli.commands import fit as fit
-    from rollerrig.cli.commands import lateral as lateral
-    from rollerrig.cli.commands import limit_cycle as limit_cycle
-    from rollerrig.cli.commands import paper as paper
-    from rollerrig.cli.commands import reconstruct as reconstruct
-    from rollerrig.cli.commands import replay as replay
-    from rollerrig.cli.commands import response as response
-    from rollerrig.cli.commands import scale as scale
-    from rollerrig.cli.commands import sweep as sweep
-    from rollerrig.cli.commands import wsp as wsp
     from rollerrig.config import Case as Case
     from rollerrig.config import ConfigError as ConfigError
     from rollerrig.config import explain as explain
     from rollerrig.config import json_schema as json_schema
     from rollerrig.config import load_case as load_case
     from rollerrig.contact_analysis.profile_curve import profile as profile
+    from rollerrig.contact_analysis.static_contact import contact as contact
     from rollerrig.interfaces.fmu.export import export_fmu as export_fmu
     from rollerrig.interfaces.fmu.export import export_part as export_part
     from rollerrig.interfaces.plant import assemble_file as assemble_file
@@ -67,58 +52,57 @@ if TYPE_CHECKING:
     from rollerrig.simulation.run import simulate as simulate
     from rollerrig.simulation.sensitivity import sensitivity as sensitivity
     from rollerrig.simulation.starting_state import StartError as StartError
+    from rollerrig.study.adhesion import adhesion as adhesion
+    from rollerrig.study.compare import compare as compare
+    from rollerrig.study.conicity import conicity as conicity
+    from rollerrig.study.control import control as control
+    from rollerrig.study.creep import creep as creep
+    from rollerrig.study.envelope import envelope as envelope
+    from rollerrig.study.fit import fit as fit
+    from rollerrig.study.lateral import lateral as lateral
     from rollerrig.study.limit_cycles import critical_speed as critical_speed
+    from rollerrig.study.limit_cycles import limit_cycle as limit_cycle
+    from rollerrig.study.paper import paper as paper
+    from rollerrig.study.protection_comparison import wsp as wsp
+    from rollerrig.study.reconstruction import reconstruct as reconstruct
+    from rollerrig.study.replay import replay as replay
+    from rollerrig.study.response import response as response
+    from rollerrig.study.run import run as run
+    from rollerrig.study.scale import scale as scale
+    from rollerrig.study.sweep import sweep as sweep
+    from rollerrig.study.tune import tune as tune
     from rollerrig.viewer import view as view
     from rollerrig.viewer.play import play as play
 
 __version__ = "0.1.0"
 
-_NAMES = {
-    "analysis.curving": "curving",
-    "analysis.curving_sensitivity": "curving_sensitivity",
-    "analysis.linear_bench": "linearize",
-    "analysis.mode_table": "stability",
-    "analysis.runs_together": "compare_runs",
-    "analysis.bifurcation": "bifurcation",
-    "analysis.stability_sensitivity": "stability_sensitivity",
-    "analysis.wheel_rail_forces": "wheel_forces",
-    "assembly.model": "assemble",
-    "catalog": "catalog_entries catalog_text",
-    "catalog.starting_case": "starting_case",
-    "cli.commands": "adhesion compare conicity contact control creep envelope fit lateral limit_cycle paper "
-    "reconstruct replay response scale sweep tune wsp",
-    "config": "Case ConfigError explain json_schema load_case",
-    "contact_analysis.profile_curve": "profile",
-    "interfaces.fmu.export": "export_fmu export_part",
-    "interfaces.plant": "assemble_file read_model",
-    "interfaces.realtime.server": "serve",
-    "results": "OutputError ResultsError RunInfo cite export load_run save_run",
-    "results.in_words": "summary",
-    "simulation.run": "simulate",
-    "simulation.sensitivity": "sensitivity",
-    "simulation.starting_state": "StartError",
-    "study.limit_cycles": "critical_speed",
-    "viewer": "view",
-    "viewer.play": "play",
-}
-"""Module -> public names that it defines."""
 
-_HOME = {name: module for module, names in _NAMES.items() for name in names.split()}
+@cache
+def _homes() -> dict[str, str]:
+    """Public name -> its module: of functions of studies as they are found, of others as type checkers are told above."""
+    import re
+    from pathlib import Path
 
-__all__ = ["__version__", "plot", *_HOME]
+    from rollerrig.study import heads
+
+    imports = re.compile(r"^    from rollerrig\.(\S+) import (\w+) as", re.MULTILINE)
+    listed = {name: module for module, name in imports.findall(Path(__file__).read_text(encoding="utf-8"))}
+    return {name: one.module for name, one in heads().items()} | listed
 
 
 def __getattr__(name: str) -> Any:
-    """A public name, from the module that defines it."""
+    """A public name, from the module that defines it; `__all__`: all of them."""
+    if name == "__all__":
+        return ["__version__", "plot", *_homes()]
     if name == "plot":
         return import_module("rollerrig.plot")
-    if name not in _HOME:
+    if name.startswith("_") or name not in _homes():
         raise AttributeError(f"module 'rollerrig' has no attribute {name!r}")
-    value = getattr(import_module(f"rollerrig.{_HOME[name]}"), name)
+    value = getattr(import_module(f"rollerrig.{_homes()[name]}"), name)
     globals()[name] = value
     return value
 
 
 def __dir__() -> list[str]:
     """Public names, for completion."""
-    return sorted(__all__)
+    return sorted(__getattr__("__all__"))

@@ -173,7 +173,9 @@ def test_a_null_byte_in_the_name_of_an_output(tmp_path: Path, name: str) -> None
 OWN_FILES = {
     "catalog/__init__.py": "files that ship",
     "catalog/starting_case.py": "a case that ships",
+    "__init__.py": "its own text",
     "cli/study_command.py": "the table of costs that ships",
+    "study/__init__.py": "the texts of its own modules",
     "viewer/play.py": "a browser",
     "config/write/explain.py": "files that ship",
     "assembly/creep_table.py": "the table that ships",

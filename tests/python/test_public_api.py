@@ -83,7 +83,7 @@ atexit.register(lambda: print("|", *(name for name in {COSTLY!r} if name in sys.
 
 
 def test_every_command_is_a_function() -> None:
-    elsewhere = {"run": "simulate", "assemble": "assemble_file", "check": "load_case", "catalog": "catalog_entries"}
+    elsewhere = {"assemble": "assemble_file", "check": "load_case", "catalog": "catalog_entries"}
     elsewhere |= {"new": "starting_case", "schema": "json_schema", "show": "plot"}
     assert {elsewhere.get(command, command) for command in COMMANDS} <= set(rr.__all__)
 

@@ -6,7 +6,7 @@ import pytest
 
 import rollerrig as rr
 from rollerrig.config.load.plan import load_plan
-from rollerrig.contact_analysis.static_contact import contact_table
+from rollerrig.contact_analysis.static_contact import contact
 from validation.test_page import differences
 from validation.write_paper_map import HEADING, NEXT, PAGE, PLANS, SPEED, data, on_rig_and_rails, onset, section
 
@@ -54,7 +54,7 @@ def test_a_tenth_of_a_millimetre_of_gauge_can_double_the_critical_speed() -> Non
 def test_low_critical_speeds_are_where_one_of_two_ellipses_appears_or_vanishes() -> None:
     def loads(gauge: float, normal: str) -> list[float]:
         changes = {"contact.normal": normal, "support.gauge": gauge}
-        table = contact_table(rr.load_case("bogie_rollers_constant").with_changes(changes), [(0.0, 0.0)])
+        table = contact(rr.load_case("bogie_rollers_constant").with_changes(changes), [(0.0, 0.0)])
         return [float(n) for n in table["normal"][(table["side"] == "left").to_numpy()] if n > 1e3]
 
     assert [len(loads(gauge, "hertz")) for gauge in (1.4338, 1.4350, 1.4360)] == [1, 2, 1]

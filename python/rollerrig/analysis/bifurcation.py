@@ -28,7 +28,8 @@ import numpy as np
 import xarray as xr
 
 from rollerrig import _core
-from rollerrig.analysis.mode_table import SPEEDS_KMH, first_onset, modes_over_speed, zero_crossings
+from rollerrig.analysis import SPEEDS_KMH
+from rollerrig.analysis.mode_table import first_onset, modes_over_speed, zero_crossings
 from rollerrig.analysis.modes import Lineariser, eigensystem
 from rollerrig.cases import as_case
 from rollerrig.common.arrays import Array, Complex

@@ -15,6 +15,7 @@ import numpy as np
 import xarray as xr
 
 from rollerrig import __version__
+from rollerrig.analysis import SPEEDS_KMH
 from rollerrig.analysis.mode_names import Shapes, mode_names, roles, shape_name
 from rollerrig.analysis.modes import (
     DIRECTIONS,
@@ -35,9 +36,6 @@ from rollerrig.common.arrays import Array, Complex, Mask
 from rollerrig.config import Case
 from rollerrig.results import variable
 from rollerrig.results.run_info import describe
-
-SPEEDS_KMH = tuple(float(v) for v in range(60, 301, 20))
-"""Speeds of a stability analysis unless others are given [km/h]."""
 
 FINEST_STEP = 10.0 / 3.6
 """Between two speeds no crossing of zero growth is looked for twice: steps are no longer than this [m/s]."""

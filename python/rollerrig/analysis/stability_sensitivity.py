@@ -20,7 +20,8 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from rollerrig.analysis.mode_table import SPEEDS_KMH, first_onset, modes_over_speed, zero_crossings
+from rollerrig.analysis import SPEEDS_KMH
+from rollerrig.analysis.mode_table import first_onset, modes_over_speed, zero_crossings
 from rollerrig.analysis.modes import Linearisation, Lineariser, eigensystem
 from rollerrig.cases import as_case
 from rollerrig.common.arrays import Array, Complex

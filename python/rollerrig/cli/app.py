@@ -3,12 +3,13 @@
 import typer
 
 from rollerrig import __version__
-from rollerrig.cli import cases, commands, interfaces, runs
-from rollerrig.cli.study_command import SPECIAL, study_command
+from rollerrig.cli import cases, interfaces, runs
+from rollerrig.cli.study_command import study_command
 from rollerrig.cli.termination import readable_errors
+from rollerrig.study import heads
 
 OTHERS = {name: getattr(module, name) for module in (runs, interfaces, cases) for name in module.__all__}
-COMMANDS = (*commands.STUDIES, *OTHERS)
+COMMANDS = (*heads(), *OTHERS)
 
 HELP = """A roller rig for railway bogies, in software.
 
@@ -39,7 +40,7 @@ def build_app() -> typer.Typer:
 
     for name in COMMANDS:
         word = name.replace("_", "-")
-        command = OTHERS.get(name) or study_command(getattr(commands, name), **SPECIAL.get(name, {}))
+        command = OTHERS.get(name) or study_command(name)
         if isinstance(command, typer.Typer):
             app.add_typer(command, name=word)
             continue

@@ -223,7 +223,7 @@ def contact(
 ) -> None:
     """List the contact patches of the leading wheelset under its axle load."""
     from rollerrig.contact_analysis import comparison
-    from rollerrig.contact_analysis.static_contact import COLUMNS, contact_rows, contact_table
+    from rollerrig.contact_analysis.static_contact import COLUMNS, contact, contact_rows
     from rollerrig.results import output_file, write_bytes, write_text
     from rollerrig.study.frame import csv_text
 
@@ -245,7 +245,7 @@ def contact(
         typer.echo(comparison.comparison_text(table))
         written = comparison.comparison_rows(table)
     else:
-        table = contact_table(chosen, places, roll=roll)
+        table = contact(chosen, places, roll=roll)
         written = (contact_rows(table, COLUMNS),)
     for path, rows in zip((csv, _beside(csv)), written, strict=False):
         typer.echo(write_text(path, csv_text(rows), tables=tables, force=force))

@@ -21,7 +21,7 @@ MISTAKES = {
     "ClusterError", "ConfigError", "ExportError", "FileNotFoundError", "ModelFileError", "OutputError", "ProfileError",
     "ResultsError", "StartError", "WorkerError",
 }  # fmt: skip
-"""Errors whose message is for the user, by name: no command loads a module for those of others."""
+"""Errors whose message is for the user, by name: no command loads a module for those of others. A command may have more."""
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -86,8 +86,10 @@ def readable_errors(command: Callable[P, R]) -> Callable[P, R]:
             stop("not enough memory; raise time.output_step or shorten the run")
         except KeyboardInterrupt:
             stop("interrupted", INTERRUPTED)
+        except typer.Exit:  # a RuntimeError
+            raise
         except Exception as error:
-            if type(error).__name__ not in MISTAKES:
+            if not (MISTAKES | getattr(command, "mistakes", set())) & {one.__name__ for one in type(error).__mro__}:
                 raise
             stop(_with_file(str(error), options))
 

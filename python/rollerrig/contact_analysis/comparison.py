@@ -1,6 +1,6 @@
 """Normal contacts and creep laws side by side, on the leading wheelset under its axle load.
 
-    Case, positions -> contact_table with each `contact.normal` -> per wheel: patches, centre, width, approach, pressure, cost
+    Case, positions -> contact with each `contact.normal` -> per wheel: patches, centre, width, approach, pressure, cost
                     -> [core: one recorded row per law] -> force of each wheel in mu N, beside the exact solver
 
 Creepages and forces are the core's, as in a run. The wheelset rolls as one body along the track at the case's speed: its speed
@@ -24,7 +24,7 @@ from rollerrig.config import Case
 from rollerrig.config.schema.contact import CREEP_LAWS, NORMAL_LAWS
 from rollerrig.config.schema.vehicle import DIRECTIONS as COORDINATES
 from rollerrig.contact_analysis.creep_laws import ASPECTS, REFERENCE, creepage_units, seconds_per_call
-from rollerrig.contact_analysis.static_contact import contact_rows, contact_table, leading_wheelset
+from rollerrig.contact_analysis.static_contact import contact, contact_rows, leading_wheelset
 from rollerrig.results import variable
 from rollerrig.simulation.starting_state import equilibrium
 
@@ -81,7 +81,7 @@ def compare_contacts(
         NaN for `strip_theory` without strips; the first law, REFERENCE, is the exact solver on the same ellipses, at every
         EXACT_EVERY-th position and where a/b is in its range, else NaN; `error` [mu N], the length of the difference to it.
         `contact_cost` [s] over `model`: search and normal contact of one wheel, mean over the positions; `creep_cost` [s] per
-        call over `law`. `lateral` [m], `yaw` [rad] over `position`. The attribute `failed_positions` as of `contact_table`,
+        call over `law`. `lateral` [m], `yaw` [rad] over `position`. The attribute `failed_positions` as of `contact`,
         named by model.
 
     Raises:
@@ -103,7 +103,7 @@ def compare_contacts(
     attributes: dict[str, Any] = {}
     for m, model in enumerate(NORMAL_LAWS):
         pressed = case.with_changes({"contact.normal": model})
-        table = contact_table(pressed, positions, roll=roll)
+        table = contact(pressed, positions, roll=roll)
         attributes = {key: table.attrs[key] for key in ("title", "case", "wheelset", "load_n")}
         failed += [f"{model}: {line}" for line in table.attrs["failed_positions"].splitlines()]
         places = (((table["lateral"] == lateral) & (table["yaw"] == yaw)).to_numpy() for lateral, yaw in positions)

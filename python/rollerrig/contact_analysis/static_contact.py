@@ -14,6 +14,7 @@ import xarray as xr
 
 from rollerrig import _core
 from rollerrig.assembly.model import AssembledModel, assemble
+from rollerrig.cases import as_case
 from rollerrig.config import Case, load_case, load_profile
 from rollerrig.results import variable
 
@@ -89,12 +90,14 @@ _VARIABLES = {
 """Variable -> unit, its column of the CSV file, factor from SI (None: as it is), meaning."""
 
 
-def contact_table(case: Case, positions: Iterable[tuple[float, float]], *, roll: float | None = None) -> xr.Dataset:
-    """Contact patches of the leading wheelset at each position.
+def contact(
+    case: Case | str, positions: Iterable[tuple[float, float]] | None = None, *, roll: float | None = None
+) -> xr.Dataset:
+    """Contact patches of the leading wheelset under its static axle load.
 
     Args:
         case: vehicle, support and contact; its motion does not matter.
-        positions: lateral position [m] and yaw [rad] of the wheelset.
+        positions: lateral position [m] and yaw [rad] of the wheelset; by default from -8 to 8 mm without yaw.
         roll: roll angle to hold [rad]; None: free to roll.
 
     Returns:
@@ -102,18 +105,20 @@ def contact_table(case: Case, positions: Iterable[tuple[float, float]], *, roll:
         result, as a sentence each; empty if all went well.
 
     Example:
-        >>> from rollerrig import load_case
-        >>> table = contact_table(load_case("contact_benchmark_track"), [(0.0, 0.0)])
+        >>> import rollerrig as rr
+        >>> table = rr.contact("contact_benchmark_track", [(0.0, 0.0)])
         >>> round(float(table["normal"].sum()), -2)
         20000.0
     """
+    case = as_case(case)
+    positions = [(float(y), 0.0) for y in np.linspace(-8e-3, 8e-3, 33)] if positions is None else positions
     model = assemble(case)
-    wheelset, _, contact, unloaded = leading_wheelset(model)
+    wheelset, _, wheels, unloaded = leading_wheelset(model)
     load = model.axle_loads[wheelset]
     rows: list[tuple[Any, ...]] = []
     failed: list[str] = []
     for lateral, yaw in positions:
-        found = contact.solve(0.0, lateral, yaw, roll or 0.0, load, roll is None)
+        found = wheels.solve(0.0, lateral, yaw, roll or 0.0, load, roll is None)
         if not found.converged:
             failed.append(
                 f"lateral {1e3 * lateral:g} mm, yaw {1e3 * yaw:g} mrad: {load / 1e3:.4g} kN find no balance on the "

@@ -29,7 +29,7 @@ def contact_figure(table: xr.Dataset) -> Figure:
     """Position on the wheel, normal force, size of the patches and pose of the wheelset.
 
     Args:
-        table: what `contact_table` returns; one entry per patch along `row`.
+        table: what `contact` returns; one entry per patch along `row`.
     """
     figure, (place, force, size, pose) = new_figure(4, height=9.0, sharex=True)
     lateral = 1e3 * table["lateral"]

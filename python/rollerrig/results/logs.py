@@ -45,26 +45,28 @@ class Log:
     units: Mapping[str, str]
 
 
-def read_log(path: str | Path) -> Log:
-    """Read a file of measured signals.
+def read_log(source: Log | Mapping[str, Any] | str | Path, name: str = "log") -> Log:
+    """Read a file of measured signals, or columns by their headings, called `name` in messages; a Log is one already.
 
     Raises:
         FileNotFoundError: no such file.
         ResultsError: a file of another kind, damaged, or without columns of numbers.
     """
-    if (kind := Path(path).suffix.lower()) not in READERS:
-        raise ResultsError(f"{path}: a file of measured signals ends in {', '.join(READERS)}")
+    if isinstance(source, Log | Mapping):
+        return log_of(source, name) if isinstance(source, Mapping) else source
+    if (kind := Path(source).suffix.lower()) not in READERS:
+        raise ResultsError(f"{source}: a file of measured signals ends in {', '.join(READERS)}")
     try:
-        return log_of(READERS[kind](path), str(path))
+        return log_of(READERS[kind](source), str(source))
     except FileNotFoundError:
-        raise FileNotFoundError(f"{path}: no such file") from None
+        raise FileNotFoundError(f"{source}: no such file") from None
     except ImportError:
         library, extra = _OPTIONAL[kind]
-        raise ResultsError(f'{path}: needs {library}, not installed: pip install "rollerrig[{extra}]"') from None
+        raise ResultsError(f'{source}: needs {library}, not installed: pip install "rollerrig[{extra}]"') from None
     except Exception as error:  # whatever the libraries meet in a damaged file
         reason = (str(error).splitlines() or [""])[0]
         raise (
-            error if isinstance(error, ResultsError) else ResultsError(f"{path}: no table of numbers: {reason}")
+            error if isinstance(error, ResultsError) else ResultsError(f"{source}: no table of numbers: {reason}")
         ) from None
 
 

@@ -1,40 +1,42 @@
 """Studies: what is run, what is reported, what the models leave out.
 
 analysis, plot -> [study] -> summary.json, data, figures, report.html
+
+A study is one file of this folder: a class, a `Study` of frame.py, and under `@command` the function that the package and the
+command line have by its name. Both find it here, in the text of the file: no module is loaded before it is used.
 """
 
+import re
+from functools import cache
 from importlib import import_module
-from typing import Any
+from pathlib import Path
+from typing import Any, NamedTuple
 
-_HOME = {
-    "PaperStudy": "paper",
-    "RunStudy": "run",
-    "StabilityStudy": "stability",
-    "ResponseStudy": "response",
-    "CompareStudy": "compare",
-    "CurvingStudy": "curving",
-    "AdhesionStudy": "adhesion",
-    "WspStudy": "wsp",
-    "ProtectionComparison": "protection_comparison",
-    "ReconstructionStudy": "reconstruction",
-    "ReplayStudy": "replay",
-    "ControlStudy": "control",
-    "TuneStudy": "tune",
-    "LateralStudy": "lateral",
-    "EnvelopeStudy": "envelope",
-    "SweepStudy": "sweep",
-    "FitStudy": "fit",
-    "ScaleStudy": "scale",
-    "CreepStudy": "creep",
-    "ConicityStudy": "conicity",
-}
-"""Study -> its module, in the order of the reference page."""
+_HEAD = re.compile(r'^@command\n(def (\w+)\(.*?""".*?"""\n)', re.MULTILINE | re.DOTALL)
 
 
-def __getattr__(name: str) -> Any:
-    """A study, imported when first asked for; STUDIES: all of them."""
-    if name == "STUDIES":
-        return tuple(__getattr__(one) for one in _HOME)
-    if name not in _HOME:
-        raise AttributeError(f"module 'rollerrig.study' has no attribute {name!r}")
-    return getattr(import_module(f"rollerrig.study.{_HOME[name]}"), name)
+class Head(NamedTuple):
+    """The module of a function, and its text down to the end of the docstring."""
+
+    module: str
+    text: str
+
+
+def _files() -> list[Path]:
+    return [path for folder in __path__ for path in Path(folder).glob("[!_]*.py")]
+
+
+@cache
+def heads() -> dict[str, Head]:
+    """The functions under `@command` by name, in alphabetical order."""
+    texts = {path.stem: path.read_text(encoding="utf-8") for path in _files()}
+    found = {name: Head(f"study.{stem}", head) for stem, text in texts.items() for head, name in _HEAD.findall(text)}
+    return dict(sorted(found.items()))
+
+
+def studies() -> list[Any]:
+    """The classes of studies, in the order of their commands."""
+    for path in _files():
+        import_module(f"{__name__}.{path.stem}")
+    found = import_module(f"{__name__}.frame").Study.__subclasses__()
+    return sorted((one for one in found if one.__module__.startswith(__name__)), key=lambda one: str(one.command))

@@ -26,6 +26,7 @@ from rollerrig.analysis.equivalent_dead_time import DeadTime, predicted_dead_tim
 from rollerrig.analysis.slide_statistics import TestRecord
 from rollerrig.analysis.virtual_rail import patch_of, slipperiest_peak
 from rollerrig.assembly.model import assemble
+from rollerrig.cases import as_case
 from rollerrig.common.formatting import percent
 from rollerrig.config import Case
 from rollerrig.plot import adhesion as figures
@@ -35,8 +36,9 @@ from rollerrig.simulation.run import simulate
 from rollerrig.study import ensemble
 from rollerrig.study.assessment import SHOWN
 from rollerrig.study.ensemble import FINER_STARTS, Estimate, distances, measure, started
-from rollerrig.study.frame import Study
-from rollerrig.study.jobs import Done, Round, job
+from rollerrig.study.frame import Outcome, Study
+from rollerrig.study.jobs import Done, Progress, Round, job
+from rollerrig.study.options import Processes, command
 from rollerrig.study.quantities import Numbers, Quantities
 from rollerrig.study.report import VIEW, Block, Picture, Section, Table
 from rollerrig.study.runs import adhesion as runs
@@ -75,7 +77,6 @@ class AdhesionStudy(Study[Runs]):
     command = "adhesion"
     round_ends = (0.05, 0.8)
     heading = "{case.name}: degraded track and the rig that reproduces it"
-    quantities = QUANTITIES
     quick_means = f"only {QUICK_STARTS} starts of each test, whose numbers only show that everything works"
     writes = ("track*.nc", "rig*.nc", "axles*.csv", VIEW)
     irrelevant = ("description", "error_budget")
@@ -353,3 +354,28 @@ def _signals(case: Case, whole: Mapping[str, xr.Dataset]) -> Iterator[tuple[str,
         "turn by it (D14)."
     )
     yield "sliding", figures.sliding(both["rig"], runs.get("rolling"), radius), text
+
+
+@command
+def adhesion(
+    case: Case | str,
+    *,
+    error_budget: bool = True,
+    quick: bool = False,
+    processes: Processes = 1,
+    progress: Progress | None = None,
+) -> Outcome[Runs]:
+    """A brake or traction test on degraded track and on the dry rig that reproduces it, side by side.
+
+    Args:
+        case: case on rollers with [rig_control]: a name of the catalogue or a TOML file.
+        error_budget: also run the rig without one imperfection after the other, and the track with later protection.
+        quick: two starts of each test: to see that everything works.
+        processes: runs at a time; more than 1 asks a script for `if __name__ == "__main__":`.
+        progress: called with the fraction done and a short text.
+
+    Raises:
+        ConfigError: the case is no such test.
+        StartError: a case finds no equilibrium to start from.
+    """
+    return AdhesionStudy(as_case(case), error_budget, quick).outcome(processes, progress)

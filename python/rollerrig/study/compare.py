@@ -8,10 +8,11 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, get_args
+from typing import Annotated, Any, get_args
 
 import xarray as xr
 
+from rollerrig.analysis import SPEEDS_KMH
 from rollerrig.analysis.control_loop import RollingState, rolling_state
 from rollerrig.analysis.critical_speed import (
     EFFECTS,
@@ -27,7 +28,7 @@ from rollerrig.analysis.hunting import HuntingSettings, hunting_case
 from rollerrig.analysis.wheel_rail_forces import filtered, wheel_forces
 from rollerrig.cases import CATALOG_RIG, CATALOG_TRACK, leading_wheelset, on_rig, restrained_along_track, with_head_of
 from rollerrig.config import Case, ConfigError, Rig, Vehicle, load_any, load_support
-from rollerrig.config.errors import nearest
+from rollerrig.config.errors import nearest, show_value
 from rollerrig.config.load.case import build_case
 from rollerrig.config.read import CatalogKind, Document, catalog_names
 from rollerrig.config.write.toml import plain
@@ -38,8 +39,9 @@ from rollerrig.plot.contact import characteristics_figure
 from rollerrig.plot.modes import hunting_frequencies
 from rollerrig.study import critical_speeds as speeds
 from rollerrig.study.assessment import Interval, change_in_words
-from rollerrig.study.frame import Study
+from rollerrig.study.frame import Outcome, Study
 from rollerrig.study.jobs import Done, Progress, Round, job, whole_modes, whole_run
+from rollerrig.study.options import Option, Processes, command
 from rollerrig.study.quantities import Numbers
 from rollerrig.study.report import Block, Picture, Section, Table, Text
 from rollerrig.study.stability import MODE_COLUMNS, mode_rows
@@ -53,13 +55,7 @@ MATERIAL, FRICTION = "steel", 0.3  # contact of a vehicle that comes without a c
 def compared_cases(
     vehicle: str, on: Sequence[str], cut: str | None = None, *, allow_code: bool = False
 ) -> dict[str, Case]:
-    """One case per support: 'rig', 'track', names of the catalogue or files, each once; of a case its contact is kept.
-
-    Args:
-        vehicle: a vehicle of the catalogue or a file; or a case.
-        on: supports.
-        cut: part of the vehicle; of a case by default its own, of a vehicle all of it.
-        allow_code: whether controllers that a case names may lie outside its own folder.
+    """One case per support, each named once; of a case its contact is kept. Arguments as of `compare`.
 
     Returns:
         Label (as the user named the support, without folder and suffix) -> case at a constant speed, without torques and
@@ -68,13 +64,15 @@ def compared_cases(
     Raises:
         ConfigError: all mistakes found.
     """
+    labels = [Path(support).name.removesuffix(".toml") for support in on]
+    if not all(labels) or len(set(labels)) < len(labels):
+        raise ConfigError.of(vehicle, "on", show_value(",".join(on)), "name each support once, like rig,track")
     base = _base(vehicle, allow_code)
     name = base.vehicle.data.name if isinstance(base, Case) else base.name
-    cases = {}
-    for support in on:
-        label = Path(support).name.removesuffix(".toml")
-        cases[label] = restrained_along_track(_case(base, f"{name}_on_{label}", _support(support, base), cut, vehicle))
-    return cases
+    return {
+        label: restrained_along_track(_case(base, f"{name}_on_{label}", _support(support, base), cut, vehicle))
+        for label, support in zip(labels, on, strict=True)
+    }
 
 
 def _base(source: str, allow_code: bool) -> Case | Vehicle:
@@ -456,3 +454,43 @@ def run_speeds(speeds_kmh: Sequence[float]) -> list[float]:
         if speed - chosen[-1] >= LEAST_RUN_STEP - 1e-9:
             chosen.append(speed)
     return chosen
+
+
+@command
+def compare(
+    vehicle: str,
+    on: Annotated[Sequence[str], Option(commas=True)] = ("rig", "track"),
+    *,
+    speeds_kmh: Sequence[float] = SPEEDS_KMH,
+    cut: str | None = None,
+    radii: Annotated[Sequence[float], Option("radii_m", "", 0.05, 1e6)] = (0.46, 0.725, 1.0, 2.0, 5.0, 10.0),
+    disturbance: Annotated[float, Option("disturbance_mm", "mm", 0.01, 20.0)] = 3e-3,
+    duration: Annotated[float, Option(least=1.0, most=600.0)] = 6.0,
+    processes: Processes = 1,
+    allow_code: bool = False,
+    progress: Progress | None = None,
+    **hunting: float,
+) -> Outcome[Results]:
+    """One vehicle on several supports side by side: modes, critical speeds, limit cycles, forces, effects of the rollers.
+
+    Args:
+        vehicle: vehicle or case: a name of the catalogue or a TOML file.
+        on: supports: 'rig', 'track', names of the catalogue or files.
+        speeds_kmh: speeds [km/h], rising.
+        cut: part of the vehicle; by default all of it, or what the case has.
+        radii: radii of the rollers in the table of critical speeds [m].
+        disturbance: lateral offset of the leading wheelset in the runs [m].
+        duration: length of each of these runs [s], at least; less where the amplitude stands still before.
+        processes: runs at a time; more than 1 asks a script for `if __name__ == "__main__":`.
+        allow_code: also take controllers from outside the folder of the case that names them.
+        progress: called with the fraction done and a short text.
+        **hunting: others of `HuntingSettings`.
+
+    Raises:
+        ConfigError: a vehicle or support is unknown or cannot be used.
+    """
+    cases = compared_cases(vehicle, on, cut, allow_code=allow_code)
+    parts = tuple(next(iter(cases.values())).vehicle.data.cut_names()[::-1])
+    settings = HuntingSettings(disturbance=disturbance, duration=duration, **hunting)
+    study = CompareStudy(cases, tuple(speeds_kmh), parts, tuple(sorted(set(radii))), hunting=settings)
+    return study.outcome(processes, progress)

@@ -6,9 +6,9 @@ wheel, rail -> [ConicityStudy] -> tables over lateral shift and amplitude, equiv
 import itertools
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from functools import partial
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 import xarray as xr
@@ -18,6 +18,7 @@ from rollerrig.contact_analysis import conicity_table, pair_case, shift_table
 from rollerrig.plot.contact import characteristics_figure
 from rollerrig.study.frame import Study, dataset_rows
 from rollerrig.study.jobs import Done, Round, job
+from rollerrig.study.options import Option, command
 from rollerrig.study.quantities import Numbers
 from rollerrig.study.report import Block, Picture, Section, Table, Text
 
@@ -63,13 +64,13 @@ class ConicityStudy(Study[Characteristics]):
 
     wheel: str
     rail: str
-    amplitudes: tuple[float, ...] = tuple(round(1e-4 * k, 6) for k in range(5, 71))
-    roller_radius: float | None = None
-    largest: float = 8e-3
-    step: float = 1e-4
-    free_to_roll: bool = False
-    yaw: float = 0.0
-    lengths: Mapping[str, float] = field(default_factory=dict)
+    amplitudes: tuple[float, ...]
+    roller_radius: float | None
+    largest: float
+    step: float
+    free_to_roll: bool
+    yaw: float
+    lengths: Mapping[str, float]
 
     command = "conicity"
     writes = ("shift.csv", "conicity.csv")
@@ -205,3 +206,63 @@ def conicity_rows(conicity: Mapping[str, xr.Dataset]) -> list[list[object]]:
     tables = {label: table.assign_coords(amplitude=1e3 * table["amplitude"]) for label, table in conicity.items()}
     rows = [[label, *row] for label, table in tables.items() for row in dataset_rows(table, columns, "amplitude")[1:]]
     return [["support", *columns], *rows]
+
+
+@command
+def conicity(
+    wheel: str,
+    rail: str,
+    *,
+    lengths: Annotated[
+        Mapping[str, float] | None,
+        Option("gauge", quantity="Track.gauge", default="1435mm", meaning="distance between the gauge sides."),
+        Option(
+            "gauge_depth", quantity="Track.gauge_depth", default="14mm", meaning="its depth below the highest point."
+        ),
+        Option("back_to_back", quantity="Wheel.back_to_back", default="1360mm", meaning="between the flange backs."),
+        Option("radius", quantity="Wheel.radius", default="460mm", meaning="wheel radius at the tape circle."),
+    ] = None,
+    roller_radius: Annotated[
+        float | None,
+        Option(quantity="Rig.roller_radius", meaning="radius of rollers of this head, to be shown beside the rails."),
+    ] = None,
+    amplitudes: Annotated[Sequence[float] | None, Option("amplitudes_mm", "mm")] = None,
+    largest: Annotated[float, Option("shift_mm", "mm", 0.1, 50.0)] = 8e-3,
+    step: Annotated[float, Option("step_mm", "mm", 0.005, 1.0)] = 1e-4,
+    yaw: Annotated[float, Option("yaw_mrad", "mrad", -100.0, 100.0)] = 0.0,
+    free_to_roll: Annotated[bool, Option("with_roll")] = False,
+) -> xr.Dataset:
+    """Rolling radius difference, contact angles and positions, and equivalent conicity of a pair of profiles.
+
+    Args:
+        wheel: wheel profile: a name of the catalogue or a file of points.
+        rail: rail profile, also the generatrix of a roller: likewise.
+        lengths: gauge, gauge_depth, back_to_back, radius of `pair_case` [m].
+        roller_radius: radius of rollers of this head, to be shown beside the rails [m]; None: rails only.
+        amplitudes: amplitudes of the conicity [m]; None: 0.5 to 7 mm in steps of 0.1 mm, as far as the shift goes.
+        largest: lateral shift to both sides [m].
+        step: distance of the rows [m].
+        yaw: yaw angle of the wheelset [rad].
+        free_to_roll: roll the wheelset until both wheels touch; neglected otherwise.
+
+    Returns:
+        Dataset over support, lateral shift, side and amplitude, see `shift_table` and `conicity_table`.
+
+    Raises:
+        ConfigError: a profile or a length cannot be used.
+        ValueError: the wheels do not touch, or an amplitude is beyond the shift.
+
+    Example:
+        >>> import rollerrig as rr
+        >>> found = rr.conicity("s1002", "en_60e1_1_40")
+        >>> round(float(found["conicity"].sel(support="rail", amplitude=3e-3, method="nearest")), 3)
+        0.174
+    """
+    if amplitudes is not None and not 0.0 < min(amplitudes) <= max(amplitudes) <= largest * (1.0 + 1e-9):
+        least, most, end = (1e3 * one for one in (min(amplitudes), max(amplitudes), largest))
+        raise ValueError(
+            f"amplitudes from {least:g} to {most:g} mm: allowed above 0 and up to the largest shift, {end:g} mm"
+        )
+    values = sorted({round(1e-4 * k, 6) for k in range(5, 71)} if amplitudes is None else set(amplitudes))
+    rows = (largest, min(step, largest), free_to_roll, yaw)
+    return ConicityStudy(wheel, rail, tuple(values), roller_radius, *rows, lengths or {}).outcome().results.dataset()

@@ -11,19 +11,20 @@ import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 import xarray as xr
 
-from rollerrig.cases import rig_of
+from rollerrig.cases import as_case, rig_of
 from rollerrig.common.formatting import number, percent
 from rollerrig.config import Case, ConfigError, ConfigProblem
 from rollerrig.config.errors import nearest, one_of
 from rollerrig.plot import control as figures
 from rollerrig.simulation.controllers import users_controllers
-from rollerrig.study.frame import Study
-from rollerrig.study.jobs import Done, Round, job
+from rollerrig.study.frame import Outcome, Study
+from rollerrig.study.jobs import Done, Progress, Round, job
+from rollerrig.study.options import Option, Processes, command
 from rollerrig.study.quantities import Numbers, Quantities
 from rollerrig.study.report import Block, Picture, Section, Table
 from rollerrig.study.runs import control as runs
@@ -182,7 +183,6 @@ class ControlStudy(Study[Found]):
 
     command = "control"
     heading = "{case.name}: controllers of the roller drives compared"
-    quantities = QUANTITIES
     writes = ("variants.csv", "loop.csv")
     irrelevant = ("description", "families", "loop")
     round_ends = (0.98, 1.0)
@@ -333,3 +333,32 @@ def _entry(result: Result) -> dict[str, Any]:
 
 def _name(key: tuple[str, str, float]) -> str:
     return ", ".join(map(str, key[:2] if math.isnan(key[2]) else key))
+
+
+@command
+def control(
+    case: Case | str,
+    *,
+    duration: Annotated[float, Option(least=1.0, most=600.0)] = 10.0,
+    families: Annotated[Sequence[str], Option(commas=True)] = (),
+    controller: str | None = None,
+    loop: bool = True,
+    processes: Processes = 1,
+    progress: Progress | None = None,
+) -> Outcome[Found]:
+    """Controllers of the roller drives: estimators, feedbacks, sample times, drives, wrong parameters; which fails first.
+
+    Args:
+        case: case on rollers with [rig_control]: a name of the catalogue or a TOML file.
+        duration: length of each run [s]: until adhesion has broken away and recovered.
+        families: what is varied, by name; none: everything.
+        controller: your own controller to compare: 'file.py:Class' or 'module:Class'.
+        loop: also find the gains at which the loop becomes unstable, computed and measured.
+        processes: runs at a time; more than 1 asks a script for `if __name__ == "__main__":`.
+        progress: called with the fraction done and a short text.
+
+    Raises:
+        ConfigError: the case has no controller to be compared, or a name is unknown.
+    """
+    study = ControlStudy(study_case(as_case(case), duration), tuple(families), controller, loop)
+    return study.outcome(processes, progress)

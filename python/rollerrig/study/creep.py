@@ -3,17 +3,18 @@
 a/b, names of laws -> [CreepStudy] -> forces and errors of each law; what a call costs
 """
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, field
-from typing import Any
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Annotated, Any
 
 import xarray as xr
 
 from rollerrig.assembly.laws import creep_law
-from rollerrig.contact_analysis.creep_laws import COMPONENTS, DEMANDS, REFERENCE, compare_laws, error_table
+from rollerrig.contact_analysis.creep_laws import COMPONENTS, REFERENCE, compare_laws, error_table
 from rollerrig.plot.contact import creep_figure
 from rollerrig.study.frame import Study, dataset_rows
 from rollerrig.study.jobs import Done, Round, job
+from rollerrig.study.options import Option, command
 from rollerrig.study.quantities import Numbers
 from rollerrig.study.report import Picture, Section, Text
 
@@ -24,9 +25,9 @@ class CreepStudy(Study[xr.Dataset]):
 
     a_over_b: float
     laws: tuple[str, ...]
-    poisson_ratio: float = 0.28
-    demands: tuple[float, ...] = DEMANDS
-    parameters: Mapping[str, Mapping[str, float]] = field(default_factory=dict)
+    poisson_ratio: float
+    demands: tuple[float, ...]
+    parameters: Mapping[str, Mapping[str, float]]
 
     command = "creep"
     heading = "Creep laws on an ellipse a/b = {a_over_b:g}"
@@ -107,3 +108,46 @@ def force_rows(comparison: xr.Dataset) -> list[list[object]]:
     forces = {name: comparison[name] + 0.0 for name in COMPONENTS}
     data = comparison.assign({**creepage, **forces, "adhesion": of_reference})
     return dataset_rows(data, columns | {"adhesion": "adhesion"}, "law", "direction", "demand")
+
+
+@command
+def creep(
+    a_over_b: float = 1.0,
+    laws: Annotated[Sequence[str], Option("law")] = ("kalker_saturated", "fastsim", "modified_fastsim", "table"),
+    *,
+    poisson_ratio: float = 0.28,
+    demands: Sequence[float] = (0.05, 0.1, 0.25, 0.5, 0.75, 1.0, 1.5, 2.0, 3.0, 5.0, 10.0),
+    k_A: float | None = None,
+    k_S: float | None = None,
+    parameters: Mapping[str, Mapping[str, float]] | None = None,
+) -> xr.Dataset:
+    """Forces and spin moment of creep laws beside the exact theory, with their errors and cost.
+
+    Args:
+        a_over_b: semi-axis along the rolling direction over the one across it.
+        laws: creep laws by the names that `contact.creep` knows, each once.
+        poisson_ratio: Poisson's ratio.
+        demands: sizes of the creepage; 1 demands the friction limit [-].
+        k_A: polach's k_A; dry 1.0, wet 0.3.
+        k_S: polach's k_S; dry 0.4, wet 0.1.
+        parameters: law -> its parameters.
+
+    Returns:
+        Dataset over (law, direction, demand), see `compare_laws`.
+
+    Raises:
+        ValueError: a number outside its range, or no law.
+        RuntimeError: the exact solver found no solution.
+
+    Example:
+        >>> import rollerrig as rr
+        >>> rr.creep(laws=["fastsim"], demands=(0.5, 2.0)).sizes["demand"]
+        2
+    """
+    polach = {name: value for name, value in (("k_A", k_A), ("k_S", k_S)) if value is not None}
+    if len(polach) == 1:
+        raise ValueError("k_A and k_S belong together")
+    if polach and "polach" not in laws:
+        raise ValueError("k_A and k_S are for the law polach")
+    chosen = {**(parameters or {}), **({"polach": polach} if polach else {})}
+    return CreepStudy(a_over_b, tuple(laws), poisson_ratio, tuple(demands), chosen).outcome().results

@@ -6,20 +6,23 @@ Case -> [CurvingStudy] -> all wheels as curving.nc, table and figure of the larg
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 import xarray as xr
 
-from rollerrig.analysis.curving import DEFICIENCIES, RADII, curving, curving_case
+from rollerrig.analysis.curving import curving as steady_curving
+from rollerrig.analysis.curving import curving_case
 from rollerrig.analysis.curving_sensitivity import curving_sensitivity, largest_change
 from rollerrig.analysis.stability_sensitivity import parameter_rows
 from rollerrig.analysis.wheel_rail_forces import QUOTIENT_LIMIT
+from rollerrig.cases import as_case
 from rollerrig.config import Case
 from rollerrig.plot.hunting import tornado_diagram
 from rollerrig.plot.run import curving_over_radius
-from rollerrig.study.frame import Study
-from rollerrig.study.jobs import Done, Round, job
+from rollerrig.study.frame import Outcome, Study
+from rollerrig.study.jobs import Done, Progress, Round, job
+from rollerrig.study.options import Option, command
 from rollerrig.study.quantities import Numbers
 from rollerrig.study.report import Picture, Section, Text
 
@@ -57,10 +60,10 @@ class CurvingStudy(Study[Results]):
     """One vehicle in many curves; attributes as the arguments of `curving`, lengths in [m]."""
 
     case: Case
-    radii: tuple[float, ...] = RADII
-    deficiencies: tuple[float, ...] = DEFICIENCIES
-    cant: float | None = None
-    sensitivity: bool = False
+    radii: tuple[float, ...]
+    deficiencies: tuple[float, ...]
+    cant: float | None
+    sensitivity: bool
 
     command = "curving"
     heading = "Steady curving of {case.name}"
@@ -71,7 +74,7 @@ class CurvingStudy(Study[Results]):
         return {self.case.name: curving_case(self.case)}
 
     def rounds(self, done: Done) -> Iterator[Round]:
-        yield {"curving": job(curving, self.case, self.radii, self.deficiencies, self.cant)}
+        yield {"curving": job(steady_curving, self.case, self.radii, self.deficiencies, self.cant)}
         if self.sensitivity:
             radius, deficiency = tightest(done["curving"])
             moves = partial(curving_sensitivity, radius=radius, deficiency=deficiency, cant=self.cant)
@@ -156,3 +159,27 @@ def limits_of(results: xr.Dataset) -> dict[str, float]:
         "derailment_quotient": float(np.fmin(results["nadal_limit"], QUOTIENT_LIMIT)),
         "guiding_force_sum": float(results["guiding_force_sum_limit"].min()),
     }
+
+
+@command
+def curving(
+    case: Case | str,
+    radii: Annotated[Sequence[float], Option("radii_m")] = (150.0, 200.0, 250.0, 300.0, 400.0, 500.0, 700.0, 1000.0),
+    deficiencies: Annotated[Sequence[float], Option("deficiencies_mm", "mm")] = (-0.06, 0.0, 0.06, 0.1, 0.15),
+    cant: Annotated[float | None, Option("cant_mm", "mm", 0.0, 300.0)] = None,
+    *,
+    sensitivity: bool = False,
+    progress: Progress | None = None,
+) -> Outcome[Results]:
+    """Steady curving: Y, Q, Y/Q, sum of Y, angle of attack and wear number over radius and cant deficiency, with their limits.
+
+    Args:
+        case: case: a name of the catalogue or a TOML file.
+        radii: radii of the curves [m].
+        deficiencies: cant deficiencies, which decide the speed; negative: excess [m].
+        cant: cant [m]; absent: that of the case's first curve, or 100 mm.
+        sensitivity: also draw how stiffnesses of the suspension and friction move Y/Q, sum of Y and wear in the tightest curve.
+        progress: called with the fraction done and a short text.
+    """
+    study = CurvingStudy(as_case(case), tuple(radii), tuple(deficiencies), cant, sensitivity)
+    return study.outcome(progress=progress)

@@ -8,20 +8,22 @@ import itertools
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from pathlib import Path
+from typing import Annotated, Any
 
 import numpy as np
 import xarray as xr
 
 from rollerrig.analysis.envelope_borders import Border, borders, slides
 from rollerrig.analysis.rig_limits import LEAST_DURATION, NUMBERS, REGIONS, REPRODUCED, TRACKING_LIMIT
-from rollerrig.cases import rig_of
+from rollerrig.cases import as_case, rig_of
 from rollerrig.common.formatting import quantity
 from rollerrig.config import Case, ConfigError
 from rollerrig.config.validate.check_actuators import simulated_axles
 from rollerrig.plot import envelope as figures
 from rollerrig.study.frame import Study, dataset_rows
-from rollerrig.study.jobs import Done, Round, job, whole_run
+from rollerrig.study.jobs import Done, Progress, Round, job, whole_run
+from rollerrig.study.options import Option, Processes, command
 from rollerrig.study.quantities import Numbers, Quantities, Quantity
 from rollerrig.study.report import Block, Picture, Section, Text
 from rollerrig.study.runs import envelope as computed
@@ -237,3 +239,59 @@ def _vehicle_reproduced(found: xr.Dataset, side: str, torque: float) -> bool | N
 def _agreement(rows: Sequence[Border]) -> dict[str, int]:
     compared = [row.agrees for row in rows if row.agrees is not None]
     return {"agree": sum(compared), "of": len(compared)}
+
+
+@command
+def envelope(
+    case: Case | str,
+    *,
+    torques: Annotated[Sequence[float] | None, Option("torques_knm", "kN m", ordered=True)] = None,
+    adhesions: Annotated[Sequence[float] | None, Option(ordered=True)] = None,
+    loads: Annotated[Sequence[float] | None, Option(ordered=True)] = None,
+    speed_kmh: float | None = None,
+    duration: float = 3.0,
+    refine: Annotated[int, Option(least=0, most=4)] = 1,
+    folder: str | Path | None = None,
+    processes: Processes = 1,
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """Operating envelope: where the rig reproduces a degraded rail over torque, adhesion and axle load, and what limits it.
+
+    Ctrl-C keeps all finished runs; the same command continues with the rest, and another grid takes over those it shares.
+
+    Args:
+        case: case on rollers with [rig_control]: a name of the catalogue or a TOML file.
+        torques: torques on each axle, ascending, negative brakes [N m]; None: up to beyond what dry rollers carry, braking
+            for a case with [brake].
+        adhesions: adhesions of the reproduced rail, ascending [-]; None: 0.02 to 0.36.
+        loads: axle loads over the case's own, ascending [-]; None: 0.6, 1, 1.4.
+        speed_kmh: speed at the start [km/h]; the case's if absent.
+        duration: length of each run [s].
+        refine: how many times cells between different regions are halved.
+        folder: where finished runs are kept and looked for; None: nowhere.
+        processes: runs at a time; more than 1 asks a script for `if __name__ == "__main__":`.
+        progress: called with the fraction done and a short text.
+
+    Returns:
+        Dataset over `load`, `adhesion`, `torque`: `region` ("" where refining needed no run), the numbers of NUMBERS, the limits
+        reached as text, and the closed forms of LINES. Attribute `interrupted` says whether Ctrl-C left some undone,
+        `jobs_taken_over` how many were finished before.
+
+    Raises:
+        ConfigError: the case reproduces nothing, a range is unusable, or `folder` has the runs of another case.
+
+    Example:
+        >>> from rollerrig import envelope, load_case
+        >>> case = load_case("adhesion_brake")
+        >>> map = envelope(case, torques=[-4e3, -2e3], adhesions=[0.05, 0.3], loads=[1.0], duration=1.0, refine=0)
+        >>> map["region"].sel(load=1.0, torque=-4e3).to_numpy().tolist()
+        ['slide', 'grip']
+    """
+    whole = as_case(case)
+    if speed_kmh is not None:
+        whole = whole.with_changes({"motion.speed": f"{speed_kmh} km/h"})
+    ranges = {"torques": torques, "adhesions": adhesions, "loads": loads}
+    chosen = {name: tuple(map(float, values)) for name, values in ranges.items() if values is not None}
+    outcome = EnvelopeStudy(whole, duration=duration, refine=refine, **chosen).outcome(processes, progress, folder)
+    found = outcome.results.map
+    return found.assign_attrs(interrupted=int(outcome.interrupted), jobs_taken_over=outcome.taken_over)

@@ -11,7 +11,7 @@ import tomllib
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Annotated, Any, NoReturn
 
 import numpy as np
 
@@ -21,13 +21,14 @@ from rollerrig.common.arrays import Array
 from rollerrig.common.formatting import number
 from rollerrig.config import Case, ConfigError, ConfigProblem
 from rollerrig.config.errors import nearest, one_of, show_value
-from rollerrig.config.load.fit import WholeFit
+from rollerrig.config.load.fit import WholeFit, load_fit
 from rollerrig.config.schema.fit import BrakeUnitLog, CreepLog, Log, Output, TimeLog
 from rollerrig.config.schema.units import Quantity, unit_factor
 from rollerrig.plot import fit as figures
 from rollerrig.results import logs
-from rollerrig.study.frame import Content, Study
-from rollerrig.study.jobs import Done, Round, job
+from rollerrig.study.frame import Content, Outcome, Study
+from rollerrig.study.jobs import Done, Progress, Round, job
+from rollerrig.study.options import OneProcess, Option, command
 from rollerrig.study.quantities import Numbers
 from rollerrig.study.report import Block, Picture, Section, Table, Text
 from rollerrig.study.runs.fit import MODELS, OVER_TIME, Channel, Found, Record, search, starts
@@ -40,7 +41,7 @@ JUMP = 1e-3
 """Part of the time between two rows, its last, in which a held input moves to the next row: tables have no jumps."""
 
 
-def records(whole: WholeFit, files: Sequence[str | Path | logs.Log]) -> tuple[Record, ...]:
+def records(whole: WholeFit, files: Sequence[str | Path | logs.Log | Mapping[str, Any]]) -> tuple[Record, ...]:
     """The logs with their cases.
 
     Raises:
@@ -53,7 +54,7 @@ def records(whole: WholeFit, files: Sequence[str | Path | logs.Log]) -> tuple[Re
         raise ConfigError.of(whole.file, "log", f"{len(files)} logs", needed)
     for place, file in enumerate(files):
         k = place if len(asked) > 1 else 0
-        table = file if isinstance(file, logs.Log) else logs.read_log(file)
+        table = logs.read_log(file, f"log {place + 1}")
         try:
             found.append(_Reader(table, asked[k], whole.file, f"log[{k}]").record(whole.cases[k], whole.plan.held_back))
         except ConfigError as error:
@@ -465,3 +466,42 @@ def _axis(name: str, unit: str) -> str:
 
 def _heading(name: str, unit: str) -> str:
     return name if unit == "1" else f"{name} [{unit}]"
+
+
+@command
+def fit(
+    plan: Mapping[str, Any] | str,
+    logs: Sequence[str | Path | Mapping[str, Any]],
+    *,
+    changes: Annotated[Mapping[str, object] | None, Option("change")] = None,
+    allow_code: bool = False,
+    processes: OneProcess = 1,
+    progress: Progress | None = None,
+) -> Outcome[Fit]:
+    """Numbers of a case from measured logs: estimates with intervals, what the logs do not determine, the fitted case.
+
+    Args:
+        plan: plan of a fit: a name of the catalogue or a TOML file.
+        logs: files of measured signals (.csv, .mat, .nc, .parquet), one for each [[log]] of the plan.
+        changes: other values of the plan's case, by dotted key.
+        allow_code: also take controllers from outside the folder of the case that names them.
+        processes: searches at a time.
+        progress: called with the fraction done and a short text.
+
+    From Python a plan may also be its tables, and a log its columns: heading -> values.
+
+    Raises:
+        ConfigError: all mistakes of plan and logs, found before the first run; a free key that changes nothing.
+        FileNotFoundError: a log that is not there.
+        ResultsError: a file that is no log.
+        ValueError, RuntimeError: no run of the model can be compared with the logs.
+
+    Example:
+        >>> import rollerrig as rr
+        >>> points = {"creepage [%]": [0.5, 1.1, 2.9, 6.0, 14.1], "traction_coefficient": [0.25, 0.288, 0.304, 0.297, 0.241]}
+        >>> found = rr.fit("creep_curve", [{**points, "traction_error": [0.005] * 5}])
+        >>> {name: round(one["value"], 1) for name, one in found.numbers["numbers"].items()}
+        {'mu_0': 0.4, 'B': 0.5, 'k_S': 0.4}
+    """
+    whole = load_fit(plan, allow_code=allow_code, changes=changes)
+    return FitStudy(whole, records(whole, logs)).outcome(processes, progress)

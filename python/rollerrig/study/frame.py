@@ -37,6 +37,7 @@ from rollerrig.study.charts import chart_of
 from rollerrig.study.checkpoint import Checkpoint, check_jobs
 from rollerrig.study.jobs import Chains, Done, Progress, Round, run_rounds
 from rollerrig.study.limitations import limitations
+from rollerrig.study.options import RUNNER
 from rollerrig.study.quantities import Numbers, Quantities, finite
 from rollerrig.study.report import VIEW, Block, Mark, Page, Picture, Preformatted, Section, Table, Text, render
 from rollerrig.viewer import view_text
@@ -225,6 +226,20 @@ class Study(ABC, Generic[R]):
         results = self.collect(done)
         seconds = time.perf_counter() - begun
         return None if results is None else Outcome(self, results, interrupted, taken_over, checkpoint, seconds)
+
+    def outcome(
+        self, processes: int = 1, progress: Progress | None = None, folder: str | Path | None = None
+    ) -> "Outcome[R]":
+        """What was found, without files; on the command line, what it does with a study. Arguments as of `run`.
+
+        Raises:
+            KeyboardInterrupt: Ctrl-C left too little to report.
+        """
+        runner = RUNNER.get()
+        found = runner(self, processes) if runner else self.run(folder=folder, processes=processes, progress=progress)
+        if found is None:
+            raise KeyboardInterrupt
+        return found
 
 
 def _plain(name: str, value: Any) -> Iterator[tuple[str, Any]]:

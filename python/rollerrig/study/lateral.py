@@ -15,13 +15,15 @@ import xarray as xr
 from rollerrig.analysis import lateral_guidance
 from rollerrig.analysis.lateral_guidance import amplitude, creep_force, leading_lateral, slide_begins, train_slip
 from rollerrig.analysis.slide_statistics import following, largest, real_sliding, wheel_radius
+from rollerrig.cases import as_case
 from rollerrig.config import Case, Condition, ConfigError, ConfigProblem, Rig
 from rollerrig.config.validate.check_actuators import simulated_axles
 from rollerrig.plot import adhesion as figures
 from rollerrig.results import COMPLETED
 from rollerrig.study.ensemble import means, start_jobs, started
-from rollerrig.study.frame import Study
+from rollerrig.study.frame import Outcome, Study
 from rollerrig.study.jobs import Done, Progress, Round, job, whole_run
+from rollerrig.study.options import Processes, command
 from rollerrig.study.quantities import Numbers
 from rollerrig.study.report import VIEW, Block, Picture, Section, Text
 from rollerrig.study.runs.adhesion import track_case
@@ -299,3 +301,18 @@ def _pictures(results: Mapping[str, xr.Dataset]) -> list[tuple[str, str, Any, st
         ("Creep forces", "creep_forces", figures.creep_forces(forces),
          "Leading left wheel: along and across the track. Sliding uses up the friction along the track."),
     ]  # fmt: skip
+
+
+@command
+def lateral(case: Case | str, *, processes: Processes = 1, progress: Progress | None = None) -> Outcome[Found]:
+    """Lateral motion during a slide: does hunting disturb the rig's control, and does the rig show what the track does?
+
+    Args:
+        case: case on elastic rollers with [rig_control] and a lateral disturbance: adhesion_lateral, or a TOML file.
+        processes: runs at a time; more than 1 asks a script for `if __name__ == "__main__":`.
+        progress: called with the fraction done and a short text.
+
+    Raises:
+        ConfigError: the case says nothing about lateral motion in a slide.
+    """
+    return LateralStudy(as_case(case)).outcome(processes, progress)

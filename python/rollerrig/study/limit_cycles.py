@@ -13,11 +13,11 @@ from typing import Any, Literal
 import numpy as np
 import xarray as xr
 
+from rollerrig.analysis import SPEEDS_KMH
 from rollerrig.analysis.critical_speed import onset_from
 from rollerrig.analysis.hunting import HuntingSettings
 from rollerrig.analysis.limit_cycle import KIND_SENTENCES, Branch, CyclePoint, Diagram, NotMadeError, diagram, trace
 from rollerrig.analysis.limit_cycle_runs import LastState, LimitCycleSettings, limit_cycle_table, settling_run
-from rollerrig.analysis.mode_table import SPEEDS_KMH
 from rollerrig.cases import as_case
 from rollerrig.common.arrays import Array
 from rollerrig.config import Case
@@ -258,3 +258,38 @@ def critical_speed(
     ends = {"end": ["decays", "persists"]} if any(np.ndim(v) for v in found.values()) else {}
     attributes = {"case": chosen.name, "title": f"Critical speed of {chosen.name}"}
     return xr.Dataset(variables, ends, attributes | {"linear_searched_to_kmh": searched_to})
+
+
+def limit_cycle(
+    case: Case | str,
+    speeds_kmh: Sequence[float] = SPEEDS_KMH,
+    *,
+    linear_critical_kmh: float = math.nan,
+    processes: int = 1,
+    folder: str | Path | None = None,
+    progress: Progress | None = None,
+    **settings: float,
+) -> xr.Dataset:
+    """The limit-cycle diagram: what the vehicle ends in at each speed, stepped up and down.
+
+    Args:
+        case: the case; its rollers or rails are speed-controlled.
+        speeds_kmh: speeds of the runs [km/h].
+        linear_critical_kmh: linear critical speed, which decides how the bifurcation is called [km/h]; NaN: unknown.
+        processes: with 2, the two sweeps run at a time; that asks a script for `if __name__ == "__main__":`.
+        folder: where each finished run is kept: after Ctrl-C or a killed program the same call goes on; None: nowhere.
+        progress: called with the fraction done and a short text.
+        **settings: of `LimitCycleSettings`, such as disturbance [m] and tolerance_kmh.
+
+    Returns:
+        Dataset over `cycle_point`, see `limit_cycle_table`; attributes `critical_speed_by_continuation_kmh`, `bifurcation`.
+
+    Raises:
+        ConfigError: the folder has the runs of another case, or with other settings.
+        OutputError: the folder takes no files.
+        StartError: no state was found from which a run can start.
+    """
+    chosen = LimitCycleSettings(**settings)
+    found = limit_cycles(as_case(case), speeds_kmh, linear_critical_kmh, chosen, processes=processes, folder=folder,
+                         progress=progress)  # fmt: skip
+    return limit_cycle_table(found)

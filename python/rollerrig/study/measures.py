@@ -17,11 +17,11 @@ from rollerrig.analysis.critical_speed import onset_from
 from rollerrig.analysis.slide_statistics import TestRecord
 from rollerrig.analysis.wheel_rail_forces import filtered, wheel_forces
 from rollerrig.assembly.laws import core_law
-from rollerrig.config import Case, Programme, case_from_toml
+from rollerrig.config import CRITERIA, Case, Programme, case_from_toml
 from rollerrig.config.schema import plan
 from rollerrig.config.schema.actuators import SlideProtection
 from rollerrig.config.schema.programme import FlatWear
-from rollerrig.contact_analysis.static_contact import contact_table
+from rollerrig.contact_analysis.static_contact import contact
 from rollerrig.results import COMPLETED, RunInfo
 from rollerrig.results.quantities import registered
 from rollerrig.study.ensemble import recorded
@@ -92,7 +92,7 @@ def _onset(case: Case, options: plan.CriticalSpeedMeasure, progress: Progressing
 
 def _contact(case: Case, options: plan.ContactMeasure, _progress: Progressing) -> Numbers:
     """Patches of the leading wheelset at one position, and rolling radii by side."""
-    table, radii = contact_table(case, [(options.lateral, options.yaw)]), {}
+    table, radii = contact(case, [(options.lateral, options.yaw)]), {}
     for side in ("left", "right"):
         own = table.isel(row=(table["side"] == side).to_numpy())
         if not own.sizes["row"]:
@@ -110,7 +110,7 @@ def _contact(case: Case, options: plan.ContactMeasure, _progress: Progressing) -
 
 def _creep(case: Case, options: plan.CreepMeasure, _progress: Progressing) -> Numbers:
     """The patch with the largest normal force, wheelset centred, and the force of the case's creep law on it over that."""
-    table = contact_table(case, [(0.0, 0.0)])
+    table = contact(case, [(0.0, 0.0)])
     patch = table.isel(row=int(np.argmax(table["normal"].to_numpy())))
     a, b, normal = (float(patch[name]) for name in ("a", "b", "normal"))
     creepage = np.array([[options.longitudinal, options.lateral, options.spin]])
@@ -163,8 +163,9 @@ def _stop(case: Case, options: plan.WspMeasure, progress: Progressing) -> Number
     bad = [*wsp.faults(found, must_slide=False), *(wsp.dry_faults(found) if stop.stops else ())]
     if bad:
         raise RuntimeError("; ".join(bad))
-    names = dict(wsp.MEASURES) | {"largest_slip": ("largest_slip", 1.0), "odometer_error": ("odometer_error_m", 1.0)}
-    return {criterion: factor * found.values(name)[0] for criterion, (name, factor) in names.items()}
+    numbers = {name: one.factor * found.values(one.measure)[0] for name, one in CRITERIA.items()}
+    more = {"largest_slip": "largest_slip", "odometer_error": "odometer_error_m"}
+    return numbers | {name: found.values(measure)[0] for name, measure in more.items()}
 
 
 @lru_cache(maxsize=64)

@@ -1,19 +1,23 @@
-"""How an argument of a public function is written on the command line; its meaning is that of the docstring.
+"""A public function as a command: how its arguments are written on the command line, with the meanings of its docstring.
 
-function of rollerrig.cli.commands -> [parameters] -> rollerrig.cli.study_command -> `rollerrig NAME`
+function under @command -> [its head] -> parameters -> rollerrig.cli.study_command -> `rollerrig NAME`
 """
 
 from __future__ import annotations
 
 import inspect
 import re
-import sys
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import Annotated, Any, get_args, get_origin
+from collections.abc import Callable, Mapping, Sequence
+from contextvars import ContextVar
+from dataclasses import dataclass, replace
+from typing import Annotated, Any, TypeVar, get_args, get_origin, get_type_hints
 
-SPEEDS_KMH = tuple(float(v) for v in range(60, 301, 20))
-"""Speeds of a stability analysis unless others are given [km/h]."""
+from rollerrig.analysis import SPEEDS_KMH
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+RUNNER: ContextVar[Callable[..., Any] | None] = ContextVar("RUNNER", default=None)
+"""What the command line does with a study: it writes the outcome into a folder."""
 
 UNITS = {"": ("", 1.0), "mm": ("m", 1e-3), "mrad": ("rad", 1e-3), "bar": ("Pa", 1e5), "kN m": ("N m", 1e3)}
 """Unit of an option -> that of the argument, and the first in terms of the second."""
@@ -24,13 +28,13 @@ class Option:
     """How an option differs from the argument.
 
     Attributes:
-        name: of the parameter.
+        name: of the parameter; that of the argument if none is given.
         unit: of UNITS.
         least, most: range.
         default: its default.
         commas: whether one text holds its values; else it is repeated.
         ordered: whether its numbers are put in ascending order.
-        quantity: table and key of the configuration whose quantity it is, written with its unit.
+        quantity: TABLE.KEY of the configuration whose quantity it is, written with its unit.
         meaning: its own, where that of the argument does not fit.
     """
 
@@ -41,8 +45,13 @@ class Option:
     default: Any = None
     commas: bool = False
     ordered: bool = False
-    quantity: tuple[str, str] | None = None
+    quantity: str = ""
     meaning: str = ""
+
+    @property
+    def flag(self) -> str:
+        """As it is written on the command line."""
+        return "--set" if self.name == "change" else f"--{self.name.replace('_', '-').lower()}"
 
 
 HIDDEN = ("progress", "folder", "parameters")
@@ -50,7 +59,10 @@ HIDDEN = ("progress", "folder", "parameters")
 
 Processes = Annotated[int, Option(least=1, most=64, default=2, meaning="runs at a time.")]
 OneProcess = Annotated[int, Option(least=1, most=64, meaning="runs at a time.")]
-SpeedsKmh = Annotated[Sequence[float], Option(meaning="speeds [km/h] as start:stop:step, or a list with commas.")]
+
+NAMES = {"Annotated": Annotated, "Mapping": Mapping, "Sequence": Sequence, "Option": Option, "Processes": Processes,
+         "OneProcess": OneProcess, "SPEEDS_KMH": SPEEDS_KMH}  # fmt: skip
+"""What defaults, and types in Annotated, of a command's function may name: its head is read without the imports of its module."""
 
 
 @dataclass(frozen=True)
@@ -72,9 +84,26 @@ class Parameter:
     meaning: str
 
 
+def command(function: F) -> F:
+    """Make a function a command, which bears its name; its annotations are plain types from here on.
+
+    Errors under `Raises` of its docstring are mistakes of the user: the command ends with their message.
+    """
+    function.__annotations__ = get_type_hints(function)
+    return function
+
+
+def head(text: str) -> Callable[..., Any]:
+    """A function without its body, from its text down to the end of the docstring."""
+    names: dict[str, Any] = dict(NAMES)
+    exec(f"from __future__ import annotations\n{text}", names)
+    found: Callable[..., Any] = names[re.findall(r"def (\w+)", text)[0]]
+    return found
+
+
 def parameters(function: Callable[..., Any]) -> list[Parameter]:
-    """The arguments of a function that the command line has; its annotations are plain types from here on."""
-    names, found = vars(sys.modules[function.__module__]), []
+    """The arguments of a function that the command line has."""
+    names, found = function.__globals__, []
     meanings = dict(re.findall(r"^ {4}(\w+): ((?:.|\n {5,})+)$", inspect.getdoc(function) or "", re.MULTILINE))
     for name, one in inspect.signature(function).parameters.items():
         if name in HIDDEN or one.kind is inspect.Parameter.VAR_KEYWORD:
@@ -85,11 +114,17 @@ def parameters(function: Callable[..., Any]) -> list[Parameter]:
         if get_origin(declared) is Annotated:
             plain, *options = get_args(declared)
             kind = plain.__name__ if isinstance(plain, type) else str(plain).replace("collections.abc.", "")
-            function.__annotations__[name] = kind
-        found.append(Parameter(name, kind, one.default, tuple(options), " ".join(meanings[name].split())))
+        own = tuple(replace(option, name=option.name or name) for option in options)
+        found.append(Parameter(name, kind, one.default, own, " ".join(meanings[name].split())))
     return found
 
 
 def summary(function: Callable[..., Any]) -> str:
     """The docstring before its sections."""
     return re.split(r"\n\n(?=\w+:\n)", inspect.getdoc(function) or "")[0]
+
+
+def errors(function: Callable[..., Any]) -> set[str]:
+    """Names of the errors in the docstring."""
+    section = (inspect.getdoc(function) or "").partition("Raises:\n")[2].partition("\n\n")[0]
+    return {name for names in re.findall(r"^ {4}([\w, ]+):", section, re.MULTILINE) for name in names.split(", ")}

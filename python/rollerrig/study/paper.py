@@ -23,12 +23,13 @@ from rollerrig.plot import amplitude_over_speed, hunting_over_time, ramp_over_sp
 from rollerrig.plot.modes import hunting_frequencies
 from rollerrig.study import critical_speeds as speeds
 from rollerrig.study.assessment import check_table, counts_text
-from rollerrig.study.frame import Study, dataset_rows
-from rollerrig.study.jobs import Done, Round
+from rollerrig.study.frame import Outcome, Study, dataset_rows
+from rollerrig.study.jobs import Done, Progress, Round
+from rollerrig.study.options import Processes, command
 from rollerrig.study.quantities import Numbers
 from rollerrig.study.report import VIEW, Block, Mark, Picture, Section, Table, Text
 from rollerrig.study.runs import paper as computed
-from rollerrig.study.runs.paper import EXACT, FRONT, FULL, MATERIALS, NAMES, OWN, REAR, RIG, VEHICLE, Results
+from rollerrig.study.runs.paper import EXACT, FRONT, FULL, MATERIALS, NAMES, OWN, QUICK, REAR, RIG, VEHICLE, Results
 
 TEXT = tomllib.loads(files("rollerrig.study").joinpath("paper.toml").read_text(encoding="utf-8"))
 CAPTIONS: Mapping[str, str] = TEXT["captions"]  # picture -> what it shows
@@ -250,3 +251,15 @@ def _figure_8_rows(results: Results) -> Iterator[Row]:
     unlike = number(asymmetry(run, "longitudinal_sliding"), 1)
     for row in TEXT["rows"].values():
         yield [cell.format(**values, why=why, unlike=unlike) for cell in row]
+
+
+@command
+def paper(*, quick: bool = False, processes: Processes = 1, progress: Progress | None = None) -> Outcome[Results]:
+    """Reproduce the paper's two studies: figures 7 and 8, checks against theory, one report.
+
+    Args:
+        quick: few and short runs: to see that everything works.
+        processes: runs at a time; more than 1 asks a script for `if __name__ == "__main__":`.
+        progress: called with the fraction done and a short text.
+    """
+    return PaperStudy(QUICK if quick else FULL).outcome(processes, progress)

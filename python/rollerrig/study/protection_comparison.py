@@ -10,22 +10,23 @@ difference. Neither system is better where a test of either is a bad one, as in 
 import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from scipy.stats import nct, t
 
 from rollerrig.analysis.slide_statistics import idle_valves
+from rollerrig.cases import as_case
 from rollerrig.common.formatting import number
-from rollerrig.config import CRITERIA, Case, ConfigError, ConfigProblem, Programme
+from rollerrig.config import CRITERIA, Case, ConfigError, ConfigProblem, Programme, load_programme
 from rollerrig.plot.adhesion import means_with_intervals
 from rollerrig.study.ensemble import CONFIDENCE, Estimate, difference, stepped
-from rollerrig.study.frame import Content, Study
-from rollerrig.study.jobs import Done, Round
+from rollerrig.study.frame import Content, Outcome, Study
+from rollerrig.study.jobs import Done, Progress, Round
+from rollerrig.study.options import Option, Processes, command
 from rollerrig.study.quantities import Numbers
 from rollerrig.study.report import Block, Mark, Picture, Section, Table, Text
 from rollerrig.study.runs.wsp import (
-    MEASURES,
     OVER_DRY,
     SUPPORTS,
     StopTests,
@@ -75,7 +76,7 @@ class Difference:
             return "not decided"
         if interval.low <= 0.0 <= interval.high:
             return "neither" if interval.low == interval.high else "not decided"
-        more_is_better = CRITERIA[self.criterion].least  # type: ignore[index]
+        more_is_better = CRITERIA[self.criterion].least
         return "second" if (interval.low > 0.0) == more_is_better else "first"
 
     @property
@@ -221,8 +222,10 @@ def differences(results: Mapping[System, Results], stop: str, on: Support) -> It
     tests = {system: results[system][stop].tests for system in SYSTEMS}
     one, two = (tests[system][on] for system in SYSTEMS)
     common = [f"{system}: {why}" for system in SYSTEMS for why in _faults(tests[system], on)]
-    for criterion in (name for name in MEASURES if one.stop.stops or not CRITERIA[name].of_a_stop):  # type: ignore[index]
-        name, factor = MEASURES[criterion]
+    for criterion, what in CRITERIA.items():
+        if what.of_a_stop and not one.stop.stops:
+            continue
+        name, factor = what.measure, what.factor
         dry = [f"{s}: {why}" for s in SYSTEMS if name in OVER_DRY for why in dry_faults(tests[s][on])]
         found = difference(two.values(name), one.values(name))
         count = min(len(one.fine), len(two.fine))
@@ -303,3 +306,36 @@ def _relative(one: Numbers) -> Numbers | None:
     if not one["first"] or None in found.values():
         return None
     return {end: 100.0 * value / one["first"] for end, value in found.items()}
+
+
+@command
+def wsp(
+    case: Case | str,
+    programme: Programme | str = "slide_protection_stops",
+    *,
+    against: Case | str | None = None,
+    starts: Annotated[int, Option(least=0, most=100)] = 0,
+    quick: bool = False,
+    processes: Processes = 1,
+    progress: Progress | None = None,
+) -> Outcome[Any]:
+    """A test programme for wheel slide protection: a series of stops on track and on the rig, assessed by limits.
+
+    Args:
+        case: case on rollers with [rig_control]: a name of the catalogue or a TOML file.
+        programme: stops and limits: a name of the catalogue or a TOML file.
+        against: another case, whose system is compared with this one: the same stops with the same draws, what differs with
+            intervals, effect sizes and the number of tests that would decide it; limits then assess nothing.
+        starts: tests of each stop on each support; 0: as many as the programme needs for a decision.
+        quick: two starts of the first two stops: to see that everything works.
+        processes: runs at a time; more than 1 asks a script for `if __name__ == "__main__":`.
+        progress: called with the fraction done and a short text.
+
+    Raises:
+        ConfigError: a case has nothing to test, or cannot do a stop; two cases are the same, or have different samples.
+        StartError: a case finds no equilibrium to start from.
+    """
+    tested = programme if isinstance(programme, Programme) else load_programme(programme)
+    if against is None:
+        return WspStudy(as_case(case), tested, starts, quick).outcome(processes, progress)
+    return ProtectionComparison(as_case(case), as_case(against), tested, starts, quick).outcome(processes, progress)

@@ -7,19 +7,21 @@ stop over each other; case.toml with that rail, for the rig and for every other 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 import xarray as xr
 
 from rollerrig.analysis import adhesion_reconstruction
-from rollerrig.analysis.adhesion_reconstruction import StopLog
+from rollerrig.analysis.adhesion_reconstruction import StopLog, read_stop
 from rollerrig.analysis.slide_statistics import rms, wheel_radius
+from rollerrig.cases import as_case
 from rollerrig.common.formatting import percent
 from rollerrig.config import Case, Rig
 from rollerrig.plot.logs import friction_over_distance, pressures_over_time, stop_over_time
-from rollerrig.study.frame import Content, Study
-from rollerrig.study.jobs import Done, Round, job, whole_run
+from rollerrig.study.frame import Content, Outcome, Study
+from rollerrig.study.jobs import Done, Progress, Round, job, whole_run
+from rollerrig.study.options import Option, command
 from rollerrig.study.quantities import Numbers
 from rollerrig.study.report import Picture, Section, Text
 from rollerrig.study.runs.adhesion import track_case
@@ -149,3 +151,31 @@ def _doubts(numbers: Numbers) -> Iterator[str]:
             f"One map does not describe this rail: {' and '.join(found)}. Where an axle cleans the rail by sliding, the next one "
             "finds another; noise of the measured speeds does the same."
         )
+
+
+@command
+def reconstruct(
+    case: Case | str,
+    log: StopLog | str,
+    *,
+    piece_m: Annotated[float, Option(least=0.5, most=1000.0)] = 10.0,
+    progress: Progress | None = None,
+) -> Outcome[xr.Dataset]:
+    """A measured stop on degraded rails: the rail's friction over distance, and the case on that rail beside the measurement.
+
+    Args:
+        case: with [brake] and [adhesion]: a name of the catalogue or a TOML file.
+        log: speeds and brake pressures of the stop, .csv, .mat, .nc or .parquet: time [s], train_speed [m/s] and of each
+            wheelset NAME.axle_speed [rad/s] and NAME.cylinder_pressure [Pa], or in other units.
+        piece_m: length of a piece of the way with one friction [m].
+        progress: called with the fraction done and a short text.
+
+    Raises:
+        ConfigError: the case lacks a brake or a rail's condition, or has other brakes beside.
+        ResultsError: the log lacks a column or a unit, its times do not rise, or no axle slid.
+        ValueError: the model does not take what the log has.
+        StartError: the case finds no equilibrium to start from.
+    """
+    whole = as_case(case)
+    stop = read_stop(log, whole) if isinstance(log, str) else log
+    return ReconstructionStudy(whole, stop, piece_m).outcome(progress=progress)

@@ -10,14 +10,17 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from rollerrig.analysis.controller_replay import REASONS, episodes, replay, torque_ratio
-from rollerrig.analysis.rig_log import check_case
+from rollerrig.analysis import controller_replay
+from rollerrig.analysis.controller_replay import REASONS, episodes, torque_ratio
+from rollerrig.analysis.rig_log import check_case, read_rig_log
 from rollerrig.analysis.slide_statistics import rms
+from rollerrig.cases import as_case
 from rollerrig.common.formatting import number
 from rollerrig.config import Case
 from rollerrig.plot.logs import forces_over_time, speeds_over_time, torques_over_time
-from rollerrig.study.frame import Content, Study
-from rollerrig.study.jobs import Done, Round, job
+from rollerrig.study.frame import Content, Outcome, Study
+from rollerrig.study.jobs import Done, Progress, Round, job
+from rollerrig.study.options import command
 from rollerrig.study.quantities import Numbers
 from rollerrig.study.report import Picture, Section, Table, Text
 
@@ -51,7 +54,7 @@ class ReplayStudy(Study[xr.Dataset]):
         check_case(self.case)
 
     def rounds(self, done: Done) -> Iterator[Round]:
-        yield {self.command: job(replay, self.case, self.log)}
+        yield {self.command: job(controller_replay.replay, self.case, self.log)}
 
     def numbers(self, results: xr.Dataset) -> dict[str, Any]:
         time, about = results["time"].to_numpy(), results.attrs
@@ -132,3 +135,25 @@ class ReplayStudy(Study[xr.Dataset]):
             ]),
             Section("Doubtful estimates", [table if rows else Text("None.")]),
         ]  # fmt: skip
+
+
+@command
+def replay(case: Case | str, log: xr.Dataset | str, *, progress: Progress | None = None) -> Outcome[xr.Dataset]:
+    """The rig's estimators and virtual train on the log of a rig: estimated forces with their errors, where they are wrong.
+
+    Args:
+        case: with [rig_control]: a name of the catalogue or a TOML file.
+        log: speeds and torques of the rig, .csv, .mat, .nc, .parquet or .npz of `rollerrig serve`: time [s] and of each wheelset
+            NAME.axle_speed [rad/s], NAME.roller_speed [rad/s], NAME.roller_torque [N m] and NAME.cylinder_pressure [Pa] or
+            NAME.brake_torque [N m], or in other units.
+        progress: called with the fraction done and a short text.
+
+    Raises:
+        ConfigError: the case has no rig's controller of ours, or one that takes what no log has.
+        ResultsError: the log lacks a column or a unit, its times do not rise, or its speeds or torques contradict each other.
+        ValueError: the controller does not take what the log has.
+        StartError: the case finds no equilibrium to start from.
+    """
+    whole = as_case(case)
+    measured = read_rig_log(log, whole) if isinstance(log, str) else log
+    return ReplayStudy(whole, measured).outcome(progress=progress)

@@ -6,18 +6,20 @@ Case, commands, outputs, speeds -> [ResponseStudy] -> Bode, Nyquist, poles and z
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
 from rollerrig.analysis.linear_bench import LinearBench
 from rollerrig.analysis.linear_system import LinearSystem, margins_of
 from rollerrig.analysis.measured_response import MeasuredResponse, measured_response
+from rollerrig.cases import as_case
 from rollerrig.common.arrays import Array, Complex
 from rollerrig.config import Case, ConfigError
 from rollerrig.plot.control import bode_figure, nyquist_figure, poles_and_zeros_figure
-from rollerrig.study.frame import Study
+from rollerrig.study.frame import Outcome, Study
 from rollerrig.study.jobs import Done, Progress, Round, job
+from rollerrig.study.options import OneProcess, Option, command
 from rollerrig.study.quantities import Numbers
 from rollerrig.study.report import Block, Picture, Section, Table, Text
 
@@ -92,11 +94,11 @@ class ResponseStudy(Study[dict[str, AtSpeed]]):
     inputs: tuple[str, ...]
     outputs: tuple[str, ...]
     speeds_kmh: tuple[float, ...]
-    frequencies: tuple[float, float] = (0.1, 100.0)
-    points: int = 400
-    measured: int = 0
-    amplitude: float = 1000.0
-    brake_pressure: float = 0.0
+    frequencies: tuple[float, float]
+    points: int
+    measured: int
+    amplitude: float
+    brake_pressure: float
 
     command = "response"
     assumes = (
@@ -224,3 +226,47 @@ def at_speed(study: ResponseStudy, speed_kmh: float, progress: Progress | None =
         if found is not None:
             measured[source] = found
     return AtSpeed(system, measured, drives)
+
+
+@command
+def response(
+    case: Case | str,
+    inputs: Annotated[Sequence[str], Option("input", default=())],
+    outputs: Annotated[Sequence[str], Option("output", default=())],
+    speeds_kmh: Sequence[float] = (),
+    *,
+    frequencies: Annotated[
+        tuple[float, float],
+        Option("from_hz", least=1e-4, most=1e4, meaning="lowest frequency [Hz]."),
+        Option("to_hz", least=1e-3, most=1e5, meaning="highest frequency [Hz]."),
+    ] = (0.1, 100.0),
+    points: Annotated[int, Option(least=10, most=20000)] = 400,
+    measured: Annotated[int, Option(least=0, most=200, default=12)] = 0,
+    amplitude: Annotated[float, Option(least=1e-9, most=1e9)] = 1000.0,
+    brake_pressure: Annotated[float, Option("", "bar", 0.0, 100.0)] = 0.0,
+    processes: OneProcess = 1,
+    progress: Progress | None = None,
+) -> Outcome[dict[str, AtSpeed]]:
+    """Frequency response from commands to outputs: Bode, Nyquist, poles and zeros, margins, and measured beside it.
+
+    Args:
+        case: case: a name of the catalogue or a TOML file.
+        inputs: commands of the bench, as `linearize` takes them.
+        outputs: outputs of the bench.
+        speeds_kmh: speeds [km/h]; none: that of the case.
+        frequencies: lowest and highest [Hz].
+        points: frequencies of the linear bench.
+        measured: frequencies at which the nonlinear bench is driven with a sine; 0: none.
+        amplitude: of that sine, in the command's unit.
+        brake_pressure: in all brake cylinders [Pa]; the rollers' drives hold the speed.
+        processes: runs at a time; more than 1 asks a script for `if __name__ == "__main__":`.
+        progress: called with the fraction done and a short text.
+
+    Raises:
+        ConfigError: an unknown name, or a speed that the case does not allow.
+        StartError: no rolling equilibrium was found.
+    """
+    whole, names = as_case(case), (tuple(inputs), tuple(outputs))
+    speeds = tuple(speeds_kmh) or (3.6 * whole.motion.speed,)
+    study = ResponseStudy(whole, *names, speeds, frequencies, points, measured, amplitude, brake_pressure)
+    return study.outcome(processes, progress)

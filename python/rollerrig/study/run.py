@@ -15,6 +15,7 @@ import xarray as xr
 from rollerrig.analysis.assessment import Assessment, Row, assess, table
 from rollerrig.analysis.hunting import LateralRest, lateral_rest
 from rollerrig.analysis.wheel_rail_forces import QUOTIENT_LIMIT, STATISTICS, curved, irregular, unfiltered
+from rollerrig.cases import as_case
 from rollerrig.common.arrays import Array
 from rollerrig.common.formatting import number
 from rollerrig.config import Case
@@ -24,8 +25,9 @@ from rollerrig.plot.run import energy_over_time, motion_over_time, sliding_over_
 from rollerrig.results import motion_table, summarise, wheel_table
 from rollerrig.results.summary import resolved
 from rollerrig.simulation.run import simulate
-from rollerrig.study.frame import Study
-from rollerrig.study.jobs import Done, Round, job
+from rollerrig.study.frame import Outcome, Study
+from rollerrig.study.jobs import Done, Progress, Round, job
+from rollerrig.study.options import command
 from rollerrig.study.quantities import Numbers, Quantities, Quantity
 from rollerrig.study.report import VIEW, Block, Picture, Section, Table, Text
 
@@ -353,3 +355,19 @@ def distance_or_time(run: xr.Dataset) -> xr.DataArray:
     """What forces are drawn over: the distance where curves, cant or irregularities lie along it, else time."""
     name = "distance" if curved(run) or irregular(run) else "time"
     return run[name].assign_attrs(long_name=name)
+
+
+@command
+def run(case: Case | str, *, progress: Progress | None = None) -> Outcome[Results]:
+    """Simulate one case: run.nc (every signal), summary.json, tables as CSV, report.html, view.html (in motion).
+
+    Args:
+        case: case: a name of the catalogue or a TOML file.
+        progress: called with the fraction done and a short text.
+
+    Example:
+        >>> import rollerrig as rr
+        >>> rr.run(rr.load_case("wheelset_rollers").with_changes({"time.duration": "0.1 s"})).statuses
+        ['ok']
+    """
+    return RunStudy(as_case(case)).outcome(progress=progress)

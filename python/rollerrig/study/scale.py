@@ -1,6 +1,7 @@
 """The same test on a full-scale rig and on its scaled model, mapped back, and the effect of each violated similitude.
 
-Full-scale case, its model -> [ScaleStudy] -> both runs at full scale, runs with one violation each, linear critical speeds
+Full-scale case, its model -> [ModelStudy] -> case.toml, requirements of similitude
+                          -> [ScaleStudy] -> both runs at full scale, runs with one violation each, linear critical speeds
 
 Beside the model as it is, the model is run with everything scaled, and with one violation at a time: the error budget of the
 difference. The ideal model is full scale again but for round-off; once a slide protection switches valves, round-off decides
@@ -10,7 +11,7 @@ some of the switchings, and what the ideal model differs by is the repeatability
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated, Any
 
 import xarray as xr
 from numpy.typing import ArrayLike
@@ -18,6 +19,7 @@ from numpy.typing import ArrayLike
 from rollerrig import similitude
 from rollerrig.analysis import scaled_model
 from rollerrig.analysis.slide_statistics import wheel_radius
+from rollerrig.cases import as_case
 from rollerrig.common.formatting import number, percent
 from rollerrig.config import Case
 from rollerrig.config.schema.case import ScaledFrom
@@ -26,8 +28,9 @@ from rollerrig.plot import scaled as figures
 from rollerrig.results import COMPLETED
 from rollerrig.similitude import ContactAtRest, Requirement, Similitude, factors_of
 from rollerrig.simulation.run import simulate
-from rollerrig.study.frame import Study
-from rollerrig.study.jobs import Done, Round, job
+from rollerrig.study.frame import Outcome, Study
+from rollerrig.study.jobs import Done, Progress, Round, job
+from rollerrig.study.options import Option, Processes, command
 from rollerrig.study.quantities import Numbers
 from rollerrig.study.report import Picture, Section, Table
 
@@ -35,21 +38,6 @@ from rollerrig.study.report import Picture, Section, Table
 def deviation(value: float) -> str:
     """A deviation with its sign; what full scale does not have is new."""
     return percent(value, 3, signed=True) if math.isfinite(value) else "new"
-
-
-def model_summary(model: Case, found: Sequence[Requirement]) -> list[str]:
-    """The model and its violations, a line each."""
-    record = model.similitude
-    assert record is not None
-    strategy = similitude.STRATEGIES[record.strategy]
-    kept = ", ".join(record.keep) or "nothing: ideal similitude"
-    violated = [one for one in found if not one.met]
-    return [
-        f"{model.name}: a 1:{record.length:g} model of {record.case}, {strategy.title} (keeps {strategy.keeps}); "
-        f"speeds 1:{record.length / record.time:.4g}, times 1:{record.time:.4g}. Not scaled: {kept}.",
-        *(f"violated: {one.name} ({deviation(one.deviation)}): {one.effect}" for one in violated),
-        *(["All requirements of similitude are met."] if not violated else []),
-    ]
 
 
 def contact_at_rest_table(model: Case, at_full_scale: ContactAtRest, own: ContactAtRest) -> Table:
@@ -114,14 +102,13 @@ class Scaled:
 
 
 @dataclass(frozen=True)
-class ScaleStudy(Study[Scaled]):
-    """A test at full scale and on models of it: by name of LABELS 'full', 'model', and those of the error budget."""
+class ModelStudy(Study[Any]):
+    """A full-scale case and its model, 'full' and 'model' of the variants; its results are the requirements of similitude."""
 
     variants: Mapping[str, Case]
 
     command = "scale"
     writes = (CASE_FILE, "full.nc", "model.nc", "axles.csv")
-    round_ends = (0.8, 1.0)
     leaves_out = (LEFT_OUT,)
 
     @property
@@ -142,10 +129,57 @@ class ScaleStudy(Study[Scaled]):
 
     @property
     def title(self) -> str:
-        return f"{self.full.name} at full scale, and by a 1:{self.record.length:g} model"
+        return f"A 1:{self.record.length:g} model of {self.full.name}"
 
     def cases(self) -> Mapping[str, Case]:
         return {"the model's case, at its own scale": self.model}
+
+    def rounds(self, done: Done) -> Iterator[Round]:
+        yield {self.command: job(similitude.requirements, self.full, self.model)}
+
+    def numbers(self, results: Any) -> dict[str, Any]:
+        keys = [q.name for q in self.quantities.below("violations.*")]
+        return {
+            "case": self.full.name,
+            "model": self.model.name,
+            "similitude": self.record.model_dump(exclude={"case"}),
+            "violations": [
+                {key: "" if key == "effect" and one.met else getattr(one, key) for key in keys} for one in results
+            ],
+        }
+
+    def summary(self, results: Any, numbers: Numbers) -> list[str]:
+        record, violated = self.record, [one for one in results if not one.met]
+        strategy = similitude.STRATEGIES[record.strategy]
+        kept = ", ".join(record.keep) or "nothing: ideal similitude"
+        return [
+            f"{self.model.name}: a 1:{record.length:g} model of {record.case}, {strategy.title} (keeps {strategy.keeps}); "
+            f"speeds 1:{record.length / record.time:.4g}, times 1:{record.time:.4g}. Not scaled: {kept}.",
+            *(f"violated: {one.name} ({deviation(one.deviation)}): {one.effect}" for one in violated),
+            *(["All requirements of similitude are met."] if not violated else []),
+        ]
+
+    def files(self, results: Any, numbers: Numbers) -> Mapping[str, Any]:
+        return {CASE_FILE: to_short_toml(self.model)}
+
+    def sections(self, results: Any, numbers: Numbers) -> list[Section]:
+        violations = self.quantities.table(numbers["violations"], "violations.*", "requirements, met or violated")
+        factors = factors_of(self.model)
+        scaled = [[name, number(factors.factor(unit)), unit] for name, unit in similitude.FACTORS]
+        title = similitude.STRATEGIES[self.record.strategy].title
+        scaling = Table(("quantity", "full scale over model", "unit"), scaled, title)
+        return [Section("Similitude", [scaling, violations])]
+
+
+@dataclass(frozen=True)
+class ScaleStudy(ModelStudy):
+    """The test at full scale and on models of it: by name of LABELS 'full', 'model', and those of the error budget."""
+
+    round_ends = (0.8, 1.0)
+
+    @property
+    def title(self) -> str:
+        return f"{self.full.name} at full scale, and by a 1:{self.record.length:g} model"
 
     def rounds(self, done: Done) -> Iterator[Round]:
         yield {LABELS[name]: job(simulate, case) for name, case in self.variants.items()}
@@ -176,19 +210,12 @@ class ScaleStudy(Study[Scaled]):
             {**scaled_model.run_numbers(run), "linear_critical_speed_kmh": 3.6 * results.critical.get(name, math.nan)}
             for name, run in (("full", results.full), ("model", results.mapped["model"]))
         )
-        violated = self.quantities.below("violations.*")
         return {
-            "case": self.full.name,
-            "model": self.model.name,
-            "similitude": self.record.model_dump(exclude={"case"}),
+            **super().numbers(results.violations),
             "full": full,
             "model_mapped_back": model,
             "fidelity": compared.pop("model"),
             "error_budget": compared,
-            "violations": [
-                {q.name: "" if q.name == "effect" and one.met else getattr(one, q.name) for q in violated}
-                for one in results.violations
-            ],
             "contact": dict(zip(("full", "model"), map(vars, results.contact), strict=True)),
             "motor_limited_share": scaled_model.motor_limited(self.model, results.mapped["model"]),
         }
@@ -197,7 +224,7 @@ class ScaleStudy(Study[Scaled]):
         ended = {"full scale": results.full, "model": results.mapped["model"]}
         ideal = numbers["error_budget"].get("ideal", {})
         early = {label: run for label, run in ended.items() if run.attrs["status"] not in COMPLETED}
-        found = model_summary(self.model, results.violations)
+        found = super().summary(results.violations, numbers)
         for name, of in {"mapped back": numbers["fidelity"], "ideal, the repeatability of the test": ideal}.items():
             if said := self.quantities.said(of, "fidelity"):
                 found.append(f"Model less full scale, {name}: {said}.")
@@ -208,17 +235,12 @@ class ScaleStudy(Study[Scaled]):
     def files(self, results: Scaled, numbers: Numbers) -> Mapping[str, Any]:
         full, model = results.full, results.mapped["model"]
         axles = {"axles.csv": axle_columns(full, model)} if "train_speed" in full else {}
-        return {CASE_FILE: to_short_toml(self.model), "full.nc": full, "model.nc": model, **axles}
+        return {**super().files(results, numbers), "full.nc": full, "model.nc": model, **axles}
 
     def sections(self, results: Scaled, numbers: Numbers) -> list[Section]:
         runs = {"full scale": numbers["full"], "model, mapped back": numbers["model_mapped_back"]}
-        violations = self.quantities.table(numbers["violations"], "violations.*", "requirements, met or violated")
-        factors = factors_of(self.model)
-        scaled = [[name, number(factors.factor(unit)), unit] for name, unit in similitude.FACTORS]
-        title = similitude.STRATEGIES[self.record.strategy].title
-        scaling = Table(("quantity", "full scale over model", "unit"), scaled, title)
         sections = [
-            Section("Similitude", [scaling, violations]),
+            *super().sections(results, numbers),
             Section("Contact at rest", [contact_at_rest_table(self.model, *results.contact)]),
             Section("Numbers", [self.quantities.list_table(runs, "*")]),
         ]
@@ -281,3 +303,46 @@ def _speed_of(name: str) -> str:
 
 def _moves_sideways(numbers: Numbers) -> bool:
     return any(numbers[of]["lateral_largest_m"] > MICROMETRE for of in ("full", "model_mapped_back"))
+
+
+@command
+def scale(
+    case: Case | str,
+    strategy: Annotated[str, Option()],
+    *,
+    length: float | None = None,
+    time: float | None = None,
+    density: float | None = None,
+    keep: Annotated[Sequence[str], Option(commas=True)] = ("gravity", "material"),
+    changes: Annotated[Mapping[str, object] | None, Option("change")] = None,
+    run: Annotated[bool, Option(default=False)] = True,
+    error_budget: bool = True,
+    processes: Processes = 1,
+    progress: Progress | None = None,
+) -> Outcome[Any]:
+    """A scaled rig by similitude: its case, to be run like any other, what it violates, and the same test at both scales.
+
+    Args:
+        case: full-scale case on rollers: a name of the catalogue or a TOML file.
+        strategy: 'mmu' keeps time, 'dlr' gravity, 'inrets' speed and elastic contact.
+        length: length at full scale over that of the model; 5, 5, 4 by default.
+        time: time at full scale over that of the model.
+        density: density at full scale over that of the model.
+        keep: what the model does not scale: gravity, material, clock, drives; none: ideal similitude.
+        changes: what the model has of its own, at its own scale, by dotted key of its case.
+        run: also run the test at full scale and on the model, mapped back.
+        error_budget: of the runs: also the ideal model, and each violation alone.
+        processes: runs at a time; more than 1 asks a script for `if __name__ == "__main__":`.
+        progress: called with the fraction done and a short text.
+
+    Returns:
+        Outcome whose `study.model` is the model's case.
+
+    Raises:
+        ConfigError: the case cannot be scaled so.
+        StartError: a case finds no equilibrium to start from.
+    """
+    full, factors = as_case(case), similitude.similitude(strategy, length, time, density)
+    kept, budget = tuple(name for name in keep if name != "none"), run and error_budget
+    study = scale_study(full, factors, strategy=strategy, keep=kept, changes=changes, error_budget=budget)
+    return (study if run else ModelStudy(study.variants)).outcome(processes, progress)

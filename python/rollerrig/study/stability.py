@@ -8,26 +8,29 @@ import json
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 import xarray as xr
 
 from rollerrig import plot
+from rollerrig.analysis import SPEEDS_KMH
 from rollerrig.analysis.bifurcation import bifurcation
 from rollerrig.analysis.critical_speed import HIGHEST_KMH, LinearCriticalSpeed, linear_critical_speed, scan_linear
 from rollerrig.analysis.limit_cycle import Diagram
 from rollerrig.analysis.limit_cycle_runs import LimitCycleSettings, limit_cycle_table, settling_run
-from rollerrig.analysis.mode_table import stability
+from rollerrig.analysis.mode_table import stability as modes_over_speed
 from rollerrig.analysis.stability_sensitivity import parameter_rows, stability_sensitivity
+from rollerrig.cases import as_case
 from rollerrig.config import Case, Track
 from rollerrig.config.schema.contact import NORMAL_LAWS
 from rollerrig.plot.modes import shape_speed, shown_modes
 from rollerrig.results.termination import in_words
 from rollerrig.study import limit_cycles as cycles
-from rollerrig.study.frame import Study, dataset_rows
+from rollerrig.study.frame import Outcome, Study, dataset_rows
 from rollerrig.study.jobs import Chains, Done, Job, Progress, Round, job
 from rollerrig.study.limit_cycles import cycle_chains, cycle_diagram
+from rollerrig.study.options import Option, command
 from rollerrig.study.quantities import Numbers
 from rollerrig.study.report import VIEW, Block, Picture, Section, Table, Text
 
@@ -223,7 +226,7 @@ class Results:
 
 @dataclass(frozen=True)
 class StabilityStudy(Study[Results]):
-    """Modes over speed and the limit-cycle diagram; attributes as the arguments of `rollerrig.cli.commands.stability`.
+    """Modes over speed and the limit-cycle diagram; attributes as the arguments of `stability`.
 
     Runs are made at no more than MOST_CYCLE_SPEEDS of the speeds.
     """
@@ -252,7 +255,7 @@ class StabilityStudy(Study[Results]):
         return (0.08, 0.1, 1.0) if self.with_limit_cycles else (0.8, 1.0)
 
     def rounds(self, done: Done) -> Iterator[Round | Chains]:
-        yield {"modes": job(stability, self.case, self.speeds_kmh)}
+        yield {"modes": job(modes_over_speed, self.case, self.speeds_kmh)}
         attributes, top = done["modes"].attrs, self.speeds_kmh[-1]
         linear = attributes["linear_critical_speed_kmh"]
         none = not math.isfinite(linear)
@@ -420,3 +423,40 @@ def cycle_speeds(speeds_kmh: tuple[float, ...]) -> list[float]:
     count = min(len(speeds_kmh), MOST_CYCLE_SPEEDS)
     picks = np.unique(np.round(np.linspace(0, len(speeds_kmh) - 1, count)).astype(int))
     return [float(speeds_kmh[k]) for k in picks]
+
+
+@command
+def stability(
+    case: Case | str,
+    speeds_kmh: Sequence[float] = SPEEDS_KMH,
+    *,
+    limit_cycles: bool = True,
+    disturbance: Annotated[float, Option("disturbance_mm", "mm", 0.01, 20.0)] = 3e-3,
+    perturbation: Annotated[float, Option("perturbation_mm", "mm", 0.001, 20.0)] = 1e-4,
+    longest: Annotated[float, Option(least=2.0, most=600.0)] = 16.0,
+    tolerance_kmh: Annotated[float, Option(least=0.01, most=100.0)] = 1.0,
+    processes: Annotated[int, Option(least=1, most=2, default=2)] = 1,
+    contacts_kmh: Annotated[float | None, Option(least=1.0, most=600.0)] = None,
+    branch: Annotated[float | None, Option("branch_mm", "mm", 0.05, 50.0)] = None,
+    sensitivity: bool = False,
+    progress: Progress | None = None,
+) -> Outcome[Results]:
+    """Eigenvalues, damping, frequency and mode shapes over speed; limit cycles; critical speeds.
+
+    Args:
+        case: case: a name of the catalogue or a TOML file.
+        speeds_kmh: speeds [km/h], rising.
+        limit_cycles: also run at up to 20 of the speeds, stepped up and down, for limit cycles.
+        disturbance: lateral offset of the leading wheelset that starts the downward sweep [m].
+        perturbation: the same for the upward sweep [m].
+        longest: a run that has not settled by then ends [s].
+        tolerance_kmh: to which the critical speed by continuation is found [km/h].
+        processes: with 2, the two sweeps run at a time.
+        contacts_kmh: also compare the contact models, on rig and track, with a run at this speed [km/h].
+        branch: also follow the limit cycles, stable and unstable, from the linear critical speed up to this amplitude [m].
+        sensitivity: also draw how each stiffness and damping of the suspension moves the linear critical speed.
+        progress: called with the fraction done and a short text.
+    """
+    settings = LimitCycleSettings(disturbance, perturbation, longest=longest, tolerance_kmh=tolerance_kmh)
+    study = StabilityStudy(as_case(case), tuple(speeds_kmh), limit_cycles, settings, contacts_kmh, branch, sensitivity)
+    return study.outcome(processes, progress)

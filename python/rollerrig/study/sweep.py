@@ -9,19 +9,22 @@ import math
 import pickle
 import tomllib
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from itertools import islice
+from pathlib import Path
 from typing import Any
 
 import xarray as xr
 
+from rollerrig.cases import as_case
 from rollerrig.common.formatting import number
 from rollerrig.config import Case, ConfigError, ConfigProblem, Plan, WholePlan, plan_of_case
 from rollerrig.config.errors import nearest, one_of, show_value
 from rollerrig.config.validate.messages import validate
 from rollerrig.plot import sweep as figures
+from rollerrig.study.cluster import cluster
 from rollerrig.study.frame import Study, dataset_rows
 from rollerrig.study.jobs import Done, Job, Progress, Round
 from rollerrig.study.measures import MEASURES, measured, quantities
@@ -316,3 +319,57 @@ def lost_case(_packed: bytes, changes: Mapping[str, Any]) -> Record:
 
 def _failed(changes: Mapping[str, Any], reason: str) -> Record:
     return {"changes": dict(changes), "numbers": {}, FAILED: reason}
+
+
+def sweep(
+    case: Case | str,
+    vary: Mapping[str, Any],
+    *,
+    measure: str | Mapping[str, Any] | Sequence[str | Mapping[str, Any]] | Callable[[Case], Mapping[str, float]],
+    design: str | Mapping[str, Any] = "grid",
+    folder: str | Path | None = None,
+    many: bool = False,
+    workers: int = 1,
+    dask: str | None = None,
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """Numbers of many cases that differ in a few keys.
+
+    Args:
+        case: the case that is varied.
+        vary: dotted key -> list of values, or a table as in a plan, such as `{"least": "0.5 m", "most": "1 m", "count": 11}`.
+        measure: what is computed: a kind such as 'critical_speed', a table or several of them as in a plan, or a function of
+            your own from a case to numbers by name; for more than one worker it stands on the top level of a module.
+        design: how cases are chosen, as in a plan: 'grid', or a table such as `{"kind": "sobol", "samples": 64}`.
+        folder: where finished cases are kept and looked for; None: nowhere.
+        many: whether more than 100 000 cases are meant.
+        workers: cases at a time; more than 1 asks a script for `if __name__ == "__main__":`.
+        dask: address of the scheduler of a dask cluster that does the work instead.
+        progress: called with the fraction done and a short text.
+
+    Returns:
+        Dataset: the varied keys as coordinates in SI, each number with its unit, `failed` with the reason of each failed case;
+        over the keys for a grid, else over `sample`.
+
+    Raises:
+        ConfigError: an unknown key, a value that does not fit it, no cases or too many, or `folder` has the cases of another
+            plan.
+        ClusterError: `dask` leads to no usable cluster.
+        KeyboardInterrupt: Ctrl-C; finished cases are in `folder`.
+
+    Example:
+        >>> import rollerrig as rr
+        >>> radii = {"support.roller_radius": ["0.5 m", "1 m"]}
+        >>> found = rr.sweep("bogie_rollers_constant", radii, measure="critical_speed")
+        >>> found["linear_critical_speed"].round().to_numpy().tolist()
+        [210.0, 234.0]
+    """
+    study = sweep_study(as_case(case), vary, measure, design, many=many)
+    if dask is None:
+        found = study.run(folder=folder, processes=workers, progress=progress)
+    else:
+        with cluster(dask) as executor:
+            found = study.run(folder=folder, progress=progress, executor=executor)
+    if found is None or found.interrupted:
+        raise KeyboardInterrupt
+    return found.results

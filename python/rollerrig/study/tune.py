@@ -13,12 +13,13 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from operator import attrgetter
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
 
 from rollerrig.analysis.control_loop import creep_slope, loop_of, margins
 from rollerrig.analysis.loop_stability import gain_limit, vehicle_plant
+from rollerrig.cases import as_case
 from rollerrig.common.arrays import Array
 from rollerrig.common.formatting import number
 from rollerrig.config import Case, ConfigError, ConfigProblem, Plan, plan_of_case
@@ -28,8 +29,9 @@ from rollerrig.plot.control import front as front_picture
 from rollerrig.results.dataset import COMPLETED
 from rollerrig.study.control import study_case
 from rollerrig.study.ensemble import Estimate, check_ensemble, estimate, relative, start_jobs, start_name, started
-from rollerrig.study.frame import Content, Study
+from rollerrig.study.frame import Content, Outcome, Study
 from rollerrig.study.jobs import Done, Progress, Round, job
+from rollerrig.study.options import Option, Processes, command
 from rollerrig.study.quantities import Numbers, Quantities, Quantity
 from rollerrig.study.report import Picture, Section
 from rollerrig.study.runs.control import run_variant
@@ -354,3 +356,43 @@ def outcome(change: Estimate) -> str:
     """Better or worse than shipped, where the whole interval says so."""
     ends = change.interval
     return "better" if ends.high < 0.0 else "worse" if ends.low > 0.0 else "not decided"
+
+
+@command
+def tune(
+    case: Case | str,
+    free: Annotated[
+        Mapping[str, object] | None,
+        Option(meaning="what is sought: KEY=[LEAST,MOST], a key of [rig_control] and its range; again for more."),
+    ] = None,
+    *,
+    duration: Annotated[float, Option(least=1.0, most=600.0)] = 4.0,
+    draws: Annotated[int, Option(least=2, most=100)] = 3,
+    candidates: Annotated[int, Option(least=2, most=10000)] = 24,
+    gain_margin: Annotated[float, Option(least=1.0, most=100.0)] = 2.0,
+    phase_margin_deg: Annotated[float, Option(least=0.0, most=180.0)] = 45.0,
+    seed: Annotated[int, Option(least=0)] = 1,
+    processes: Processes = 1,
+    progress: Progress | None = None,
+) -> Outcome[Tuned]:
+    """Gains and filters of the rig's controller: tracking error against torque ripple, with margins of the loop.
+
+    Args:
+        case: case on rollers with [rig_control]: a name of the catalogue or a TOML file.
+        free: what is sought, dotted key of [rig_control] -> least and most; None: bandwidths of feedback and estimator.
+        duration: length of each run [s].
+        draws: tests of each candidate, drawn by [ensemble] alike for all.
+        candidates: half of them fill the ranges, the others lie about the front found so far.
+        gain_margin: least factor on the gains at which the loop with the vehicle becomes unstable.
+        phase_margin_deg: least phase margin of one axle's feedback [deg].
+        seed: of the candidates.
+        processes: runs at a time; more than 1 asks a script for `if __name__ == "__main__":`.
+        progress: called with the fraction done and a short text.
+
+    Raises:
+        ConfigError: the case has no controller with a linear loop, or a key or range does not fit.
+        StartError: no rolling equilibrium was found.
+    """
+    wanted = FREE if free is None else free
+    study = TuneStudy(as_case(case), wanted, duration, draws, candidates, gain_margin, phase_margin_deg, seed)
+    return study.outcome(processes, progress)

@@ -26,7 +26,7 @@ from rollerrig.study.report import Block, Picture, Preformatted, Section, Table,
 from rollerrig.study.runs import wsp as runs
 from rollerrig.study.runs.adhesion import GROUPS, assessment_rows, track_case
 from rollerrig.study.runs.adhesion import outcome_of as group_outcome
-from rollerrig.study.runs.wsp import MEASURES, SUPPORTS, Assessment, StopRecord, StopTests, Support
+from rollerrig.study.runs.wsp import SUPPORTS, Assessment, StopRecord, StopTests, Support
 
 Tests = Mapping[Support, StopTests]
 ON: Mapping[Support, str] = {"track": "track", "rig": "the rig"}
@@ -68,7 +68,6 @@ class WspStudy(Study[Results]):
 
     command = "wsp"
     heading = "{case.name}: wheel slide protection, programme {programme.name}"
-    quantities = QUANTITIES
     quick_means = (
         f"{QUICK_STARTS} starts of the first {QUICK_STOPS} stops, whose numbers only show that everything works"
     )
@@ -297,9 +296,9 @@ def label(criterion: str) -> str:
 
 def quantity_of(criterion: str) -> Quantity:
     """What a criterion is set for, in its SI unit, shown as the measure."""
-    name, to_si = MEASURES[criterion]
-    found = QUANTITIES[f"stops.*.*.{name}.mean"]
-    return replace(found, shown=(found.shown_unit, found.in_shown_unit(1.0 / to_si)))
+    one = CRITERIA[criterion]
+    found = QUANTITIES[f"stops.*.*.{one.measure}.mean"]
+    return replace(found, shown=(found.shown_unit, found.in_shown_unit(1.0 / one.factor)))
 
 
 def with_unit(criterion: str, value: object) -> str:
@@ -309,13 +308,13 @@ def with_unit(criterion: str, value: object) -> str:
 
 def value_text(name: str, one: Numbers) -> str:
     """Mean of a criterion, its interval, and the worst test where each counts."""
-    every = CRITERIA[name].every and one.get("worst") is not None  # type: ignore[index]
+    every = CRITERIA[name].every and one.get("worst") is not None
     return with_unit(name, one) + (f", worst {with_unit(name, one['worst'])}" if every else "")
 
 
 def limit_text(name: str, one: Numbers) -> str:
     """A limit."""
-    each = " in each test" if CRITERIA[name].every else ""  # type: ignore[index]
+    each = " in each test" if CRITERIA[name].every else ""
     return f"{one['kind']} {with_unit(name, one['limit'])}{each}"
 
 

@@ -86,7 +86,7 @@ def test_a_table_that_ends_early_is_kept_and_told(tmp_path: Path) -> None:
         (("s1002", "en_60e1_1_40", "--gauge", "1435"), "write it with its unit"),
         (("s1002", "en_60e1_1_40", "--gauge", "1600 mm"), "the wheels miss the rails"),
         (("s1002", "en_60e1_1_40", "--amplitudes-mm", "0:4:1"), "above 0"),
-        (("s1002", "en_60e1_1_40", "--amplitudes-mm", "9"), "up to --shift-mm"),
+        (("s1002", "en_60e1_1_40", "--amplitudes-mm", "9"), "above 0 and up to the largest shift, 8 mm"),
     ],
 )
 def test_bad_input_is_named(arguments: tuple[str, ...], message: str, tmp_path: Path) -> None:

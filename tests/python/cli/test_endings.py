@@ -126,7 +126,7 @@ def test_ctrl_c_after_the_last_step_keeps_the_whole_run(
     assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
 
 
-@pytest.mark.parametrize("module", ["typer", "rollerrig.cli.app", "rollerrig.cli.commands"])
+@pytest.mark.parametrize("module", ["typer", "rollerrig.cli.app", "rollerrig.cli.runs"])
 def test_ctrl_c_while_modules_are_loaded_is_no_traceback(module: str) -> None:
     press = (
         "import os, signal, sys\n"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import inspect
 import re
+from importlib import import_module
 from typing import Any
 
 import pytest
@@ -11,20 +12,14 @@ import typer
 from typer.testing import CliRunner
 
 from called import called
-from rollerrig.analysis.mode_table import SPEEDS_KMH
-from rollerrig.cli import commands
 from rollerrig.cli.app import build_app
-from rollerrig.cli.commands import STUDIES
 from rollerrig.cli.study_command import _options, _shown, _value
-from rollerrig.study import options
-from rollerrig.study.options import UNITS, Option, Parameter
+from rollerrig.study import heads
+from rollerrig.study.options import UNITS, Option, Parameter, head, parameters
 
+STUDIES = {name: parameters(head(one.text)) for name, one in heads().items()}
 EVERY = [(name, one) for name, found in STUDIES.items() for one in found]
 GROUP = typer.main.get_command(build_app())
-
-
-def test_speeds_are_those_of_the_analysis() -> None:
-    assert options.SPEEDS_KMH == SPEEDS_KMH
 
 
 @pytest.mark.parametrize(("name", "one"), EVERY, ids=lambda v: v if isinstance(v, str) else v.name)
@@ -46,15 +41,20 @@ def test_help_has_the_meaning_of_every_argument_and_no_unit_of_the_other_side(na
     text = " ".join(CliRunner().invoke(build_app(), [name, "--help"], terminal_width=1000).stdout.split()).lower()
     for one in STUDIES[name]:
         for option in one.options:
-            words = (option.meaning or one.meaning).lower()
+            words = (option.meaning or one.meaning).replace("None: ", "absent: ").lower()
             unit, other = option.unit.lower(), UNITS[option.unit][0].lower()
             assert words.replace(f"[{other}]", f"[{unit}]") in text, (name, one.name)
 
 
 @pytest.mark.parametrize("name", STUDIES)
-def test_annotations_of_a_function_are_plain_types(name: str) -> None:
-    texts = [str(one.annotation) for one in inspect.signature(getattr(commands, name)).parameters.values()]
-    assert [text for text in texts if "Option" in text] == []
+def test_the_head_that_is_read_is_that_of_the_function(name: str) -> None:
+    function = getattr(import_module(f"rollerrig.{heads()[name].module}"), name)
+    own, read = (inspect.signature(one).parameters for one in (function, head(heads()[name].text)))
+    assert {key: one.replace(annotation="") for key, one in own.items()} == {
+        key: one.replace(annotation="") for key, one in read.items()
+    }
+    assert inspect.getdoc(function) == inspect.getdoc(head(heads()[name].text))
+    assert [str(one.annotation) for one in own.values() if "Option" in str(one.annotation)] == []
 
 
 @pytest.mark.parametrize(

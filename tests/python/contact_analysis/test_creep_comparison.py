@@ -16,7 +16,7 @@ from rollerrig.contact_analysis.comparison import (
     comparison_rows,
     comparison_text,
 )
-from rollerrig.contact_analysis.static_contact import contact_table
+from rollerrig.contact_analysis.static_contact import contact
 from rollerrig.plot.contact import creep_comparison_figure
 
 PLACES = [*((1e-3 * y, 2e-3) for y in (-4.0, -2.0, 0.5, 2.0, 4.0)), (3e-3, 2e-3), (-3e-3, -2e-3)]
@@ -30,7 +30,7 @@ def comparison() -> xr.Dataset:
 @pytest.mark.parametrize("name", ["contact_benchmark_track", "contact_benchmark_rollers"])
 def test_creepages_are_those_of_one_body_that_rolls(name: str) -> None:
     case = load_case(name).with_changes({"contact.normal": "hertz"})  # a point of contact, for the closed forms
-    pressed = contact_table(case, [(3e-3, 2e-3)])
+    pressed = contact(case, [(3e-3, 2e-3)])
     wheels = _Rolling(case).patches(3e-3, 2e-3, float(pressed["roll"][0]), float(pressed["height"][0]))
     patch = [dict(zip(_FIELDS, wheel[0], strict=True)) for wheel in wheels]
     assert [len(wheel) for wheel in wheels] == [1, 1]

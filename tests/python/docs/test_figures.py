@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from rollerrig.study import STUDIES
+from rollerrig.study import studies
 
 ROOT = Path(__file__).resolve().parents[3]
 DATA: dict[str, Any] = tomllib.loads((ROOT / "docs" / "figures.toml").read_text(encoding="utf-8"))
@@ -41,7 +41,7 @@ def test_recorded_values_are_what_the_program_computes(name: str) -> None:
 @pytest.mark.parametrize("name", sorted(DATA["command"]))
 def test_values_are_reported_quantities(name: str) -> None:
     command = DATA["command"][name]["command"].split()[1]
-    quantities = next(study.quantities for study in STUDIES if study.command == command)
+    quantities = next(study.quantities for study in studies() if study.command == command)
     keys = [key for figure in DATA["figure"] if figure["of"] == name for key in figure["keys"]]
     assert [key for key in keys if not any(q.matches(write_figures.place(key)[1]) for q in quantities)] == []
 

@@ -8,7 +8,7 @@ from importlib.resources import files
 import pytest
 
 from rollerrig.results.quantities import registered
-from rollerrig.study import STUDIES
+from rollerrig.study import studies
 from rollerrig.study.measures import MEASURES
 
 TABLES = tomllib.loads(files("rollerrig.results").joinpath("quantities.toml").read_text(encoding="utf-8"))
@@ -23,7 +23,7 @@ def test_every_table_is_read_and_has_each_key_once(table: str) -> None:
 
 
 def test_no_table_is_left_that_nobody_names() -> None:
-    named = {study.command for study in STUDIES} | {"test", "running_safety"}
+    named = {study.command for study in studies()} | {"test", "running_safety"}
     named |= {f"measure.{kind}" for kind in MEASURES}
     taken_in = {
         one["group"] for table in TABLES.values() for one in table.values() if isinstance(one, dict) and "group" in one

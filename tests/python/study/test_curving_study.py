@@ -25,7 +25,7 @@ def wagon() -> Case:
 
 @pytest.fixture(scope="module")
 def outcome() -> Outcome:
-    found = CurvingStudy(wagon(), (1000.0, 500.0), (0.0, 0.65, 1.2)).run()
+    found = CurvingStudy(wagon(), (1000.0, 500.0), (0.0, 0.65, 1.2), None, False).run()
     assert found is not None
     return found
 

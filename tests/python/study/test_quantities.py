@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from reported import unexplained, unreported
-from rollerrig.study import STUDIES
+from rollerrig.study import studies
 from rollerrig.study.quantities import Quantities, Quantity, finite
 
 REGISTRY = Quantities(
@@ -64,7 +64,7 @@ def test_the_unit_at_the_end_of_a_key_is_not_said_twice(key: str, unit: str, hea
 
 def test_headings_are_words_and_no_keys() -> None:
     spelled = {"mps", "mmps", "kmh", "nm", "kn", "hz", "um"}
-    found = {q.heading for study in STUDIES for q in study.quantities if "*" not in q.heading}
+    found = {q.heading for study in studies() for q in study.quantities if "*" not in q.heading}
     assert [heading for heading in found if spelled & set(heading.partition(" [")[0].split())] == []
 
 

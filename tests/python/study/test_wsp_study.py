@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
 import pytest
@@ -27,7 +27,6 @@ from rollerrig.study.frame import Outcome
 from rollerrig.study.jobs import whole_run
 from rollerrig.study.runs.adhesion import track_case
 from rollerrig.study.runs.wsp import (
-    MEASURES,
     Assessment,
     StopTests,
     Support,
@@ -223,9 +222,9 @@ def test_what_a_programme_may_not_say_is_refused_with_its_place(changes: dict[st
 
 
 def test_every_criterion_has_a_name_and_a_measure() -> None:
-    assert CRITERIA.keys() == MEASURES.keys()
+    assert tuple(CRITERIA) == get_args(CriterionName)
     assert all(label(name) for name in CRITERIA)
-    assert {name for name, _ in MEASURES.values()} <= set(MEASURED)
+    assert {one.measure for one in CRITERIA.values()} <= set(MEASURED)
 
 
 # ---------------------------------------------------------------------------------------------------------- the outcome
@@ -294,7 +293,7 @@ def test_a_good_stop_meets_every_criterion(on: Support) -> None:
 
 @pytest.mark.parametrize("name", LIMITS)
 def test_each_criterion_is_not_met_beyond_its_limit_and_undecided_across_it(name: CriterionName) -> None:
-    measure, factor = MEASURES[name]
+    measure, factor = CRITERIA[name].measure, CRITERIA[name].factor
     changed = "distance_m" if name in ("k_wet", "increase_over_dry") else measure
     limit = 1200.0 if changed == "distance_m" and name != "distance" else LIMITS[name] / factor
     beyond = 0.9 if CRITERIA[name].least and name != "k_wet" else 1.1

@@ -48,7 +48,10 @@ class WholeFit:
 
 
 def load_fit(
-    source: str | Path | Document, *, allow_code: bool = False, changes: Mapping[str, object] | None = None
+    source: str | Path | Document | Mapping[str, object],
+    *,
+    allow_code: bool = False,
+    changes: Mapping[str, object] | None = None,
 ) -> WholeFit:
     """Read a plan of a fit and the cases it names.
 
@@ -60,7 +63,8 @@ def load_fit(
     Raises:
         ConfigError: all mistakes found.
     """
-    document = source if isinstance(source, Document) else read_document("fit", source)
+    tables = Document(dict(source), "plan", Path()) if isinstance(source, Mapping) else source
+    document = tables if isinstance(tables, Document) else read_document("fit", tables)
     plan = whole(*validate(FitPlan, document.raw, document.file))
     cases = []
     starts = {one.key: one.start for one in plan.free if one.start is not None}

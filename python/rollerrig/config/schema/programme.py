@@ -114,23 +114,25 @@ CriterionName = Literal[
 class Criterion:
     """What a limit may be set for."""
 
+    measure: str  # of a test, of whose number it is a limit
     quantity: Quantity  # unit and range of the limit
+    factor: float = 1.0  # from the measure to this unit
     least: bool = False  # whether it is the least that is allowed, else the most
     every: bool = False  # whether each test must keep it, else the mean of all
     of_a_stop: bool = False  # whether it is defined only for a train that comes to a stop
 
 
-CRITERIA: Mapping[CriterionName, Criterion] = {
-    "k_wet": Criterion(Quantity("1", 0.0, 1.0), least=True, of_a_stop=True),
-    "increase_over_dry": Criterion(Quantity("1", 0.0, 100.0), of_a_stop=True),
-    "distance": Criterion(Quantity("m", 0.0, 1e5), of_a_stop=True),
-    "mean_deceleration": Criterion(Quantity("m/s^2", 0.0, 10.0), least=True, of_a_stop=True),
-    "adhesion_utilisation": Criterion(Quantity("1", 0.0, 10.0), least=True),
-    "longest_lock": Criterion(Quantity("s", 0.0, 1e4), every=True),
-    "flat_length": Criterion(Quantity("m", 0.0, 1.0), every=True),
-    "large_slip_share": Criterion(Quantity("1", 0.0, 1.0)),
-    "air": Criterion(Quantity("m^3", 0.0, 1e3)),
-    "dump_cycles": Criterion(Quantity("1", 0.0, 1e6)),
+CRITERIA: Mapping[str, Criterion] = {
+    "k_wet": Criterion("k_wet", Quantity("1", 0.0, 1.0), least=True, of_a_stop=True),
+    "increase_over_dry": Criterion("increase_over_dry", Quantity("1", 0.0, 100.0), of_a_stop=True),
+    "distance": Criterion("distance_m", Quantity("m", 0.0, 1e5), of_a_stop=True),
+    "mean_deceleration": Criterion("mean_deceleration_mps2", Quantity("m/s^2", 0.0, 10.0), least=True, of_a_stop=True),
+    "adhesion_utilisation": Criterion("adhesion_utilisation", Quantity("1", 0.0, 10.0), least=True),
+    "longest_lock": Criterion("longest_lock_s", Quantity("s", 0.0, 1e4), every=True),
+    "flat_length": Criterion("flat_length_m", Quantity("m", 0.0, 1.0), every=True),
+    "large_slip_share": Criterion("large_slip_share", Quantity("1", 0.0, 1.0)),
+    "air": Criterion("air_litres", Quantity("m^3", 0.0, 1e3), factor=1e-3),
+    "dump_cycles": Criterion("dump_cycles", Quantity("1", 0.0, 1e6)),
 }
 
 

@@ -25,7 +25,7 @@ from rollerrig.common.arrays import Array
 from rollerrig.config import Case, ConfigError, ConfigProblem, case_from_toml
 from rollerrig.config.errors import show_value
 from rollerrig.config.load.fit import FreeKeyNumber, WholeFit
-from rollerrig.contact_analysis.static_contact import contact_table
+from rollerrig.contact_analysis.static_contact import contact
 from rollerrig.contact_analysis.traction_curve import LoadedWheel, traction_coefficient
 from rollerrig.results import COMPLETED
 from rollerrig.results.other_formats import table_columns
@@ -184,7 +184,7 @@ def _creep_values(record: Record, case: Case) -> list[Array]:
 @lru_cache(maxsize=8)
 def _at_rest(case: str) -> tuple[float, float]:
     """Load of the leading left wheel [N], and a/b of its largest patch, of a case as TOML."""
-    table = contact_table(case_from_toml(case, allow_code=True), [(0.0, 0.0)])
+    table = contact(case_from_toml(case, allow_code=True), [(0.0, 0.0)])
     left = table.isel(row=(table["side"] == "left").to_numpy())
     patch = left.isel(row=int(np.argmax(left["normal"].to_numpy())))
     return float(left["normal"].sum()), float(patch["a"] / patch["b"])

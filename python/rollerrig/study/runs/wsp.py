@@ -184,20 +184,6 @@ SUPPORTS: tuple[Support, ...] = ("track", "rig")
 POWER_LIMITED = 0.01
 """Part of the time at the power limit of a roller drive from which the rig is no track, as at its torque limit [-]."""
 
-MEASURES: Mapping[str, tuple[str, float]] = {
-    "k_wet": ("k_wet", 1.0),
-    "increase_over_dry": ("increase_over_dry", 1.0),
-    "distance": ("distance_m", 1.0),
-    "mean_deceleration": ("mean_deceleration_mps2", 1.0),
-    "adhesion_utilisation": ("adhesion_utilisation", 1.0),
-    "longest_lock": ("longest_lock_s", 1.0),
-    "flat_length": ("flat_length_m", 1.0),
-    "large_slip_share": ("large_slip_share", 1.0),
-    "air": ("air_litres", 1e-3),
-    "dump_cycles": ("dump_cycles", 1.0),
-}
-"""Criterion -> measure of a test, and its unit in the SI unit of the criterion."""
-
 OVER_DRY = ("increase_over_dry", "k_wet")
 
 
@@ -270,10 +256,11 @@ def assessments(programme: Programme, found: StopTests, other: StopTests) -> lis
     common = (*faults(found), *(rig_faults(found, other) if found.support == "rig" else ()))
     assessed = []
     for limit in (limit for limit in programme.limit if limit.holds_for(found.stop)):
-        name, factor = MEASURES[limit.criterion]
+        criterion = CRITERIA[limit.criterion]
+        name, factor = criterion.measure, criterion.factor
         values = [factor * value for value in found.values(name)]
         own = tuple(dry_faults(found)) if name in OVER_DRY else ()
-        worst = (min if CRITERIA[limit.criterion].least else max)(values) if np.isfinite(values).all() else math.nan
+        worst = (min if criterion.least else max)(values) if np.isfinite(values).all() else math.nan
         if not math.isfinite(worst):
             own = (*own, "not every test has such a number")
         mean = found.estimate(name).times(factor)
