@@ -79,7 +79,7 @@ __version__ = "0.1.0"
 
 @cache
 def _homes() -> dict[str, str]:
-    """Public name -> its module: of functions of studies as they are found, of others as type checkers are told above."""
+    """Public name -> its module: of functions of studies as they are found, of others as listed for type checkers."""
     import re
     from pathlib import Path
 

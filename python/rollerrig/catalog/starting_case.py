@@ -38,7 +38,7 @@ def starting_case(name: str, source: str | Path = START) -> str:
 
     Example:
         >>> starting_case("mine").splitlines()[5:7]
-        ['# its name, in results and messages', 'name = "mine"']
+        ['# name, in results and messages', 'name = "mine"']
     """
     case = load_case(source)
     try:
