@@ -99,9 +99,8 @@ class _Reader:
                 allowed = "allowed: times that rise without a gap; cut it with `begin` and `end`, or make it two logs"
                 _refuse(self.table.file, name, problem, allowed)
             if (span := float(np.ptp(x[used]))) < case.time.output_step:
-                allowed = (
-                    f"allowed: at least time.output_step of the case, {case.time.output_step:g} s; is its unit right?"
-                )
+                least = f"time.output_step of the case, {case.time.output_step:g} s"
+                allowed = f"allowed: at least {least}; is its unit right?"
                 _refuse(self.table.file, name, f"{span:.3g} s in all", allowed)
             x = x - begin
             case = self._driven(case, x[used], used, log)
@@ -110,12 +109,8 @@ class _Reader:
             allowed = "allowed: parts of the vehicle's speed, most of them from -1 to 1; is it in per cent?"
             _refuse(self.table.file, name, f"{middle:g} in the median", allowed)
         elif unit != "1" and (wrong := x <= 0.0).any():
-            _refuse(
-                self.table.file,
-                name,
-                f"{x[wrong][0]:g} in row {int(np.argmax(wrong)) + 1}",
-                f"allowed: more than 0 {unit}",
-            )
+            first = int(np.argmax(wrong))
+            _refuse(self.table.file, name, f"{x[first]:g} in row {first + 1}", f"allowed: more than 0 {unit}")
         outputs, fitted = MODELS[kind].outputs(case), self._fitted(int(used.sum()), held_back)
         channels = (
             self._channel(output, outputs, used, fitted, f"output[{number}]", case)
@@ -309,7 +304,7 @@ class FitStudy(Study[Fit]):
 
     def numbers(self, results: Fit) -> dict[str, Any]:
         found, fitted = results.found.estimate, [one.channel.fitted for one in results.compared]
-        names = list(found.values)
+        names, same = list(found.values), results.costs[0] + SAME * (1.0 + results.costs[0])
         return {
             "plan": self.whole.plan.name,
             "logs": [record.file for record in self.records],
@@ -319,9 +314,7 @@ class FitStudy(Study[Fit]):
             "degrees_of_freedom": found.degrees_of_freedom,
             "deviation": found.deviation,
             "searches": len(results.costs),
-            "searches_at_the_same_end": sum(
-                1 for cost in results.costs if cost - results.costs[0] <= SAME * (1.0 + results.costs[0])
-            ),
+            "searches_at_the_same_end": sum(cost <= same for cost in results.costs),
             "numbers": {
                 one.name: {
                     "key": one.key,
@@ -425,9 +418,7 @@ class FitStudy(Study[Fit]):
             [number(size, 3), *(number(float(part), 2) for part in row)]
             for size, row in zip(numbers["singular_values"], found.combinations, strict=True)
         ]
-        caption = (
-            "Combinations over the ranges, the best known first; 1 over the singular value: its standard deviation."
-        )
+        caption = "Combinations over the ranges, best known first; 1 over the singular value: its standard deviation."
         sections = [
             Section("Estimates", [
                 self.quantities.table(free, shown, "Estimates; lower and upper: interval of 95 %.", "number"),
@@ -446,10 +437,8 @@ class FitStudy(Study[Fit]):
             picture = figures.comparison(x, channel.measured, fitted, channel.fitted, along, label)
             text = f"{one.name}: measured and fitted, and what is left; grey: held back."
             blocks: list[Block] = [Picture(f"output_{k + 1}", picture, text)]
-            if (
-                one.record.kind in OVER_TIME
-                and (spectrum := figures.spectrum(x, one.residual, channel.unit)) is not None
-            ):
+            over_time = one.record.kind in OVER_TIME
+            if over_time and (spectrum := figures.spectrum(x, one.residual, channel.unit)) is not None:
                 text = f"{one.name}: spectrum of what is left; flat: noise alone."
                 blocks.append(Picture(f"spectrum_{k + 1}", spectrum, text))
             sections.append(Section(one.name, blocks))
