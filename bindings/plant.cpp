@@ -172,6 +172,31 @@ void bind_controller_plant(nb::module_& m) {
             return known ? self.get(index) : std::numeric_limits<double>::quiet_NaN();
           },
           "index"_a)
+      .def(
+          "jacobian",
+          [](ControllerPlant& self, std::vector<int> const& inputs, std::vector<double> const& changes) {
+            for (int const index : inputs)
+              if (index < 0 || index >= static_cast<int>(self.variables().size()))
+                throw nb::value_error("jacobian: inputs must be indices of inputs");
+            if (changes.size() != inputs.size()) throw nb::value_error("jacobian: changes must be one per input");
+            auto found = self.jacobian(inputs, changes);
+            std::size_t const columns = found.states + inputs.size(), rows = found.matrix.size() / columns;
+            return owned_array<nb::ndim<2>>(std::move(found.matrix), {rows, columns});
+          },
+          "inputs"_a, "changes"_a,
+          "Number of states, and matrix of one sample in small motions about the present: rows states, then commands; "
+          "columns "
+          "states, then inputs, which are varied by their changes.")
+      .def_prop_ro(
+          "estimates",
+          [](ControllerPlant const& self) {
+            std::vector<std::array<double, 3>> found;
+            for (std::size_t i = 0; i < self.part().axles.size(); ++i)
+              if (auto const* axle = self.axle(i))
+                found.push_back({axle->estimate.force, axle->estimate.torque, axle->feed_forward});
+            return found;
+          },
+          "Of the rig's controller, per axle: estimated force [N] and torque [N m], feed-forward [N m].")
       .def_prop_ro("period", &ControllerPlant::period);
 }
 

@@ -45,6 +45,22 @@ class ControllerPlant : public AnyPlant {
 
   ControllerPart const& part() const { return part_; }
 
+  /// Small motions about the present state and inputs, from one sample to the next.
+  struct Jacobian {
+    std::size_t states{};
+    std::vector<double> matrix{};  ///< by rows: states, then commands; columns: states, then inputs
+  };
+  /// By central differences. States are the numbers that samples change; they are varied as far as the inputs' changes bring them.
+  ///
+  /// @param inputs, changes  inputs that vary, by index, and how far, within what is linear
+  Jacobian jacobian(std::span<int const> inputs, std::span<double const> changes);
+
+  /// What the rig's controller finds of an axle, or nothing of another controller.
+  RigController::AxleState const* axle(std::size_t i) const {
+    auto const* rig = std::get_if<RigController::State>(&state_);
+    return rig != nullptr ? &rig->axle[i] : nullptr;
+  }
+
  private:
   /// Where the number of an input belongs among the measurements.
   struct Input {

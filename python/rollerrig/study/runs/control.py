@@ -332,26 +332,23 @@ def excited_case(case: Case) -> Case:
 def loop_jobs(case: Case) -> Round:
     """Excited runs over FACTORS; none where the linear loop has no equations."""
     excited = excited_case(case)
-    creep = creep_slope(excited)
-    loop = loop_of(excited, creep, sliding=False)
+    loop = loop_of(excited, creep_slope(excited), sliding=False)
     if loop is None:
         return {}
     scaled = {factor: loop.scaled(factor) for factor in FACTORS}
     gains = {factor: {f"rig_control.feedback.{name}": getattr(one, name) for name in ("proportional", "integral")}
              for factor, one in scaled.items()}  # fmt: skip
     return {
-        f"gains times {f:.4g}": job(loop_point, f, excited.with_changes(gains[f]), scaled[f], creep) for f in FACTORS
+        f"gains times {f:.4g}": job(loop_point, f, excited.with_changes(gains[f]), scaled[f]) for f in FACTORS
     }
 
 
-def loop_point(
-    factor: float, case: Case, loop: Loop, creep: float, progress: Progress | None = None
-) -> dict[str, float]:
+def loop_point(factor: float, case: Case, loop: Loop, progress: Progress | None = None) -> dict[str, float]:
     """One excited run beside the eigenvalues of its loop, by the names of `loop.points`."""
     run = whole_run(case, progress)
     error = run["virtual_speed"] - run["axle_speed"]
     measured, amplitude = loop_stability.measured_growth(error, EXCITED_AT + 0.1)
-    plants = {"rolling": loop_stability.rolling_plant(loop.real, creep), "vehicle": loop_stability.vehicle_plant(case)}
+    plants = {"rolling": loop_stability.rolling_plant(loop), "vehicle": loop_stability.vehicle_plant(case)}
     above = loop_stability.ABOVE
     found = {of: loop_stability.growth(loop, plant, above=above) for of, plant in plants.items()} | {
         "measured": measured
@@ -375,7 +372,7 @@ def loop_numbers(case: Case, points: list[dict[str, float]]) -> dict[str, Any] |
         "crossover_hz": found.phase_frequency,
         "phase_margin_deg": math.degrees(found.phase),
         "gain_margin": found.gain,
-        "unstable_from_factor_alone": loop_stability.gain_limit(loop, loop_stability.rolling_plant(loop.real, creep)),
+        "unstable_from_factor_alone": loop_stability.gain_limit(loop, loop_stability.rolling_plant(loop)),
         "unstable_from_factor": loop_stability.gain_limit(loop, vehicle),
         "unstable_from_factor_sliding": loop_stability.gain_limit(sliding, vehicle),
         "points": points,

@@ -1,0 +1,150 @@
+"""The rig's controller in small motions about steady rolling, by the code that runs.
+
+    AssembledModel -> [linear_controller] -> matrix from one sample to the next, by differences of the core's own controller
+                   -> [identified_controller] -> the same of a user's class or FMU, from its answers to impulses
+
+Rows of a matrix are states and the commands of all axles, columns states and INPUTS, each of all axles.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from rollerrig import _core
+from rollerrig.assembly.model import AssembledModel
+from rollerrig.cases import rig_of
+from rollerrig.common.arrays import Array
+from rollerrig.common.linear_algebra import one_blas_thread
+from rollerrig.simulation.controllers import (
+    MEASUREMENTS,
+    ControllerError,
+    Measurements,
+    ask,
+    close_controllers,
+    users_controllers,
+)
+from rollerrig.simulation.mechatronics import rig_controller
+
+INPUTS = ("axle_speed", "roller_speed", "roller_torque", "drive_torque", "brake_torque")
+"""Measurements that small motions change."""
+
+ACCELERATION, LARGEST_CHANGE, TORQUE_CHANGE = 1.0, 1e-3, 10.0
+"""By which differences are taken: changes of a speed per sample [rad/s^2], at most [rad/s], and of torques [N m]."""
+
+SETTLED = 10  # samples after which a user's controller has begun
+SAMPLES, SECONDS = 250, 0.25  # for which the answer to an impulse is used, whichever is longer
+ORDER = 1e-6  # part of the largest singular value below which there is rounding
+LINEAR = 1e-2  # error over the commands, RMS, with which the matrix of a linear controller predicts others
+
+
+class _Controller:
+    """The core's controller of a model, begun: wheels and virtual wheels roll at the case's speed."""
+
+    def __init__(self, model: AssembledModel, sample: float) -> None:
+        rig, case, law = rig_of(model.case)[0], model.case, rig_controller(model)
+        self.axles, step = model.wheelsets, case.time.sampling_step
+        sampling = _core.Sampling(every=round(sample / step), delay=0, external=False)
+        speed, wheel = case.motion.speed, case.vehicle.data.wheel.radius
+        self.plant = _core.ControllerPlant(
+            _core.ControllerPart(
+                name=case.name,
+                step=step,
+                controller=_core.SampledController(sampling=sampling, controller=law),
+                axles=self.axles,
+                train_speed=speed,
+                axle_speed=[speed / wheel] * len(self.axles),
+                roller_speed=[speed / rig.roller_radius] * len(self.axles),
+            )
+        )
+        self.plant.start()
+        self.index = {variable.name: k for k, variable in enumerate(self.plant.variables)}
+        self.inputs = [self.index[f"{axle}.{name}"] for name in INPUTS for axle in self.axles]
+        turn = min(ACCELERATION * sample, LARGEST_CHANGE)
+        roller_torque = law.assumed.roller_inertia * turn / sample  # which changes the roller's speed as much
+        changes = [turn, turn, roller_torque, TORQUE_CHANGE, TORQUE_CHANGE]
+        self.changes = np.repeat(changes, len(self.axles))
+
+    def measurements(self, time: float) -> Measurements:
+        """What a user's controller is given beside it."""
+        own = dict(
+            zip(("estimated_force", "estimated_torque", "feed_forward"), np.array(self.plant.estimates).T, strict=True)
+        )
+        read = {
+            name: np.array([self.plant.get(self.index[f"{axle}.{name}"]) for axle in self.axles])
+            for name in MEASUREMENTS
+            if f"{self.axles[0]}.{name}" in self.index
+        }
+        none = {name: np.zeros(len(self.axles)) for name in MEASUREMENTS}  # that is no part of small motions
+        return {"time": time, **none, **read, **own}
+
+
+def linear_controller(model: AssembledModel, *, sliding: bool = False) -> Array:
+    """Of the core's controller of a model; if `sliding` the creep of its virtual rail has no slope."""
+    own = _Controller(model, rig_of(model.case)[1].sample_time)
+    if sliding:
+        own.plant.set_input(own.index["train.friction_change"], -1.0)
+    return np.asarray(own.plant.jacobian(own.inputs, own.changes.tolist()))
+
+
+def identified_controller(model: AssembledModel, sample: float) -> Array | None:
+    """Of the user's controller of a model, with ours beside it, and its sample time [s]; None: it is not linear, or it fails.
+
+    States from the singular values of the answers to impulses, at lags of all time scales: B. L. Ho, R. E. Kalman (1966).
+    """
+    own, last = _Controller(model, sample), max(SAMPLES, round(SECONDS / sample))
+    lags = np.unique(np.geomspace(1.0, last, 24).round().astype(int)) - 1
+    impulse, units = np.eye(2 * last + 1, 1), np.eye(len(own.inputs))
+    moves = 0.1 * np.random.default_rng(0).choice([-1.0, 1.0], (SAMPLES, len(units)))
+    try:
+        found = _realised(np.stack([_answers(model, sample, impulse * unit) for unit in units], axis=2), lags)
+        others = _answers(model, sample, moves)
+    except ControllerError:
+        return None
+    if not np.linalg.norm(_predicted(found, moves) - others) <= LINEAR * np.linalg.norm(others):
+        return None
+    found[:, -len(units) :] /= own.changes
+    return found
+
+
+def _answers(model: AssembledModel, sample: float, moves: Array) -> Array:
+    """Commands of the user's controller over moves of its inputs, (sample, input), in their changes: shape (sample, axle)."""
+    commands = []
+    for signed in (moves, -moves):
+        own, user = _Controller(model, sample), users_controllers(model.case, {})["rig_control"]
+        rest = np.array([own.plant.get(index) for index in own.inputs])
+        try:
+            for k, row in enumerate(np.pad(signed, ((SETTLED, 0), (0, 0)))):
+                for index, value in zip(own.inputs, rest + row * own.changes, strict=True):
+                    own.plant.set_input(index, value)
+                own.plant.advance((k + 1) * sample)
+                commands.append(ask(user, "rig_control", own.measurements(k * sample)))
+        finally:
+            close_controllers({"rig_control": user})
+    up, down = np.array(commands).reshape(2, len(moves) + SETTLED, -1)[:, SETTLED:]
+    return np.asarray(0.5 * (up - down))
+
+
+def _predicted(matrix: Array, moves: Array) -> Array:
+    """Commands over moves of the inputs."""
+    states = matrix.shape[1] - moves.shape[1]
+    z, commands = np.zeros(states), []
+    for row in moves:
+        z, command = np.split(matrix @ np.concatenate([z, row]), [states])
+        commands.append(command)
+    return np.array(commands)
+
+
+@one_blas_thread()
+def _realised(answers: Array, lags: NDArray[np.intp]) -> Array:
+    """From answers to unit impulses, shape (sample, output, input)."""
+    _, outputs, inputs = answers.shape
+
+    def after(begin: int) -> Array:
+        blocks = answers[begin + lags[:, None] + lags].transpose(0, 2, 1, 3)
+        return np.asarray(blocks.reshape(len(lags) * outputs, len(lags) * inputs))
+
+    left, size, right = np.linalg.svd(after(1), full_matrices=False)
+    states = int((size > ORDER * size[0]).sum())
+    left, right, root = left[:, :states], right[:states].T, np.sqrt(size[:states])
+    own = (left / root).T @ after(2) @ (right / root)
+    given, read = (right[:inputs] * root).T, left[:outputs] * root
+    return np.block([[own, given], [read, answers[0]]])
