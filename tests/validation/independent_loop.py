@@ -127,7 +127,7 @@ def virtual_creep(case: Case) -> float:
 
 
 def command(case: Case, z: Signals, creep: float, mass: float) -> Array:
-    """Command of one sample: estimate, virtual axles and train, (D3) to (D5), feedback and what is done against the drive's lag."""
+    """Command of one sample: estimate, virtual axles and train, (D3) to (D5), feedback, compensation of the drive."""
     wheel, p, control = wheel_of(case), assumed(case), rig_of(case)[1]
     h = control.sample_time
     ESTIMATORS[control.estimator.kind](case, z)
@@ -160,7 +160,13 @@ def controller_matrix(case: Case, axles: int, mass: float, *, sliding: bool) -> 
     names = (*ESTIMATOR, *LAWS)
     states = axles * len(names) + 2
     unit = np.eye(states + axles * len(INPUTS))
-    z = dict(zip((*names, *INPUTS), np.delete(unit, [states - 2, states - 1], axis=0).reshape(-1, axles, len(unit)), strict=True))
+    z = dict(
+        zip(
+            (*names, *INPUTS),
+            np.delete(unit, [states - 2, states - 1], axis=0).reshape(-1, axles, len(unit)),
+            strict=True,
+        )
+    )
     z |= {"train": unit[[states - 2]], "train_rate": unit[[states - 1]]}
     commands = command(case, z, 0.0 if sliding else virtual_creep(case), mass)
     return np.concatenate([*(z[name] for name in names), z["train"], z["train_rate"], commands])

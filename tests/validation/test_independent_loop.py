@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 from functools import cache
 
 import numpy as np
 import pytest
-from validation.independent_loop import controller_matrix
 
 from rollerrig import load_case
 from rollerrig.analysis.control_loop import Loop, creep_slope, loop_of
@@ -17,6 +15,7 @@ from rollerrig.assembly.actuators import assemble_with_actuators
 from rollerrig.assembly.train_axles import train_mass
 from rollerrig.config import Case
 from rollerrig.study.runs.control import excited_case
+from validation.independent_loop import controller_matrix
 
 FACTORS = (1.0, 8.0, 30.0)
 
@@ -66,21 +65,22 @@ def by_equations(case: Case, loop: Loop, *, sliding: bool) -> Loop:
 
 
 def rates(loop: Loop, plant: Plant) -> np.ndarray:
-    """Growth over FACTORS, of all motions and above ABOVE."""
-    return np.array([growth(loop.scaled(f), plant, above)[0] for f in FACTORS for above in (0.0, ABOVE)])
+    """Growth over FACTORS, of all motions and above ABOVE; what decays within milliseconds is as good as gone."""
+    found = [growth(loop.scaled(f), plant, above)[0] for f in FACTORS for above in (0.0, ABOVE)]
+    return np.maximum(found, -500.0)
 
 
 @pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(1, 5))])
 def test_the_code_that_runs_has_the_eigenvalues_of_the_equations(seed: int) -> None:
     rng = np.random.default_rng(seed)
-    for _ in range(6 if seed == 0 else 25):
+    for _ in range(25 if seed else 2):
         case = drawn(rng)
         for sliding in (False, True):
             loop = loop_of(case, base()[1], sliding=sliding)
             assert loop is not None
             other = by_equations(case, loop, sliding=sliding)
             for plant in (base()[2], rolling_plant(loop)):
-                found, expected = rates(loop, plant), rates(other, plant)
-                print(np.abs(found - expected).max(), found, expected)
-                limits = gain_limit(loop, plant, 1e3), gain_limit(other, plant, 1e3)
-                print(limits)
+                # Differences of the core's code have six digits, its slope of creep is taken over a small slip.
+                np.testing.assert_allclose(rates(loop, plant), rates(other, plant), rtol=1e-3, atol=1e-3)
+                expected = pytest.approx(gain_limit(other, plant, 1e3), rel=1e-4, nan_ok=True)
+                assert gain_limit(loop, plant, 1e3) == expected

@@ -161,6 +161,7 @@ def creep_slope(case: Case) -> float:
     return 2.0 * sum(stiffness.values()) / len(stiffness) / case.motion.speed
 
 
+LARGE = 1e9  # torque that no small motion reaches [N m]
 GAINS: dict[type, tuple[str, ...]] = {ProportionalIntegral: ("proportional", "integral"), SlidingMode: ("switching",)}
 """Keys of a feedback to which its torque is proportional, a sliding mode's within its boundary layer."""
 
@@ -174,7 +175,8 @@ def loop_of(case: Case, creep: float, *, sliding: bool) -> Loop | None:
     control = case.rig_control
     if control is None or not control.is_ours or not _measures_motions(case):
         return None
-    still = {"rig_control.load_transfer": "none"}  # it acts where wheels slip
+    # Load transfer acts on no wheel that does not slip, and limits on no small torque.
+    still = {"rig_control.load_transfer": "none", "rig_control.feedback.largest": LARGE}
     no_gains = {f"rig_control.feedback.{name}": 0.0 for name in GAINS.get(type(control.feedback), ())}
     model, without = (assemble_with_actuators(case.with_changes({**still, **more})) for more in ({}, no_gains))
     own, feed_forward = (linear_controller(one, sliding=sliding) for one in (model, without))

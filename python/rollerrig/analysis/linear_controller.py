@@ -27,7 +27,7 @@ from rollerrig.simulation.mechatronics import rig_controller
 INPUTS = ("axle_speed", "roller_speed", "roller_torque", "drive_torque", "brake_torque")
 """Measurements that small motions change."""
 
-ACCELERATION, LARGEST_CHANGE, TORQUE_CHANGE = 1.0, 1e-3, 10.0
+ACCELERATION, LARGEST_CHANGE, TORQUE_CHANGE = 0.1, 1e-3, 10.0
 """By which differences are taken: changes of a speed per sample [rad/s^2], at most [rad/s], and of torques [N m]."""
 
 SETTLED = 10  # samples after which a user's controller has begun

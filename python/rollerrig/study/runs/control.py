@@ -17,7 +17,7 @@ import numpy as np
 import xarray as xr
 
 from rollerrig.analysis import loop_stability
-from rollerrig.analysis.control_loop import Loop, Wheel, creep_slope, loop_of, margins, wheel_of
+from rollerrig.analysis.control_loop import Loop, Wheel, creep_slope, loop_of, margins, users_loop, wheel_of
 from rollerrig.analysis.slide_statistics import following, largest, slip, under_test, unwanted_ripple
 from rollerrig.assembly.actuators import assemble_with_actuators
 from rollerrig.cases import rig_of
@@ -329,18 +329,19 @@ def excited_case(case: Case) -> Case:
     return case.with_changes(changes)
 
 
-def loop_jobs(case: Case) -> Round:
-    """Excited runs over FACTORS; none where the linear loop has no equations."""
+def loop_jobs(case: Case, user: str | None = None) -> Round:
+    """Excited runs over FACTORS, and one of a user's controller; none where there is no linear loop, see `loop_of`."""
     excited = excited_case(case)
-    loop = loop_of(excited, creep_slope(excited), sliding=False)
+    creep = creep_slope(excited)
+    loop = loop_of(excited, creep, sliding=False)
     if loop is None:
         return {}
+    users = {USER: job(users_point, excited.with_changes({"rig_control.user": user}), creep)} if user else {}
     scaled = {factor: loop.scaled(factor) for factor in FACTORS}
     gains = {factor: {f"rig_control.feedback.{name}": getattr(one, name) for name in ("proportional", "integral")}
              for factor, one in scaled.items()}  # fmt: skip
-    return {
-        f"gains times {f:.4g}": job(loop_point, f, excited.with_changes(gains[f]), scaled[f]) for f in FACTORS
-    }
+    points = {f"gains times {f:.4g}": job(loop_point, f, excited.with_changes(gains[f]), scaled[f]) for f in FACTORS}
+    return {**points, **users}
 
 
 def loop_point(factor: float, case: Case, loop: Loop, progress: Progress | None = None) -> dict[str, float]:
@@ -360,8 +361,14 @@ def loop_point(factor: float, case: Case, loop: Loop, progress: Progress | None 
     return {"factor": factor, **point, "unstable": float(unstable)}
 
 
-def loop_numbers(case: Case, points: list[dict[str, float]]) -> dict[str, Any] | None:
-    """Margins and gain limits of the PI loop as shipped."""
+def users_point(case: Case, creep: float, progress: Progress | None = None) -> dict[str, float] | None:
+    """The same of a user's controller; None: it is not linear."""
+    loop = users_loop(case, creep)
+    return None if loop is None else loop_point(1.0, case, loop, progress)
+
+
+def loop_numbers(case: Case, points: list[dict[str, float]], users: dict[str, float] | None) -> dict[str, Any] | None:
+    """Margins and gain limits of the PI loop as shipped, beside the points over its gains and that of a user's controller."""
     excited = excited_case(case)
     creep = creep_slope(excited)
     loop, sliding = (loop_of(excited, creep, sliding=slides) for slides in (False, True))
@@ -376,4 +383,5 @@ def loop_numbers(case: Case, points: list[dict[str, float]]) -> dict[str, Any] |
         "unstable_from_factor": loop_stability.gain_limit(loop, vehicle),
         "unstable_from_factor_sliding": loop_stability.gain_limit(sliding, vehicle),
         "points": points,
+        "users": users,
     }

@@ -290,8 +290,14 @@ class Examples:
                 _core.estimator_response,
                 {"estimator": objects["ObserverEstimator"], "assumed": assumed, "period": period},
             ),
-            "kalman_gain": Call(
-                _core.kalman_gain, {"filter": objects["KalmanEstimator"], "assumed": assumed, "period": period}
+            "estimate": Call(
+                _core.estimate,
+                {
+                    "estimator": objects["KalmanEstimator"],
+                    "assumed": assumed,
+                    "period": period,
+                    "samples": np.ones((3, 3)),
+                },
             ),
             "feedback_gains": Call(
                 _core.feedback_gains, {"feedback": objects["ProportionalIntegralFeedback"], "assumed": assumed}
@@ -452,6 +458,9 @@ class Examples:
             "ControllerPlant.advance": Call(lambda **given: _core.ControllerPlant(alone).advance(**given), {"t": 0.01}),
             "ControllerPlant.set_input": Call(
                 lambda **given: _core.ControllerPlant(alone).set_input(**given), {"index": 0, "value": 43.0}
+            ),
+            "ControllerPlant.jacobian": Call(
+                lambda **given: _core.ControllerPlant(alone).jacobian(**given), {"inputs": [0], "changes": [1e-3]}
             ),
             "ControllerPlant.get": Call(lambda **given: _core.ControllerPlant(alone).get(**given), {"index": 0}),
             "PartNames": Call(_core.PartNames, fields(given["names"])),
