@@ -2,6 +2,7 @@
 #include "rollerrig/plant/plant.hpp"
 
 #include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/shared_ptr.h>
 
 #include <cmath>
@@ -174,19 +175,18 @@ void bind_controller_plant(nb::module_& m) {
           "index"_a)
       .def(
           "jacobian",
-          [](ControllerPlant& self, std::vector<int> const& inputs, std::vector<double> const& changes) {
-            for (int const index : inputs)
-              if (index < 0 || index >= static_cast<int>(self.variables().size()))
-                throw nb::value_error("jacobian: inputs must be indices of inputs");
-            if (changes.size() != inputs.size()) throw nb::value_error("jacobian: changes must be one per input");
-            auto found = self.jacobian(inputs, changes);
-            std::size_t const columns = found.states + inputs.size(), rows = found.matrix.size() / columns;
-            return owned_array<nb::ndim<2>>(std::move(found.matrix), {rows, columns});
+          [](ControllerPlant& self, std::vector<std::pair<int, double>> const& moves) {
+            auto const all = self.variables();
+            for (auto const& [index, by] : moves)
+              if (index < 0 || index >= static_cast<int>(all.size()) || !(by > 0.0 && std::isfinite(by)) ||
+                  all[static_cast<std::size_t>(index)].causality != Causality::input)
+                throw nb::value_error("jacobian: moves must be indices of inputs and positive numbers");
+            auto found = self.jacobian(moves);
+            return owned_array<nb::ndim<2>>(std::move(found.matrix), {found.rows, found.columns});
           },
-          "inputs"_a, "changes"_a,
-          "Number of states, and matrix of one sample in small motions about the present: rows states, then commands; "
-          "columns "
-          "states, then inputs, which are varied by their changes.")
+          "moves"_a,
+          "Matrix of one sample in small motions about the present: rows states, then commands; columns states, then "
+          "inputs, each of which is varied by so much.")
       .def_prop_ro(
           "estimates",
           [](ControllerPlant const& self) {

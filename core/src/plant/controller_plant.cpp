@@ -15,7 +15,8 @@ constexpr double no_limit = std::numeric_limits<double>::infinity();
 constexpr double largest_change = 9.0;  ///< of friction
 constexpr double most_samples = 1e7;    ///< in one step of a tool: hours
 constexpr double round_off = 1e-6;      ///< of a sample time, in periods: tools add up their steps
-constexpr double fine = 1e-6;  ///< part of a state by which it is varied at least: differences of it have ten digits
+constexpr double least_change = 1e-6;   ///< of a number that is varied, over it: differences then have ten digits
+constexpr int trial_samples = 3;        ///< in which states show how far inputs bring them
 
 struct AxleInput {
   char const *name, *unit, *meaning;
@@ -228,44 +229,42 @@ void ControllerPlant::sample() {
       state_);
 }
 
-ControllerPlant::Jacobian ControllerPlant::jacobian(std::span<int const> inputs, std::span<double const> changes) {
+ControllerPlant::Jacobian ControllerPlant::jacobian(std::span<std::pair<int, double> const> moves) {
   auto const before = std::tuple(state_, value_, samples_);
   StateNumbers numbers;
   numbers(state_);
-  std::vector<double*> places;
-  std::vector<double> steps;
+  std::vector<double> start, reached(numbers.places.size());
+  for (double const* place : numbers.places) start.push_back(*place);
   auto const varied = [&](double& number, double by, int samples, auto const& look) {
-    number += by;
-    for (int k = 0; k < samples; ++k) {
+    for (number += by; samples > 0; --samples) {
       sample();
       look();
     }
     std::tie(state_, value_, samples_) = before;
   };
-  std::vector<double> start, largest(numbers.places.size());
-  for (double const* place : numbers.places) start.push_back(*place);
-  for (std::size_t i = 0; i < inputs.size(); ++i)
-    varied(value_[at(inputs[i])], changes[i], 3, [&] {
+  for (auto const& [index, by] : moves)
+    varied(value_[at(index)], by, trial_samples, [&] {
       for (std::size_t k = 0; k < start.size(); ++k)
-        largest[k] = std::fmax(largest[k], std::fabs(*numbers.places[k] - start[k]));
+        reached[k] = std::fmax(reached[k], std::fabs(*numbers.places[k] - start[k]));
     });
-  for (std::size_t k = 0; k < start.size(); ++k)
-    if (largest[k] > 0.0) {
-      places.push_back(numbers.places[k]);
-      steps.push_back(std::fmax(largest[k], fine * std::fabs(start[k])));
-    }
 
-  std::size_t const states = places.size(), columns = states + inputs.size(), rows = states + part_.axles.size();
-  for (std::size_t k = 0; k < part_.axles.size(); ++k) places.push_back(&value_[commands_ + k]);
-  Jacobian found{states, std::vector<double>(rows * columns)};
-  for (std::size_t j = 0; j < columns; ++j) {
-    double& number = j < states ? *places[j] : value_[at(inputs[j - states])];
-    double const step = j < states ? steps[j] : changes[j - states];
+  std::vector<std::pair<double*, double>> columns;
+  std::vector<double const*> rows;
+  for (std::size_t k = 0; k < start.size(); ++k)
+    if (reached[k] > 0.0) {
+      columns.emplace_back(numbers.places[k], std::fmax(reached[k], least_change * std::fabs(start[k])));
+      rows.push_back(numbers.places[k]);
+    }
+  for (auto const& [index, by] : moves) columns.emplace_back(&value_[at(index)], by);
+  for (std::size_t k = 0; k < part_.axles.size(); ++k) rows.push_back(&value_[commands_ + k]);
+
+  Jacobian found{rows.size(), columns.size(), std::vector<double>(rows.size() * columns.size())};
+  for (std::size_t j = 0; j < columns.size(); ++j)
     for (double const sign : {1.0, -1.0})
-      varied(number, sign * step, 1, [&] {
-        for (std::size_t i = 0; i < rows; ++i) found.matrix[i * columns + j] += sign * *places[i] / (2.0 * step);
+      varied(*columns[j].first, sign * columns[j].second, 1, [&] {
+        for (std::size_t i = 0; i < rows.size(); ++i)
+          found.matrix[i * columns.size() + j] += sign * *rows[i] / (2.0 * columns[j].second);
       });
-  }
   return found;
 }
 

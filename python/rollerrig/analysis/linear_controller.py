@@ -82,7 +82,7 @@ def linear_controller(model: AssembledModel, *, sliding: bool = False) -> Array:
     own = _Controller(model, rig_of(model.case)[1].sample_time)
     if sliding:
         own.plant.set_input(own.index["train.friction_change"], -1.0)
-    return np.asarray(own.plant.jacobian(own.inputs, own.changes.tolist()))
+    return np.asarray(own.plant.jacobian(list(zip(own.inputs, own.changes, strict=True))))
 
 
 def identified_controller(model: AssembledModel, sample: float) -> Array | None:

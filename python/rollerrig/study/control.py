@@ -202,7 +202,7 @@ class ControlStudy(Study[Found]):
             problem = (self.case.name, "families")
             raise ConfigError([ConfigProblem(*problem, repr(n), one_of(known), nearest(n, known)) for n in unknown])
         if self.user is not None:
-            users_controllers(self.case.with_changes({"rig_control.user": self.user}), {})
+            users_controllers(self.case.with_changes(runs.users_controller(self.user)), {})
 
     @cached_property
     def chosen(self) -> list[Family]:
@@ -213,7 +213,7 @@ class ControlStudy(Study[Found]):
     @cached_property
     def variants(self) -> dict[tuple[str, str, float], Case]:
         """Family, curve and value of each variant -> its case; those of 'references' have no value."""
-        own: dict[str, Any] = {runs.USER: {"rig_control.user": self.user}} if self.user else {}
+        own: dict[str, Any] = {runs.USER: runs.users_controller(self.user)} if self.user else {}
         shipped = {
             ("references", label, math.nan): changes for label, changes in (runs.references(self.case) | own).items()
         }

@@ -10,6 +10,7 @@
 #include <memory>
 #include <span>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "rollerrig/plant/variable.hpp"
@@ -45,15 +46,16 @@ class ControllerPlant : public AnyPlant {
 
   ControllerPart const& part() const { return part_; }
 
-  /// Small motions about the present state and inputs, from one sample to the next.
+  /// One sample in small motions, by rows: states and commands after it over states before it and inputs.
   struct Jacobian {
-    std::size_t states{};
-    std::vector<double> matrix{};  ///< by rows: states, then commands; columns: states, then inputs
+    std::size_t rows{}, columns{};
+    std::vector<double> matrix{};
   };
-  /// By central differences. States are the numbers that samples change; they are varied as far as the inputs' changes bring them.
+  /// By central differences about the present. States are the numbers that a sample changes, each varied as far as the inputs
+  /// bring it.
   ///
-  /// @param inputs, changes  inputs that vary, by index, and how far, within what is linear
-  Jacobian jacobian(std::span<int const> inputs, std::span<double const> changes);
+  /// @param moves  inputs that vary, by index, and how far: within what is linear
+  Jacobian jacobian(std::span<std::pair<int, double> const> moves);
 
   /// What the rig's controller finds of an axle, or nothing of another controller.
   RigController::AxleState const* axle(std::size_t i) const {

@@ -104,6 +104,11 @@ FEEDBACKS: dict[str, Vary] = {
 USER = "user's controller"  # label of the user's own controller
 
 
+def users_controller(user: str) -> Changes:
+    """What puts it in place of ours: a class as 'file.py:Class' or 'module:Class', or an FMU."""
+    return {f"rig_control.{'fmu' if user.endswith('.fmu') else 'user'}": user}
+
+
 def number_at(case: Case, key: str, otherwise: float) -> float:
     """The number at a dotted key of a case, or another one where its table has no such key."""
     value: object = case
@@ -336,7 +341,7 @@ def loop_jobs(case: Case, user: str | None = None) -> Round:
     loop = loop_of(excited, creep, sliding=False)
     if loop is None:
         return {}
-    users = {USER: job(users_point, excited.with_changes({"rig_control.user": user}), creep)} if user else {}
+    users = {USER: job(users_point, excited.with_changes(users_controller(user)), creep)} if user else {}
     scaled = {factor: loop.scaled(factor) for factor in FACTORS}
     gains = {factor: {f"rig_control.feedback.{name}": getattr(one, name) for name in ("proportional", "integral")}
              for factor, one in scaled.items()}  # fmt: skip
@@ -361,10 +366,12 @@ def loop_point(factor: float, case: Case, loop: Loop, progress: Progress | None 
     return {"factor": factor, **point, "unstable": float(unstable)}
 
 
-def users_point(case: Case, creep: float, progress: Progress | None = None) -> dict[str, float] | None:
-    """The same of a user's controller; None: it is not linear."""
+def users_point(case: Case, creep: float, progress: Progress | None = None) -> dict[str, float]:
+    """The same of a user's controller; NaN: it is not linear."""
     loop = users_loop(case, creep)
-    return None if loop is None else loop_point(1.0, case, loop, progress)
+    if loop is None:
+        return dict.fromkeys(("vehicle_rate", "vehicle_hz", "measured_rate"), math.nan)
+    return loop_point(1.0, case, loop, progress)
 
 
 def loop_numbers(case: Case, points: list[dict[str, float]], users: dict[str, float] | None) -> dict[str, Any] | None:

@@ -460,7 +460,7 @@ class Examples:
                 lambda **given: _core.ControllerPlant(alone).set_input(**given), {"index": 0, "value": 43.0}
             ),
             "ControllerPlant.jacobian": Call(
-                lambda **given: _core.ControllerPlant(alone).jacobian(**given), {"inputs": [0], "changes": [1e-3]}
+                lambda **given: _core.ControllerPlant(alone).jacobian(**given), {"moves": [(0, 1e-3)]}
             ),
             "ControllerPlant.get": Call(lambda **given: _core.ControllerPlant(alone).get(**given), {"index": 0}),
             "PartNames": Call(_core.PartNames, fields(given["names"])),
