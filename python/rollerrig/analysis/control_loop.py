@@ -24,7 +24,7 @@ from rollerrig.common.arrays import Array, Complex
 from rollerrig.config import Case, Rig
 from rollerrig.config.schema.rig_control import ExactEstimator, ProportionalIntegral, SlidingMode, TorqueLoop
 from rollerrig.simulation.controllers import users_controllers
-from rollerrig.simulation.mechatronics import drive_command, feedback_gains, rotor_inertia
+from rollerrig.simulation.mechatronics import feedback_gains, rotor_inertia
 from rollerrig.simulation.starting_state import recorded_state
 
 SLOW = 5 / 3.6  # speed at which the hunting mode is kinematic: inertia plays no part [m/s]
@@ -214,7 +214,7 @@ def _loop(
     case: Case, creep: float, controller: Array, feedback: Array, sample: float, gains: tuple[float, float]
 ) -> Loop:
     control = rig_of(case)[1]
-    command = drive_command(control)
+    command = control.drive_command
     return Loop(
         wheel=wheel_of(case),
         axles=len(wheelsets(case)),
@@ -226,7 +226,7 @@ def _loop(
         delay=control.delay,
         proportional=gains[0],
         integral=gains[1],
-        torque_gain=command.gain if isinstance(control.drive_command, TorqueLoop) else 0.0,
+        torque_gain=command.gain if isinstance(command, TorqueLoop) else 0.0,
         controller=controller,
         feedback=feedback,
     )

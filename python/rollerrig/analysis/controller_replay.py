@@ -35,7 +35,7 @@ from rollerrig.results.run_info import ResultsError
 from rollerrig.simulation.mechatronics import assumed_parameters, estimator, estimator_response
 
 NORMAL = 1.96  # half width of the interval of 95 % in standard deviations
-FORGOTTEN = 1e-4  # part of an error at the start that no longer counts [-]
+FORGOTTEN, LONGEST = 1e-4, 400_000  # part of an error at the start that no longer counts [-], at most so many samples
 LATE = 0.05  # part of the largest force or torque by which an estimate may be off before it is named
 CLEAR = 6.0  # standard deviations of noise beyond which a difference is not due to the sensors
 
@@ -70,16 +70,13 @@ class _Estimator:
 
     @cached_property
     def memory(self) -> int:
-        """Samples after which FORGOTTEN of the start is left."""
-        length = 64
-        while True:  # until most of the answers to impulses is nothing
-            impulses = np.zeros((3, length, 3))  # of one quantity each
-            impulses[range(3), 0, range(3)] = 1.0
-            answers = np.abs(self.run(*impulses))
-            left = np.flatnonzero((answers > FORGOTTEN * answers.max(axis=1, keepdims=True)).any(axis=(0, 2)))
-            if left[-1] < length // 2:
-                return int(left[-1]) + 1
-            length *= 2
+        """Samples after which FORGOTTEN of the answers to impulses is left, of the slowest estimators LONGEST."""
+        length = min(math.ceil(1e3 / (self.bandwidth * self.sample)), LONGEST)
+        impulses = np.zeros((3, length, 3))  # of one quantity each
+        impulses[range(3), 0, range(3)] = 1.0
+        answers = np.abs(self.run(*impulses))
+        left = (answers > FORGOTTEN * answers.max(axis=1, keepdims=True)).any(axis=(0, 2))
+        return int(np.flatnonzero(left)[-1]) + 1
 
     def run(self, roller_speed: Array, wheel_speed: Array, torque: Array) -> Array:
         """Force and torque as estimated, shape (2, time, axle)."""

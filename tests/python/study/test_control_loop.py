@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
 
 from rollerrig import load_case
-from rollerrig.analysis.control_loop import Loop, Wheel, creep_slope, loop_of, margins, wheel_of
+from rollerrig.analysis.control_loop import Loop, Wheel, creep_slope, loop_of, margins, users_loop, wheel_of
 from rollerrig.analysis.loop_stability import (
     ABOVE,
     gain_limit,
@@ -131,6 +132,53 @@ def test_the_core_is_given_the_gains_of_the_closed_form() -> None:
     found = feedback_gains(assemble_with_actuators(load_case("adhesion_brake")))
     assert wheel_of(load_case("adhesion_brake")) == WHEEL
     assert found == pytest.approx(gains(0.7 * HZ, 0.7), rel=1e-12)
+
+
+USERS = """
+import math
+import numpy as np
+
+class Ours:
+    sample_time = 1e-3
+    sum = 0.0
+
+    def feedback(self, error):
+        self.sum = self.sum + self.sample_time * error
+        return {proportional} * error + {integral} * self.sum
+
+    def step(self, measurements):
+        error = measurements["virtual_speed"] - measurements["axle_speed"]
+        return {{"roller_torque": measurements["feed_forward"] + self.feedback(error)}}
+
+class Switching(Ours):
+    def feedback(self, error):
+        return 500.0 * np.sign(error)
+
+class Alternating(Ours):
+    count = 0
+
+    def feedback(self, error):
+        self.count += 1
+        return self.count % 2 * 2e4 * error
+
+class Failing(Ours):
+    def feedback(self, error):
+        return math.nan * error
+"""
+
+
+def test_a_users_controller_has_the_motions_of_ours_with_the_same_law(tmp_path: Path) -> None:
+    case = excited_case(load_case("adhesion_brake"))
+    ours, vehicle = loop_of(case, 1e6, sliding=False), vehicle_plant(case)
+    assert ours is not None
+    ours = ours.scaled(20.0)
+    file = tmp_path / "users.py"
+    file.write_text(USERS.format(proportional=ours.proportional, integral=ours.integral))
+    found = users_loop(case.with_changes({"rig_control.user": f"{file}:Ours"}), 1e6)
+    assert found is not None
+    assert growth(found, vehicle, ABOVE) == pytest.approx(growth(ours, vehicle, ABOVE), rel=1e-4)
+    for name in ("Switching", "Alternating", "Failing"):
+        assert users_loop(case.with_changes({"rig_control.user": f"{file}:{name}"}), 1e6) is None, name
 
 
 def test_a_users_controller_is_not_ours() -> None:

@@ -265,7 +265,6 @@ class Examples:
             "rail_friction": Call(
                 _core.rail_friction, {"map": objects["AdhesionMap"], "at": np.linspace(0.0, 50.0, 4)}
             ),
-            "mean_reduction": Call(_core.mean_reduction, {"k_A": 0.8, "k_S": 0.4}),
             "RollingReference": Call(_core.RollingReference, {"a_over_b": 1.5, "poisson_ratio": 0.28, "fineness": 0.5}),
             "RollingReference.on_rows": Call(
                 _core.RollingReference.on_rows,
