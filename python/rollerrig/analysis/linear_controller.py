@@ -6,6 +6,8 @@
 Rows of a matrix are states and the commands of all axles, columns states and INPUTS, each of all axles.
 """
 
+import math
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -93,10 +95,13 @@ def identified_controller(model: AssembledModel, sample: float) -> Array | None:
     own, last = _Controller(model, sample), max(SAMPLES, round(SECONDS / sample))
     lags = np.unique(np.geomspace(1.0, last, 24).round().astype(int)) - 1
     impulse, units = np.eye(2 * last + 1, 1), np.eye(len(own.inputs))
-    moves = 0.1 * np.random.default_rng(0).choice([-1.0, 1.0], (SAMPLES, len(units)))
     try:
-        found = _realised(np.stack([_answers(model, sample, impulse * unit) for unit in units], axis=2), lags)
-        others = _answers(model, sample, moves)
+        answers = np.stack([_answers(model, sample, impulse * unit) for unit in units], axis=2)
+        size = np.linalg.norm(answers, axis=(0, 1))
+        acts = size > ORDER * size.max()
+        alike = size[acts].min(initial=1.0) / np.where(acts, size, math.inf)  # each input as much as any other
+        moves = 0.1 * np.random.default_rng(0).choice([-1.0, 1.0], (SAMPLES, len(units))) * alike
+        found, others = _realised(answers, lags), _answers(model, sample, moves)
     except ControllerError:
         return None
     if not np.linalg.norm(_predicted(found, moves) - others) <= LINEAR * np.linalg.norm(others):
