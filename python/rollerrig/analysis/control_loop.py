@@ -9,22 +9,24 @@ Small motion about steady running: no limits, constant friction. Equations: docs
 
 import math
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
+from rollerrig import _core
 from rollerrig.analysis.linear_controller import identified_controller, linear_controller
 from rollerrig.analysis.linear_system import Margins, margins_of
 from rollerrig.analysis.mode_names import HUNTING_SHARE, wheelset_lateral_share
 from rollerrig.analysis.modes import Lineariser, eigensystem, energy_shares, oscillates
 from rollerrig.assembly.actuators import assemble_with_actuators
-from rollerrig.assembly.laws import angular, linear_coefficients
+from rollerrig.assembly.laws import angular, linear_coefficients, part_of
 from rollerrig.cases import rig_of, wheelsets, without_actuators
 from rollerrig.common.arrays import Array, Complex
 from rollerrig.config import Case, Rig
 from rollerrig.config.schema.rig_control import ExactEstimator, ProportionalIntegral, SlidingMode, TorqueLoop
 from rollerrig.simulation.controllers import users_controllers
-from rollerrig.simulation.mechatronics import feedback_gains, rotor_inertia
+from rollerrig.simulation.mechatronics import feedback_gains, rig_controller, rotor_inertia
 from rollerrig.simulation.starting_state import recorded_state
 
 SLOW = 5 / 3.6  # speed at which the hunting mode is kinematic: inertia plays no part [m/s]
@@ -162,8 +164,8 @@ def creep_slope(case: Case) -> float:
 
 
 LARGE = 1e9  # torque that no small motion reaches [N m]
-GAINS: dict[type, tuple[str, ...]] = {ProportionalIntegral: ("proportional", "integral"), SlidingMode: ("switching",)}
-"""Keys of a feedback to which its torque is proportional, a sliding mode's within its boundary layer."""
+GAINS = {"proportional", "integral", "switching"}
+"""Parameters of feedbacks to which their torque is proportional, a sliding mode's within its boundary layer."""
 
 
 def loop_of(case: Case, creep: float, *, sliding: bool) -> Loop | None:
@@ -175,11 +177,16 @@ def loop_of(case: Case, creep: float, *, sliding: bool) -> Loop | None:
     control = case.rig_control
     if control is None or not control.is_ours or not _measures_motions(case):
         return None
-    # Load transfer acts on no wheel that does not slip, and limits on no small torque.
-    still = {"rig_control.load_transfer": "none", "rig_control.feedback.largest": LARGE}
-    no_gains = {f"rig_control.feedback.{name}": 0.0 for name in GAINS.get(type(control.feedback), ())}
-    model, without = (assemble_with_actuators(case.with_changes({**still, **more})) for more in ({}, no_gains))
-    own, feed_forward = (linear_controller(one, sliding=sliding) for one in (model, without))
+    model = assemble_with_actuators(
+        case.with_changes({"rig_control.load_transfer": "none"})
+    )  # it acts on wheels that slip
+    law = rig_controller(model)
+    kind: Any = type(law.feedback)
+    without = part_of(kind, law.feedback, **dict.fromkeys(GAINS.intersection(kind.fields), 0.0))
+    own, feed_forward = (
+        linear_controller(model, part_of(_core.RigControl, law, feedback=feedback, largest=LARGE), sliding=sliding)
+        for feedback in (law.feedback, without)
+    )
     gains = (0.0, 0.0)
     if isinstance(control.feedback, ProportionalIntegral):
         gains = feedback_gains(model)

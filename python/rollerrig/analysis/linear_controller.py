@@ -41,8 +41,8 @@ LINEAR = 1e-2  # error over the commands, RMS, with which the matrix of a linear
 class _Controller:
     """The core's controller of a model, begun: wheels and virtual wheels roll at the case's speed."""
 
-    def __init__(self, model: AssembledModel, sample: float) -> None:
-        rig, case, law = rig_of(model.case)[0], model.case, rig_controller(model)
+    def __init__(self, model: AssembledModel, law: _core.RigControl, sample: float) -> None:
+        rig, case = rig_of(model.case)[0], model.case
         self.axles, step = model.wheelsets, case.time.sampling_step
         sampling = _core.Sampling(every=round(sample / step), delay=0, external=False)
         speed, wheel = case.motion.speed, case.vehicle.data.wheel.radius
@@ -79,9 +79,9 @@ class _Controller:
         return {"time": time, **none, **read, **own}
 
 
-def linear_controller(model: AssembledModel, *, sliding: bool = False) -> Array:
-    """Of the core's controller of a model; if `sliding` the creep of its virtual rail has no slope."""
-    own = _Controller(model, rig_of(model.case)[1].sample_time)
+def linear_controller(model: AssembledModel, law: _core.RigControl, *, sliding: bool) -> Array:
+    """Of the core's controller, with a model's sample time; if `sliding` the creep of its virtual rail has no slope."""
+    own = _Controller(model, law, rig_of(model.case)[1].sample_time)
     if sliding:
         own.plant.set_input(own.index["train.friction_change"], -1.0)
     return np.asarray(own.plant.jacobian(list(zip(own.inputs, own.changes, strict=True))))
@@ -92,16 +92,17 @@ def identified_controller(model: AssembledModel, sample: float) -> Array | None:
 
     States from the singular values of the answers to impulses, at lags of all time scales: B. L. Ho, R. E. Kalman (1966).
     """
-    own, last = _Controller(model, sample), max(SAMPLES, round(SECONDS / sample))
+    law = rig_controller(model)
+    own, last = _Controller(model, law, sample), max(SAMPLES, round(SECONDS / sample))
     lags = np.unique(np.geomspace(1.0, last, 24).round().astype(int)) - 1
     impulse, units = np.eye(2 * last + 1, 1), np.eye(len(own.inputs))
     try:
-        answers = np.stack([_answers(model, sample, impulse * unit) for unit in units], axis=2)
+        answers = np.stack([_answers(model, law, sample, impulse * unit) for unit in units], axis=2)
         size = np.linalg.norm(answers, axis=(0, 1))
         acts = size > ORDER * size.max()
         alike = size[acts].min(initial=1.0) / np.where(acts, size, math.inf)  # each input as much as any other
         moves = 0.1 * np.random.default_rng(0).choice([-1.0, 1.0], (SAMPLES, len(units))) * alike
-        found, others = _realised(answers, lags), _answers(model, sample, moves)
+        found, others = _realised(answers, lags), _answers(model, law, sample, moves)
     except ControllerError:
         return None
     if not np.linalg.norm(_predicted(found, moves) - others) <= LINEAR * np.linalg.norm(others):
@@ -110,11 +111,11 @@ def identified_controller(model: AssembledModel, sample: float) -> Array | None:
     return found
 
 
-def _answers(model: AssembledModel, sample: float, moves: Array) -> Array:
+def _answers(model: AssembledModel, law: _core.RigControl, sample: float, moves: Array) -> Array:
     """Commands of the user's controller over moves of its inputs, (sample, input), in their changes: shape (sample, axle)."""
     commands = []
     for signed in (moves, -moves):
-        own, user = _Controller(model, sample), users_controllers(model.case, {})["rig_control"]
+        own, user = _Controller(model, law, sample), users_controllers(model.case, {})["rig_control"]
         rest = np.array([own.plant.get(index) for index in own.inputs])
         try:
             for k, row in enumerate(np.pad(signed, ((SETTLED, 0), (0, 0)))):
