@@ -1,12 +1,14 @@
 // bindings/plant.cpp - an assembled model, and the plant that other tools drive.
 #include "rollerrig/plant/plant.hpp"
 
+#include <nanobind/stl/map.h>
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/shared_ptr.h>
 
 #include <cmath>
 #include <limits>
+#include <map>
 
 #include "arguments.hpp"
 #include "fields.hpp"
@@ -190,13 +192,17 @@ void bind_controller_plant(nb::module_& m) {
       .def_prop_ro(
           "estimates",
           [](ControllerPlant const& self) {
-            std::vector<std::array<double, 3>> found;
+            std::map<std::string, std::vector<double>> found;
             for (std::size_t i = 0; i < self.part().axles.size(); ++i)
-              if (auto const* axle = self.axle(i))
-                found.push_back({axle->estimate.force, axle->estimate.torque, axle->feed_forward});
+              if (auto const* axle = self.axle(i)) {
+                found["estimated_force"].push_back(axle->estimate.force);
+                found["estimated_torque"].push_back(axle->estimate.torque);
+                found["feed_forward"].push_back(axle->feed_forward);
+              }
             return found;
           },
-          "Of the rig's controller, per axle: estimated force [N] and torque [N m], feed-forward [N m].")
+          "What the rig's controller finds, per axle, by the names of `measurement_fields`; of another controller "
+          "nothing.")
       .def_prop_ro("period", &ControllerPlant::period);
 }
 

@@ -233,7 +233,7 @@ def _controller(part: _core.ControllerPart, log: xr.Dataset) -> dict[str, tuple]
             plant.set_input(number, value)
         plant.advance((k + 1) * plant.period)
         found[k] = [plant.get(number) for number in outputs]
-        taken[k] = [torque for _, torque, _ in plant.estimates]
+        taken[k] = plant.estimates["estimated_torque"]
     axles = len(part.axles)
     return {
         "torque_taken": variable(("time", "axle"), taken, "N m", "torque on the axle that the virtual train takes"),

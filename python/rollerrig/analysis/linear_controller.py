@@ -67,16 +67,11 @@ class _Controller:
 
     def measurements(self, time: float) -> Measurements:
         """What a user's controller is given beside it."""
-        own = dict(
-            zip(("estimated_force", "estimated_torque", "feed_forward"), np.array(self.plant.estimates).T, strict=True)
-        )
-        read = {
-            name: np.array([self.plant.get(self.index[f"{axle}.{name}"]) for axle in self.axles])
-            for name in MEASUREMENTS
-            if f"{self.axles[0]}.{name}" in self.index
-        }
-        none = {name: np.zeros(len(self.axles)) for name in MEASUREMENTS}  # that is no part of small motions
-        return {"time": time, **none, **read, **own}
+        found: Measurements = {"time": time}
+        for name in MEASUREMENTS:  # those that have no part in small motions are 0
+            places = [self.index.get(f"{axle}.{name}", -1) for axle in self.axles]
+            found[name] = np.nan_to_num([self.plant.get(place) for place in places])
+        return found | {name: np.array(values) for name, values in self.plant.estimates.items()}
 
 
 def linear_controller(model: AssembledModel, law: _core.RigControl, *, sliding: bool) -> Array:

@@ -16,6 +16,7 @@ from scipy.linalg import expm
 
 from rollerrig import _core
 from rollerrig.analysis.control_loop import Loop
+from rollerrig.analysis.linear_bench import torque_loop
 from rollerrig.analysis.modes import DIRECTIONS
 from rollerrig.assembly.model import assemble
 from rollerrig.cases import without_actuators
@@ -79,44 +80,37 @@ def vehicle_plant(case: Case) -> Plant:
     return Plant(matrix, roller.T / rig.roller_inertia[1], wheel, roller, np.zeros_like(wheel))
 
 
-def _plant_step(loop: Loop, plant: Plant) -> Array:
-    """Exact step of (x, torques, their rates, commands) over one sampling step with the commands constant."""
-    n, axles = plant.torque.shape
-    x, u, rate, command = slice(0, n), *(slice(n + k * axles, n + (k + 1) * axles) for k in range(3))
-    w, one = loop.drive_bandwidth, np.eye(axles)
-    rates = np.zeros((n + 3 * axles, n + 3 * axles))
-    rates[x, x], rates[x, u] = plant.matrix, plant.torque
-    if loop.drive_damping > 0.0:
-        rates[u, rate] = one
-        rates[rate, u], rates[rate, rate] = -(w**2) * one, -2.0 * loop.drive_damping * w * one
-        rates[rate, command] = w**2 * one
-    else:
-        rates[u, u], rates[u, command] = -w * one, w * one
-    return np.asarray(expm(loop.step * rates))
-
-
 @one_blas_thread()
 def sampled_matrix(loop: Loop, plant: Plant) -> Array:
     """Matrix from the state at one sample to that at the next, shape (state, state).
 
-    The state is the plant's, the controller's, then per axle the drive's torque and its rate, the mean torque over the last
-    sampling step, and the commands that act or wait.
+    The state is the plant's, those of the drives and of the controller, then per axle the mean torque over the last sampling step
+    and the commands that act or wait.
     """
-    n, axles = plant.torque.shape
-    states = len(loop.controller) - axles
-    unit = np.eye(n + states + axles * (4 + round(loop.delay / loop.step)))
-    x, z = unit[:n], unit[n : n + states]
-    torque, rate, mean, *queue = unit[n + states :].reshape(-1, axles, len(unit))
-    measured = [plant.wheel @ x, plant.roller @ x, mean, torque, plant.brake @ x]  # INPUTS
-    z, command = np.split(loop.controller @ np.concatenate([z, *measured]), [states])
-    step = _plant_step(loop, plant)
+    axles = plant.torque.shape[1]
+    drive, driven, read = (
+        np.kron(np.eye(axles), part) for part in torque_loop(loop.drive_bandwidth, loop.drive_damping)
+    )
+    moving = np.block([[plant.matrix, plant.torque @ read], [np.zeros((len(drive), len(plant.matrix))), drive]])
+    n, states = len(moving), len(loop.controller) - axles
+    rates = np.zeros((n + axles, n + axles))
+    rates[:n, :n], rates[n - len(drive) : n, n:] = moving, driven
+    step = expm(loop.step * rates)  # under constant commands
+
+    unit = np.eye(n + states + axles * (2 + round(loop.delay / loop.step)))
+    x, z, rest = np.split(unit, [n, n + states])
+    mean, *queue = rest.reshape(-1, axles, len(unit))
+    wheel, roller, brake = (
+        np.pad(part, ((0, 0), (0, len(drive)))) @ x for part in (plant.wheel, plant.roller, plant.brake)
+    )
+    torque = read @ x[-len(drive) :]
+    z, command = np.split(loop.controller @ np.concatenate([z, wheel, roller, mean, torque, brake]), [states])  # INPUTS
     for _ in range(round(loop.sample / loop.step)):
-        queue = [*queue, command][1:]
-        before = torque
-        after = step @ np.concatenate([x, before, rate, queue[0]])
-        x, (torque, rate, _) = after[:n], after[n:].reshape(3, axles, -1)
+        queue, before = [*queue, command][1:], torque
+        x = (step @ np.concatenate([x, queue[0]]))[:n]
+        torque = read @ x[-len(drive) :]
         mean = 0.5 * (before + torque)
-    return np.concatenate([x, z, torque, rate, mean, *queue])
+    return np.concatenate([x, z, mean, *queue])
 
 
 def growth(loop: Loop, plant: Plant, above: float = 0.0) -> tuple[float, float]:
