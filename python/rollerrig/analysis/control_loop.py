@@ -192,7 +192,7 @@ def loop_of(case: Case, creep: float, *, sliding: bool) -> Loop | None:
         gains = feedback_gains(model)
     elif isinstance(control.feedback, SlidingMode):
         gains = (control.feedback.switching / control.feedback.boundary_layer, 0.0)
-    return _loop(case, creep, own, own - feed_forward, control.sample_time, gains)
+    return _loop(case, creep, control.sample_time, own, own - feed_forward, *gains)
 
 
 def users_loop(case: Case, creep: float) -> Loop | None:
@@ -205,7 +205,7 @@ def users_loop(case: Case, creep: float) -> Loop | None:
         return None
     sample = users_controllers(case, {})["rig_control"].sample_time
     own = identified_controller(assemble_with_actuators(case), sample)
-    return None if own is None else _loop(case, creep, own, np.zeros_like(own), sample, (0.0, 0.0))
+    return None if own is None else _loop(case, creep, sample, own, np.zeros_like(own))
 
 
 def _measures_motions(case: Case) -> bool:
@@ -218,7 +218,7 @@ def _measures_motions(case: Case) -> bool:
 
 
 def _loop(
-    case: Case, creep: float, controller: Array, feedback: Array, sample: float, gains: tuple[float, float]
+    case: Case, creep: float, sample: float, controller: Array, feedback: Array, k_p: float = 0.0, k_i: float = 0.0
 ) -> Loop:
     control = rig_of(case)[1]
     command = control.drive_command
@@ -231,8 +231,8 @@ def _loop(
         step=case.time.sampling_step,
         sample=sample,
         delay=control.delay,
-        proportional=gains[0],
-        integral=gains[1],
+        proportional=k_p,
+        integral=k_i,
         torque_gain=command.gain if isinstance(command, TorqueLoop) else 0.0,
         controller=controller,
         feedback=feedback,

@@ -100,11 +100,9 @@ def sampled_matrix(loop: Loop, plant: Plant) -> Array:
     unit = np.eye(n + states + axles * (2 + round(loop.delay / loop.step)))
     x, z, rest = np.split(unit, [n, n + states])
     mean, *queue = rest.reshape(-1, axles, len(unit))
-    wheel, roller, brake = (
-        np.pad(part, ((0, 0), (0, len(drive)))) @ x for part in (plant.wheel, plant.roller, plant.brake)
-    )
-    torque = read @ x[-len(drive) :]
-    z, command = np.split(loop.controller @ np.concatenate([z, wheel, roller, mean, torque, brake]), [states])  # INPUTS
+    bodies, torque = x[: len(plant.matrix)], read @ x[-len(drive) :]
+    inputs = [plant.wheel @ bodies, plant.roller @ bodies, mean, torque, plant.brake @ bodies]  # INPUTS
+    z, command = np.split(loop.controller @ np.concatenate([z, *inputs]), [states])
     for _ in range(round(loop.sample / loop.step)):
         queue, before = [*queue, command][1:], torque
         x = (step @ np.concatenate([x, queue[0]]))[:n]
