@@ -1,7 +1,7 @@
 """The contact in steady rolling, and the rig's control loop about it, linearised: gain and phase margin in closed form.
 
     Case -> equilibrium -> [contact_state] -> approach, creep stiffness, kinematic wavelength, equivalent conicity
-    Case -> [loop_of] -> Loop -> [margins]                      one axle in continuous time, (Q1) and (Q2)
+    Case -> [loop_of, users_loop] -> Loop -> [margins]          one axle in continuous time, (Q1) and (Q2)
                               -> analysis.loop_stability        eigenvalues of the sampled loop, with or without the vehicle
 
 Small motion about steady running: no limits, constant friction. Equations: docs/theory/rig_control.md.

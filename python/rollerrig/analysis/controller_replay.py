@@ -24,7 +24,7 @@ from scipy.signal import fftconvolve
 from rollerrig import _core
 from rollerrig.analysis.rig_log import means
 from rollerrig.assembly.actuators import assemble_with_actuators
-from rollerrig.assembly.laws import angular
+from rollerrig.assembly.laws import angular, part_of
 from rollerrig.cases import rig_of
 from rollerrig.common.arrays import Array, Mask
 from rollerrig.config import Case
@@ -206,15 +206,8 @@ def _estimator_of(case: Case) -> _Estimator:
 
 def _controller(part: _core.ControllerPart, log: xr.Dataset) -> dict[str, tuple]:  # type: ignore[type-arg]
     """The core's controller on the log: torques and speeds of the virtual axles, commands of the drives, speed of the train."""
-    started = _core.ControllerPart(
-        name=part.name,
-        step=part.step,
-        controller=part.controller,
-        axles=part.axles,
-        train_speed=log.attrs["train_speed"],
-        axle_speed=log["axle_speed"].to_numpy()[0].tolist(),
-        roller_speed=log["roller_speed"].to_numpy()[0].tolist(),
-    )
+    speeds = {name: log[name].to_numpy()[0].tolist() for name in ("axle_speed", "roller_speed")}
+    started = part_of(_core.ControllerPart, part, train_speed=log.attrs["train_speed"], **speeds)
     plant = _core.ControllerPlant(started)
     plant.start()
     index = {(one.name, one.causality): number for number, one in enumerate(plant.variables)}
