@@ -65,9 +65,9 @@ def by_equations(case: Case, loop: Loop, *, sliding: bool) -> Loop:
 
 
 def rates(loop: Loop, plant: Plant) -> np.ndarray:
-    """Growth over FACTORS, of all motions and above ABOVE; what decays within milliseconds is as good as gone."""
+    """Growth over FACTORS, of all motions and above ABOVE; what decays within milliseconds is as good as none."""
     found = [growth(loop.scaled(f), plant, above)[0] for f in FACTORS for above in (0.0, ABOVE)]
-    return np.maximum(found, -500.0)
+    return np.fmax(found, -500.0)
 
 
 @pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(1, 5))])
