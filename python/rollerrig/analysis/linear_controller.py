@@ -30,7 +30,7 @@ INPUTS = ("axle_speed", "roller_speed", "roller_torque", "drive_torque", "brake_
 """Measurements that small motions change."""
 
 ACCELERATION, LARGEST_CHANGE, TORQUE_CHANGE = 0.1, 1e-3, 10.0
-"""By which differences are taken: changes of a speed per sample [rad/s^2], at most [rad/s], and of torques [N m]."""
+"""Changes by which differences are taken: of a speed per sample time [rad/s^2], at most [rad/s], and of torques [N m]."""
 
 SETTLED = 10  # samples after which a user's controller has begun
 SAMPLES, SECONDS = 250, 0.25  # for which the answer to an impulse is used, whichever is longer
@@ -75,7 +75,7 @@ class _Controller:
 
 
 def linear_controller(model: AssembledModel, law: _core.RigControl, *, sliding: bool) -> Array:
-    """Of the core's controller, with a model's sample time; if `sliding` the creep of its virtual rail has no slope."""
+    """Matrix of the core's controller with a model's sample time; if `sliding` the creep of its virtual rail has no slope."""
     own = _Controller(model, law, rig_of(model.case)[1].sample_time)
     if sliding:
         own.plant.set_input(own.index["train.friction_change"], -1.0)
@@ -83,7 +83,7 @@ def linear_controller(model: AssembledModel, law: _core.RigControl, *, sliding: 
 
 
 def identified_controller(model: AssembledModel, sample: float) -> Array | None:
-    """Of the user's controller of a model, with ours beside it, and its sample time [s]; None: it is not linear, or it fails.
+    """Matrix of the user's controller of a model with its sample time [s], ours beside it; None: it is not linear, or fails.
 
     States from the singular values of the answers to impulses, at lags of all time scales: B. L. Ho, R. E. Kalman (1966).
     """
@@ -136,7 +136,7 @@ def _predicted(matrix: Array, moves: Array) -> Array:
 
 @one_blas_thread()
 def _realised(answers: Array, lags: NDArray[np.intp]) -> Array:
-    """From answers to unit impulses, shape (sample, output, input)."""
+    """Matrix from answers to unit impulses, shape (sample, output, input)."""
     _, outputs, inputs = answers.shape
 
     def after(begin: int) -> Array:
