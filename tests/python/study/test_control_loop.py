@@ -177,8 +177,14 @@ def test_a_users_controller_has_the_motions_of_ours_with_the_same_law(tmp_path: 
     found = users_loop(case.with_changes({"rig_control.user": f"{file}:Ours"}), 1e6)
     assert found is not None
     assert growth(found, vehicle, ABOVE) == pytest.approx(growth(ours, vehicle, ABOVE), rel=1e-4)
-    for name in ("Switching", "Alternating", "Failing"):
-        assert users_loop(case.with_changes({"rig_control.user": f"{file}:{name}"}), 1e6) is None, name
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["Switching", "Alternating", "Failing"])
+def test_what_is_not_linear_has_no_motions(name: str, tmp_path: Path) -> None:
+    (tmp_path / "users.py").write_text(USERS.format(proportional=4e3, integral=1e4))
+    changes = {"rig_control.user": f"{tmp_path / 'users.py'}:{name}"}
+    assert users_loop(excited_case(load_case("adhesion_brake")).with_changes(changes), 1e6) is None
 
 
 def test_a_users_controller_is_not_ours() -> None:
