@@ -206,10 +206,6 @@ void bind_contact_laws(nb::module_& m) {
         "poisson_ratio"_a, "law"_a, "direction"_a = 1.0, "reduction"_a = nb::none(),
         "T_x, T_y [N], M_sp [N m] on the wheel and the saturation, per row of creepage; on a rail with a reduction "
         "k_A, k_S.");
-  def_function(
-      m, "mean_reduction", "What a rail's condition leaves of the slope of the creep curve, (A4).",
-      +[](double k_A, double k_S) { return mean_reduction(RailSurface<double>{0.0, k_A, k_S}); },
-      Argument{"k_A", fraction}, Argument{"k_S", fraction});
   auto reference =
       nb::class_<RollingReference>(m, "RollingReference", "Exact rolling contact; reduced units. For an ellipse.");
   reference

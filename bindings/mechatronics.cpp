@@ -18,6 +18,23 @@ using namespace rollerrig;
 
 namespace {
 
+using Samples = nb::ndarray<double const, nb::shape<-1, 3>, nb::c_contig, nb::device::cpu>;
+
+/// Force and torque that an estimator finds from samples of one axle.
+auto estimate(AnyEstimator const& estimator, AssumedParameters const& assumed, double period, Samples const& samples) {
+  std::vector<double> found;
+  auto const axle = [&](std::size_t i) { return AxleSample{samples(i, 0), samples(i, 1), samples(i, 2)}; };
+  auto const run = [&](auto const& law) {
+    auto state = law.start(assumed, period, axle(0));
+    for (std::size_t i = 0; i < samples.shape(0); ++i) {
+      auto const now = law.step(state, assumed, axle(i), period);
+      found.insert(found.end(), {now.force, now.torque});
+    }
+  };
+  if (samples.shape(0) > 0) std::visit(run, estimator);
+  return owned_array<nb::shape<-1, 2>>(std::move(found), {samples.shape(0), 2});
+}
+
 /// The virtual rail takes its laws from a contact of the model, its adhesion from a map if there is one.
 VirtualRail virtual_rail(Model const& model, int contact, std::shared_ptr<AdhesionMap const> adhesion,
                          EquivalentPatch const& patch, double cell, double energy_width, double wheel_memory,
@@ -90,13 +107,12 @@ void bind_controllers(nb::module_& m) {
         return std::pair{of(Estimated::force), of(Estimated::torque)};
       },
       Argument{"estimator"}, Argument{"assumed"}, Argument{"period", positive});
-  def_function(
-      m, "kalman_gain",
-      "Stationary gain for a sample time [s], (D11): rows W, w, T, C over the innovations of W and w.",
-      +[](KalmanFilter const& filter, AssumedParameters const& assumed, double period) {
-        return filter.gain(assumed, period);
-      },
-      Argument{"filter"}, Argument{"assumed"}, Argument{"period", positive});
+  def_function(m, "estimate",
+               "Force [N] and torque [N m] as estimated, shape (sample, 2), of one axle: speeds of roller and wheel, "
+               "mean torque "
+               "of the drive since the last sample, shape (sample, 3).",
+               &estimate, Argument{"estimator"}, Argument{"assumed"}, Argument{"period", positive},
+               Argument{"samples"});
   m.def(
       "feedback_gains",
       [](ProportionalIntegral const& feedback, AssumedParameters const& assumed) {

@@ -1,11 +1,14 @@
 // bindings/plant.cpp - an assembled model, and the plant that other tools drive.
 #include "rollerrig/plant/plant.hpp"
 
+#include <nanobind/stl/map.h>
 #include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/shared_ptr.h>
 
 #include <cmath>
 #include <limits>
+#include <map>
 
 #include "arguments.hpp"
 #include "fields.hpp"
@@ -172,6 +175,34 @@ void bind_controller_plant(nb::module_& m) {
             return known ? self.get(index) : std::numeric_limits<double>::quiet_NaN();
           },
           "index"_a)
+      .def(
+          "jacobian",
+          [](ControllerPlant& self, std::vector<std::pair<int, double>> const& moves) {
+            auto const all = self.variables();
+            for (auto const& [index, by] : moves)
+              if (index < 0 || index >= static_cast<int>(all.size()) || !(by > 0.0 && std::isfinite(by)) ||
+                  all[static_cast<std::size_t>(index)].causality != Causality::input)
+                throw nb::value_error("jacobian: moves must be indices of inputs and positive numbers");
+            auto found = self.jacobian(moves);
+            return owned_array<nb::ndim<2>>(std::move(found.matrix), {found.rows, found.columns});
+          },
+          "moves"_a,
+          "Matrix of one sample in small motions about the present: rows states, then commands; columns states, then "
+          "inputs, each of which is varied by so much.")
+      .def_prop_ro(
+          "estimates",
+          [](ControllerPlant const& self) {
+            std::map<std::string, std::vector<double>> found;
+            for (std::size_t i = 0; i < self.part().axles.size(); ++i)
+              if (auto const* axle = self.axle(i)) {
+                found["estimated_force"].push_back(axle->estimate.force);
+                found["estimated_torque"].push_back(axle->estimate.torque);
+                found["feed_forward"].push_back(axle->feed_forward);
+              }
+            return found;
+          },
+          "What the rig's controller finds, per axle, by the names of `measurement_fields`; of another controller "
+          "nothing.")
       .def_prop_ro("period", &ControllerPlant::period);
 }
 

@@ -15,6 +15,8 @@ constexpr double no_limit = std::numeric_limits<double>::infinity();
 constexpr double largest_change = 9.0;  ///< of friction
 constexpr double most_samples = 1e7;    ///< in one step of a tool: hours
 constexpr double round_off = 1e-6;      ///< of a sample time, in periods: tools add up their steps
+constexpr double least_change = 1e-6;   ///< of a number that is varied, over it: differences then have ten digits
+constexpr int trial_samples = 3;        ///< in which states show how far inputs bring them
 
 struct AxleInput {
   char const *name, *unit, *meaning;
@@ -225,6 +227,45 @@ void ControllerPlant::sample() {
         if constexpr (requires { own.reference_speed(); }) value_[rest] = own.reference_speed();
       },
       state_);
+}
+
+ControllerPlant::Jacobian ControllerPlant::jacobian(std::span<std::pair<int, double> const> moves) {
+  auto const before = std::tuple(state_, value_, samples_);
+  StateNumbers numbers;
+  numbers(state_);
+  std::vector<double> start, reached(numbers.places.size());
+  for (double const* place : numbers.places) start.push_back(*place);
+  auto const varied = [&](double& number, double by, int samples, auto const& look) {
+    for (number += by; samples > 0; --samples) {
+      sample();
+      look();
+    }
+    std::tie(state_, value_, samples_) = before;
+  };
+  for (auto const& [index, by] : moves)
+    varied(value_[at(index)], by, trial_samples, [&] {
+      for (std::size_t k = 0; k < start.size(); ++k)
+        reached[k] = std::fmax(reached[k], std::fabs(*numbers.places[k] - start[k]));
+    });
+
+  std::vector<std::pair<double*, double>> columns;
+  std::vector<double const*> rows;
+  for (std::size_t k = 0; k < start.size(); ++k)
+    if (reached[k] > 0.0) {
+      columns.emplace_back(numbers.places[k], std::fmax(reached[k], least_change * std::fabs(start[k])));
+      rows.push_back(numbers.places[k]);
+    }
+  for (auto const& [index, by] : moves) columns.emplace_back(&value_[at(index)], by);
+  for (std::size_t k = 0; k < part_.axles.size(); ++k) rows.push_back(&value_[commands_ + k]);
+
+  Jacobian found{rows.size(), columns.size(), std::vector<double>(rows.size() * columns.size())};
+  for (std::size_t j = 0; j < columns.size(); ++j)
+    for (double const sign : {1.0, -1.0})
+      varied(*columns[j].first, sign * columns[j].second, 1, [&] {
+        for (std::size_t i = 0; i < rows.size(); ++i)
+          found.matrix[i * columns.size() + j] += sign * *rows[i] / (2.0 * columns[j].second);
+      });
+  return found;
 }
 
 std::vector<std::byte> ControllerPlant::save() {

@@ -1,7 +1,7 @@
 """The contact in steady rolling, and the rig's control loop about it, linearised: gain and phase margin in closed form.
 
     Case -> equilibrium -> [contact_state] -> approach, creep stiffness, kinematic wavelength, equivalent conicity
-    Case -> [loop_of] -> Loop -> [margins]                      one axle in continuous time, (Q1) and (Q2)
+    Case -> [loop_of, users_loop] -> Loop -> [margins]          one axle in continuous time, (Q1) and (Q2)
                               -> analysis.loop_stability        eigenvalues of the sampled loop, with or without the vehicle
 
 Small motion about steady running: no limits, constant friction. Equations: docs/theory/rig_control.md.
@@ -9,40 +9,24 @@ Small motion about steady running: no limits, constant friction. Equations: docs
 
 import math
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from rollerrig import _core
+from rollerrig.analysis.linear_controller import identified_controller, linear_controller
 from rollerrig.analysis.linear_system import Margins, margins_of
 from rollerrig.analysis.mode_names import HUNTING_SHARE, wheelset_lateral_share
 from rollerrig.analysis.modes import Lineariser, eigensystem, energy_shares, oscillates
 from rollerrig.assembly.actuators import assemble_with_actuators
-from rollerrig.assembly.laws import angular, linear_coefficients
-from rollerrig.assembly.model import AssembledModel
+from rollerrig.assembly.laws import angular, linear_coefficients, part_of
 from rollerrig.cases import rig_of, wheelsets, without_actuators
 from rollerrig.common.arrays import Array, Complex
 from rollerrig.config import Case, Rig
-from rollerrig.config.schema.rig_control import (
-    BandwidthEstimator,
-    ExtrapolatedTorque,
-    KalmanFilter,
-    KnownTorque,
-    LeadCommand,
-    Observer,
-    ProportionalIntegral,
-    RigControl,
-    SlidingMode,
-    TorqueLoop,
-)
-from rollerrig.simulation.mechatronics import (
-    assumed_parameters,
-    axle_torque,
-    drive_command,
-    estimator,
-    feedback_gains,
-    rotor_inertia,
-)
+from rollerrig.config.schema.rig_control import ExactEstimator, ProportionalIntegral, SlidingMode, TorqueLoop
+from rollerrig.simulation.controllers import users_controllers
+from rollerrig.simulation.mechatronics import feedback_gains, rig_controller, rotor_inertia
 from rollerrig.simulation.starting_state import recorded_state
 
 SLOW = 5 / 3.6  # speed at which the hunting mode is kinematic: inertia plays no part [m/s]
@@ -117,9 +101,6 @@ def slow_wavelength(lineariser: Lineariser, speed: float = SLOW) -> float:
     return 2 * math.pi * speed / float(weaving[np.argmax(weaving.real)].imag)
 
 
-ESTIMATORS = ("observer", "filtered_derivative", "kalman")  # kinds of estimator that the linear loop has equations for
-
-
 @dataclass(frozen=True)
 class Wheel:
     """Wheelset and roller: inertias J_w, J_r [kg m^2] and radii r, R [m]."""
@@ -137,13 +118,11 @@ class Wheel:
 
 @dataclass(frozen=True)
 class Loop:
-    """What closes around one axle."""
+    """What closes around the axles: of each the same."""
 
-    # real, assumed: wheelset and roller, and what the controller assumes of them
-    real: Wheel
-    assumed: Wheel
-    creep: float  # slope of the real contact's force over sliding, both wheels [N s/m]
-    virtual_creep: float  # the same of the virtual rail; 0 while its wheel slides
+    wheel: Wheel  # wheelset and roller
+    axles: int
+    creep: float  # slope of the contact's force over sliding, both wheels [N s/m]
     drive_bandwidth: float  # of the roller drive's torque loop [rad/s]
     drive_damping: float  # of a second-order one; 0: first order
     # step, sample, delay: sampling step, sample time, delay of the command [s]
@@ -153,22 +132,19 @@ class Loop:
     # proportional, integral: gains on virtual minus measured axle speed [N m s/rad, N m/rad]
     proportional: float
     integral: float
-    estimator: str  # its kind
-    # bandwidth, damping: of the estimator [rad/s, 1]
-    bandwidth: float
-    damping: float
-    kalman_gain: Array | None = None  # of a Kalman filter, rows W, w, T, C over the innovations of W and w
-    # bandwidth with which the estimate corrects a known axle torque, (D18) [rad/s]; None: it is the torque
-    correction: float | None = None
-    # ahead, slope_bandwidth: of an extrapolated estimate, (D19) [s, rad/s]
-    ahead: float = 0.0
-    slope_bandwidth: float = 0.0
-    lead: float = 0.0  # of the feed-forward, (D20) [s]
-    torque_gain: float = 0.0  # of the loop around the drive, (D21) [-]
+    torque_gain: float  # of the loop around the drive, (D21) [-]
+    controller: Array  # see analysis.linear_controller
+    feedback: Array  # part of it that is in proportion to the gains
 
     def scaled(self, factor: float) -> "Loop":
         """This loop with both gains times a factor."""
-        return replace(self, proportional=factor * self.proportional, integral=factor * self.integral)
+        return replace(
+            self,
+            proportional=factor * self.proportional,
+            integral=factor * self.integral,
+            controller=self.controller + (factor - 1.0) * self.feedback,
+            feedback=factor * self.feedback,
+        )
 
 
 def wheel_of(case: Case) -> Wheel:
@@ -187,76 +163,86 @@ def creep_slope(case: Case) -> float:
     return 2.0 * sum(stiffness.values()) / len(stiffness) / case.motion.speed
 
 
-def loop_of(case: Case, creep: float, *, sliding: bool) -> Loop | None:
-    """The loop of a case of a rig with [rig_control], and the creep slope of its contact, see `creep_slope`.
+LARGE = 1e9  # torque that no small motion reaches [N m]
+GAINS = {"proportional", "integral", "switching"}
+"""Parameters of feedbacks to which their torque is proportional, a sliding mode's within its boundary layer."""
 
-    Where the virtual wheel does not slide it rolls, on the creep slope of the real one as far as the condition of the virtual
-    rail leaves it. None where the linear loop has no equations: a user's controller, another estimator or measurement of torque,
-    motors with rotors.
+
+def loop_of(case: Case, creep: float, *, sliding: bool) -> Loop | None:
+    """The loop of a case of a rig with our own [rig_control], and the creep slope of its contact, see `creep_slope`.
+
+    The virtual wheels roll, or slide on a rail that gives nothing. None where the linear loop does not know what is measured: the
+    forces that really act, a torque by other means than the drive's own, motors with rotors.
     """
     control = case.rig_control
-    if control is None or not control.is_ours or control.estimator.kind not in ESTIMATORS:
+    if control is None or not control.is_ours or not _measures_motions(case):
         return None
-    if control.estimator.torque != "measured" or case.sensors.roller_torque is not None:
-        return None
-    motors = (control.motor, *((case.traction.motor,) if case.traction is not None else ()))
-    if any(motor.rotor_inertia for motor in motors):  # the plant has none
-        return None
-    return linear_loop(assemble_with_actuators(case), creep, sliding=sliding)
-
-
-def linear_loop(model: AssembledModel, creep: float, *, sliding: bool) -> Loop:
-    """The loop of a model with [rig_control] of one of ESTIMATORS, whatever its torques are measured by; see `loop_of`."""
-    case, control = model.case, rig_of(model.case)[1]
-    table, estimates = control.feedback, control.estimator
-    assert isinstance(estimates, BandwidthEstimator)
-    assumed = assumed_parameters(model)
+    model = assemble_with_actuators(
+        case.with_changes({"rig_control.load_transfer": "none"})
+    )  # it acts on wheels that slip
+    law = rig_controller(model)
+    kind: Any = type(law.feedback)
+    without = part_of(kind, law.feedback, **dict.fromkeys(GAINS.intersection(kind.fields), 0.0))
+    own, feed_forward = (
+        linear_controller(model, part_of(_core.RigControl, law, feedback=feedback, largest=LARGE), sliding=sliding)
+        for feedback in (law.feedback, without)
+    )
     gains = (0.0, 0.0)
-    if isinstance(table, ProportionalIntegral):
+    if isinstance(control.feedback, ProportionalIntegral):
         gains = feedback_gains(model)
-    elif isinstance(table, SlidingMode):
-        gains = (table.switching / table.boundary_layer, 0.0)  # within its boundary layer
-    kalman, rail = isinstance(estimates, KalmanFilter), case.adhesion.rail if case.adhesion is not None else None
-    left = _core.mean_reduction(rail.k_A, rail.k_S) if rail is not None else 1.0  # of the creep curve's slope, (A4)
+    elif isinstance(control.feedback, SlidingMode):
+        gains = (control.feedback.switching / control.feedback.boundary_layer, 0.0)
+    return _loop(case, creep, control.sample_time, own, own - feed_forward, *gains)
+
+
+def users_loop(case: Case, creep: float) -> Loop | None:
+    """The same of a user's controller, whose virtual wheels roll; None also where the controller is not linear.
+
+    Raises:
+        ConfigError: it cannot be used.
+    """
+    if case.rig_control is None or case.rig_control.is_ours or not _measures_motions(case):
+        return None
+    sample = users_controllers(case, {})["rig_control"].sample_time
+    own = identified_controller(assemble_with_actuators(case), sample)
+    return None if own is None else _loop(case, creep, sample, own, np.zeros_like(own))
+
+
+def _measures_motions(case: Case) -> bool:
+    """Whether all that a controller is given follows from the small motions of a rig without rotors."""
+    control = rig_of(case)[1]
+    motors = (control.motor, *((case.traction.motor,) if case.traction is not None else ()))
+    exact = isinstance(control.estimator, ExactEstimator)
+    as_driven = control.estimator.torque == "measured" and case.sensors.roller_torque is None
+    return as_driven and not exact and not any(motor.rotor_inertia for motor in motors)
+
+
+def _loop(
+    case: Case, creep: float, sample: float, controller: Array, feedback: Array, k_p: float = 0.0, k_i: float = 0.0
+) -> Loop:
+    control = rig_of(case)[1]
+    command = control.drive_command
     return Loop(
-        real=wheel_of(case),
-        assumed=Wheel(*(getattr(assumed, name) for name in Wheel.__dataclass_fields__)),
+        wheel=wheel_of(case),
+        axles=len(wheelsets(case)),
         creep=creep,
-        virtual_creep=0.0 if sliding else creep * left,
         drive_bandwidth=angular(control.motor.bandwidth),
         drive_damping=control.motor.damping_ratio,
         step=case.time.sampling_step,
-        sample=control.sample_time,
+        sample=sample,
         delay=control.delay,
-        proportional=gains[0],
-        integral=gains[1],
-        estimator=control.estimator.kind,
-        bandwidth=angular(estimates.bandwidth),
-        damping=estimates.damping_ratio if isinstance(estimates, Observer) else Observer().damping_ratio,
-        kalman_gain=np.array(_core.kalman_gain(estimator(control), assumed, control.sample_time)) if kalman else None,
-        **_compensation(control),
+        proportional=k_p,
+        integral=k_i,
+        torque_gain=command.gain if isinstance(command, TorqueLoop) else 0.0,
+        controller=controller,
+        feedback=feedback,
     )
-
-
-def _compensation(control: RigControl) -> dict[str, float]:
-    """What a controller does against its lags, by name of Loop's fields."""
-    torque, command = axle_torque(control.axle_torque), drive_command(control)
-    found: dict[str, float] = {}
-    if isinstance(control.axle_torque, KnownTorque):
-        found["correction"] = torque.bandwidth
-    if isinstance(control.axle_torque, ExtrapolatedTorque):
-        found |= {"ahead": torque.ahead, "slope_bandwidth": torque.bandwidth}
-    if isinstance(control.drive_command, LeadCommand):
-        found["lead"] = command.ahead
-    if isinstance(control.drive_command, TorqueLoop):
-        found["torque_gain"] = command.gain
-    return found
 
 
 def open_loop(loop: Loop, frequency: Array) -> Complex:
     """Frequency response of the feedback's open loop, (Q1), over angular frequency [rad/s]."""
     s = 1j * np.asarray(frequency)
-    wheel, w = loop.real, loop.drive_bandwidth
+    wheel, w = loop.wheel, loop.drive_bandwidth
     turning = wheel.roller_radius**2 * wheel.wheelset_inertia + wheel.wheel_radius**2 * wheel.roller_inertia
     both = wheel.wheelset_inertia * wheel.roller_inertia / loop.creep
     plant = wheel.wheel_radius * wheel.roller_radius / (s * (turning + both * s))

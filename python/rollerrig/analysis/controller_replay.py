@@ -4,9 +4,6 @@ Case, log of a rig -> [replay] -> the core's controller, sample by sample: virtu
     -> estimates of force and torque, as the rig has them at the instant and without their delay, with bands of 95 %
     -> samples whose estimate is not to be relied on, and why
 
-The core's controller alone does not show its estimates: they are those of the linear equations in loop_stability, which tests
-compare with runs of the core, to round-off.
-
 An estimate is late by its delay. The rows that follow say what it was late for: without the delay it is that of a later sample.
 What is left then is noise of the sensors and what the estimator filters away. The former follows from the sensors of the case
 and the estimator's impulse responses; the latter is about what the estimator loses of its own result (Tukey's twicing).
@@ -15,6 +12,8 @@ and the estimator's impulse responses; the latter is about what the estimator lo
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -23,22 +22,20 @@ from scipy.ndimage import uniform_filter1d
 from scipy.signal import fftconvolve
 
 from rollerrig import _core
-from rollerrig.analysis.control_loop import Loop, linear_loop
-from rollerrig.analysis.loop_stability import ESTIMATED, estimator_matrices
 from rollerrig.analysis.rig_log import means
 from rollerrig.assembly.actuators import assemble_with_actuators
+from rollerrig.assembly.laws import angular, part_of
 from rollerrig.cases import rig_of
 from rollerrig.common.arrays import Array, Mask
-from rollerrig.common.linear_algebra import one_blas_thread
 from rollerrig.config import Case
-from rollerrig.config.schema.rig_control import Encoder, RigControl
+from rollerrig.config.schema.rig_control import BandwidthEstimator, Encoder, RigControl
 from rollerrig.interfaces.plant import controller_part
 from rollerrig.results import variable
 from rollerrig.results.run_info import ResultsError
-from rollerrig.simulation.mechatronics import estimator_response
+from rollerrig.simulation.mechatronics import assumed_parameters, estimator, estimator_response
 
 NORMAL = 1.96  # half width of the interval of 95 % in standard deviations
-FORGOTTEN = 1e-4  # part of an error at the start that no longer counts [-]
+FORGOTTEN, LONGEST = 1e-4, 400_000  # part of an error at the start that no longer counts [-], at most so many samples
 LATE = 0.05  # part of the largest force or torque by which an estimate may be off before it is named
 CLEAR = 6.0  # standard deviations of noise beyond which a difference is not due to the sensors
 
@@ -62,32 +59,30 @@ REASONS = {
 
 @dataclass(frozen=True)
 class _Estimator:
-    """The linear estimator of a case."""
+    """The estimator of a case."""
 
-    loop: Loop  # that has it
+    law: Any  # of _core.estimators
+    assumed: _core.AssumedParameters
+    bandwidth: float  # [rad/s]
+    sample: float  # [s]
     delay: Array  # of force and torque, with exact sensors [samples]
     sensor_delay: float  # of the measured speeds [samples]
 
-    @property
-    @one_blas_thread()
+    @cached_property
     def memory(self) -> int:
-        """Samples after which FORGOTTEN of the start is left."""
-        states = ESTIMATED.index("late")  # those before decide force and torque
-        size = np.abs(np.linalg.eigvals(estimator_matrices(self.loop)[0][:states, :states]))
-        return math.ceil(
-            math.log(FORGOTTEN) / math.log(size[size < 1.0].max())
-        )  # 1: a state that this estimator does not have
+        """Samples after which FORGOTTEN of the answers to impulses is left, of the slowest estimators LONGEST."""
+        length = min(math.ceil(1e3 / (self.bandwidth * self.sample)), LONGEST)
+        impulses = np.zeros((3, length, 3))  # of one quantity each
+        impulses[range(3), 0, range(3)] = 1.0
+        answers = np.abs(self.run(*impulses))
+        left = (answers > FORGOTTEN * answers.max(axis=1, keepdims=True)).any(axis=(0, 2))
+        return int(np.flatnonzero(left)[-1]) + 1
 
-    def run(self, roller_speed: Array, wheel_speed: Array, torque: Array, known: Array) -> Array:
-        """Force and torque as estimated, and the torque that the virtual axle takes, shape (3, time, axle)."""
-        own, given = estimator_matrices(self.loop)
-        z = np.zeros((len(ESTIMATED), roller_speed.shape[1]))
-        z[ESTIMATED.index("roller_estimate")], z[ESTIMATED.index("wheel_estimate")] = roller_speed[0], wheel_speed[0]
-        rows, found = [ESTIMATED.index(name) for name in ("force", "axle_torque", "taken")], []
-        for measured in np.stack([roller_speed, wheel_speed, torque, known], axis=1):
-            z = own @ z + given @ measured
-            found.append(z[rows])
-        return np.stack(found, axis=1)
+    def run(self, roller_speed: Array, wheel_speed: Array, torque: Array) -> Array:
+        """Force and torque as estimated, shape (2, time, axle)."""
+        samples = np.stack([roller_speed, wheel_speed, torque], axis=2).transpose(1, 0, 2)
+        axles = [_core.estimate(self.law, self.assumed, self.sample, np.ascontiguousarray(axle)) for axle in samples]
+        return np.stack(axles, axis=2).transpose(1, 0, 2)
 
     def without_delay(self, estimate: Array, sensors: float) -> Array:
         """Force and torque of later samples, the last one held; `sensors`: delay beside that of the estimator [samples]."""
@@ -97,16 +92,14 @@ class _Estimator:
 
     def estimate_of(self, force: Array, torque: Array) -> Array:
         """Its estimates of a force and a torque that act, (D1), (D2), without the delay, shape (2, time, axle)."""
-        p, h = self.loop.assumed, self.loop.sample
+        p, h = self.assumed, self.sample
         rates = p.roller_radius * force / p.roller_inertia, (torque - p.wheel_radius * force) / p.wheelset_inertia
         roller, wheel = (cumulative_trapezoid(rate, dx=h, axis=0, initial=0) for rate in rates)
-        none = np.zeros_like(force)
-        return self.without_delay(self.run(roller, wheel, none, none)[:2], 0.0)
+        return self.without_delay(self.run(roller, wheel, np.zeros_like(force)), 0.0)
 
     def found_and_lost(self, roller_speed: Array, wheel_speed: Array, torque: Array) -> tuple[Array, Array]:
         """Force and torque without the delay, and the part of them that the estimator loses, each (2, time, axle)."""
-        estimate = self.run(roller_speed, wheel_speed, torque, np.zeros_like(torque))[:2]
-        found = self.without_delay(estimate, self.sensor_delay)
+        found = self.without_delay(self.run(roller_speed, wheel_speed, torque), self.sensor_delay)
         return found, found - self.estimate_of(*found)
 
     def noise(self, case: Case) -> tuple[Array, Array]:
@@ -116,7 +109,7 @@ class _Estimator:
         impulses[range(3), self.memory, range(3)] = 1.0
         variances = np.zeros((2, 2))
         for answers, sums in zip(self.found_and_lost(*impulses), variances, strict=True):
-            for source, (response, variance) in enumerate(_sensor_noise(case, self.loop.sample)):
+            for source, (response, variance) in enumerate(_sensor_noise(case, self.sample)):
                 sums += variance * (fftconvolve(answers[:, :, source], response[None, :], axes=1) ** 2).sum(axis=1)
         found, lost = np.sqrt(variances)
         return found, lost
@@ -161,7 +154,7 @@ def replay(case: Case, log: xr.Dataset) -> xr.Dataset:
     law = part.controller.controller
     assert isinstance(law, _core.RigControl)
     found = _estimates(case, log, estimator).assign_coords(axle_load=("axle", np.array(law.train.static_load)))
-    _check_signs(found, estimator.loop.assumed.wheel_radius)
+    _check_signs(found, estimator.assumed.wheel_radius)
     doubtful = _doubtful(case, found, estimator)
     found["doubtful"] = (("reason", "time", "axle"), np.stack(list(doubtful.values())))
     return found.assign_coords(reason=list(doubtful)).assign(_controller(part, log))
@@ -173,16 +166,15 @@ def _estimates(case: Case, log: xr.Dataset, estimator: _Estimator) -> xr.Dataset
     for name in ("brake_torque", "motor_torque"):
         known = known + (log[name].to_numpy() if name in log else 0.0)
     roller, wheel, mean_torque = (log[name].to_numpy() for name in ("roller_speed", "axle_speed", "roller_torque"))
-    at_once = estimator.run(roller, wheel, mean_torque, known)
+    at_once = estimator.run(roller, wheel, mean_torque)
     (force, torque), lost = estimator.found_and_lost(roller, wheel, mean_torque)
     noise, of_lost = estimator.noise(case)
-    window = round(2.0 * math.pi / (estimator.loop.bandwidth * estimator.loop.sample))
+    window = round(2.0 * math.pi / (estimator.bandwidth * estimator.sample))
     rest = uniform_filter1d(lost**2, window, axis=1, mode="nearest") - (of_lost**2)[:, None, None]
     band = NORMAL * np.sqrt((noise**2)[:, None, None] + np.maximum(rest, 0.0))
     data = {
         "force_at_once": ("N", "force on the axle as estimated at the instant, forward", at_once[0]),
         "torque_at_once": ("N m", "torque on the axle as estimated at the instant", at_once[1]),
-        "torque_taken": ("N m", "torque on the axle that the virtual train takes", at_once[2]),
         "force": ("N", "force on the axle without the delay of its estimate, forward", force),
         "torque": ("N m", "torque on the axle without the delay of its estimate", torque),
         "force_band": ("N", "half width of the interval of 95 % of the force", band[0]),
@@ -190,32 +182,32 @@ def _estimates(case: Case, log: xr.Dataset, estimator: _Estimator) -> xr.Dataset
         "torque_known": ("N m", "torque of brake and motor on the axle", known),
         "torque_expected": ("N m", "the same as the estimator would find it", estimator.estimate_of(force, known)[1]),
     }
-    delay = (estimator.delay + estimator.sensor_delay) * estimator.loop.sample
+    delay = (estimator.delay + estimator.sensor_delay) * estimator.sample
     return log.assign(
         {name: variable(("time", "axle"), values, unit, text) for name, (unit, text, values) in data.items()}
     ).assign_attrs(force_noise=noise[0], torque_noise=noise[1], force_delay_s=delay[0], torque_delay_s=delay[1])
 
 
 def _estimator_of(case: Case) -> _Estimator:
-    model = assemble_with_actuators(case)
-    loop = linear_loop(model, 0.0, sliding=True)
-    delay = np.array([late for _, late in estimator_response(model).values()]) / loop.sample
+    model, control = assemble_with_actuators(case), rig_of(case)[1]
+    assert isinstance(control.estimator, BandwidthEstimator)
+    delay = np.array([late for _, late in estimator_response(model).values()]) / control.sample_time
     rollers = case.sensors.rollers  # an encoder's speed is a mean over its window
     mean_over = rollers.window if isinstance(rollers, Encoder) and rollers.counts > 0.0 else 0
-    return _Estimator(loop, delay, 0.5 * mean_over)
+    return _Estimator(
+        law=estimator(control),
+        assumed=assumed_parameters(model),
+        bandwidth=angular(control.estimator.bandwidth),
+        sample=control.sample_time,
+        delay=delay,
+        sensor_delay=0.5 * mean_over,
+    )
 
 
 def _controller(part: _core.ControllerPart, log: xr.Dataset) -> dict[str, tuple]:  # type: ignore[type-arg]
-    """The core's controller on the log: speeds of the virtual axles, commands of the drives, speed of the train."""
-    started = _core.ControllerPart(
-        name=part.name,
-        step=part.step,
-        controller=part.controller,
-        axles=part.axles,
-        train_speed=log.attrs["train_speed"],
-        axle_speed=log["axle_speed"].to_numpy()[0].tolist(),
-        roller_speed=log["roller_speed"].to_numpy()[0].tolist(),
-    )
+    """The core's controller on the log: torques and speeds of the virtual axles, commands of the drives, speed of the train."""
+    speeds = {name: log[name].to_numpy()[0].tolist() for name in ("axle_speed", "roller_speed")}
+    started = part_of(_core.ControllerPart, part, train_speed=log.attrs["train_speed"], **speeds)
     plant = _core.ControllerPlant(started)
     plant.start()
     index = {(one.name, one.causality): number for number, one in enumerate(plant.variables)}
@@ -228,14 +220,16 @@ def _controller(part: _core.ControllerPart, log: xr.Dataset) -> dict[str, tuple]
     }
     names = [f"{axle}.{name}" for name in ("virtual_speed", "roller_torque_command") for axle in part.axles]
     outputs = [index[name, "output"] for name in (*names, "train.speed")]
-    found = np.empty((log.sizes["time"], len(outputs)))
+    found, taken = np.empty((log.sizes["time"], len(outputs))), np.empty(log["axle_speed"].shape)
     for k, row in enumerate(np.stack(list(inputs.values()), axis=1).tolist()):
         for number, value in zip(inputs, row, strict=True):
             plant.set_input(number, value)
         plant.advance((k + 1) * plant.period)
         found[k] = [plant.get(number) for number in outputs]
+        taken[k] = plant.estimates["estimated_torque"]
     axles = len(part.axles)
     return {
+        "torque_taken": variable(("time", "axle"), taken, "N m", "torque on the axle that the virtual train takes"),
         "virtual_axle_speed": variable(("time", "axle"), found[:, :axles], "rad/s", "speed of the virtual axle"),
         "drive_command": variable(("time", "axle"), found[:, axles:-1], "N m", "command of the roller's drive"),
         "train_speed": variable("time", found[:, -1], "m/s", "of the virtual train"),
@@ -244,7 +238,7 @@ def _controller(part: _core.ControllerPart, log: xr.Dataset) -> dict[str, tuple]
 
 def _doubtful(case: Case, found: xr.Dataset, estimator: _Estimator) -> dict[str, Mask]:
     """Samples whose estimate is not to be relied on, by REASONS, shape (time, axle)."""
-    control, p, memory = rig_of(case)[1], estimator.loop.assumed, estimator.memory
+    control, p, memory = rig_of(case)[1], estimator.assumed, estimator.memory
     wheel, roller = p.wheel_radius * found["axle_speed"].to_numpy(), p.roller_radius * found["roller_speed"].to_numpy()
 
     def off(one: str, other: str, noise: str) -> Mask:

@@ -222,7 +222,8 @@ class LinearBench:
         places = [columns[name] if lag is None else lag.column for name, lag in zip(inputs, lags, strict=True)]
         chosen = np.eye(self._b.shape[1])[:, places]
         # States x, then of each lag its torque (or pressure) and rate; they act on the model, or the inputs without a lag do.
-        loops = [_torque_loop(lag) for lag in lags]
+        none = np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0))
+        loops = [none if lag is None else torque_loop(lag.bandwidth, lag.damping) for lag in lags]
         own, driven, read = (block_diag(*matrices) for matrices in zip(*loops, strict=True))
         acting, direct = chosen @ read, chosen @ np.diag([float(lag is None) for lag in lags])
         a = np.block([[self._a, self._b @ acting], [np.zeros((len(own), len(self._a))), own]])
@@ -283,13 +284,11 @@ def _lag(column: int, motor: Motor, steps: int) -> Lag:
     return Lag(column, angular(motor.bandwidth), motor.damping_ratio, steps)
 
 
-def _torque_loop(lag: Lag | None) -> tuple[Array, Array, Array]:
+def torque_loop(bandwidth: float, damping: float) -> tuple[Array, Array, Array]:
     """The linear torque loop of a drive, `Motor::rates` of the core without its limits: A and B of torque (and rate), and C."""
-    if lag is None:
-        return np.zeros((0, 0)), np.zeros((0, 1)), np.zeros((1, 0))
-    w = lag.bandwidth
-    if lag.damping > 0.0:
-        matrix = np.array([[0.0, 1.0], [-(w**2), -2.0 * lag.damping * w]])
+    w = bandwidth
+    if damping > 0.0:
+        matrix = np.array([[0.0, 1.0], [-(w**2), -2.0 * damping * w]])
         return matrix, np.array([[0.0], [w**2]]), np.array([[1.0, 0.0]])
     return np.array([[-w]]), np.array([[w]]), np.array([[1.0]])
 

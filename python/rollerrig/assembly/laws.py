@@ -47,8 +47,8 @@ def core_struct(struct: type[S], table: BaseModel | None = None, *, without: Col
     return struct(**values)
 
 
-def part_of(struct: type[S], table: BaseModel, **given: Any) -> S:
-    """The same from a table that has more than the struct: of it only what the struct has and is not given."""
+def part_of(struct: type[S], table: object, **given: Any) -> S:
+    """The same from a table, or another struct, that has more: of it only what the struct has and is not given."""
     names = cast("Any", struct).fields
     return struct(**{name: getattr(table, name) for name in names if name not in given}, **given)
 

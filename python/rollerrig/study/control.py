@@ -150,9 +150,11 @@ def family_picture(case: Case, family: Family, results: Sequence[Result]) -> Pic
 
 def loop_blocks(loop: Numbers, points: list[dict[str, float]]) -> list[Block]:
     """Margins and limits of the gains, and figure, of the report."""
-    names = [q.key for q in QUANTITIES.below("loop") if "points" not in q.key]
+    names = [q.key for q in QUANTITIES.below("loop") if q.label and (loop["users"] or "users" not in q.key)]
     table = QUANTITIES.list_table(
-        {"": loop}, names, "The feedback in closed form, and from which factor on its gains on it is unstable."
+        {"": {**loop, **(loop["users"] or {})}},
+        names,
+        "The feedback in closed form, and from which factor on its gains on it is unstable.",
     )
     picture = figures.loop_growth({key: [point[key] for point in points] for key in points[0]})
     caption = (
@@ -170,6 +172,7 @@ class Found:
     results: list[Result]
     courses: dict[str, xr.Dataset]
     loop: list[dict[str, float]]
+    users: dict[str, float] | None  # the point of a user's controller
 
 
 @dataclass(frozen=True)
@@ -199,7 +202,7 @@ class ControlStudy(Study[Found]):
             problem = (self.case.name, "families")
             raise ConfigError([ConfigProblem(*problem, repr(n), one_of(known), nearest(n, known)) for n in unknown])
         if self.user is not None:
-            users_controllers(self.case.with_changes({"rig_control.user": self.user}), {})
+            users_controllers(self.case.with_changes(runs.users_controller(self.user)), {})
 
     @cached_property
     def chosen(self) -> list[Family]:
@@ -210,7 +213,7 @@ class ControlStudy(Study[Found]):
     @cached_property
     def variants(self) -> dict[tuple[str, str, float], Case]:
         """Family, curve and value of each variant -> its case; those of 'references' have no value."""
-        own: dict[str, Any] = {runs.USER: {"rig_control.user": self.user}} if self.user else {}
+        own: dict[str, Any] = {runs.USER: runs.users_controller(self.user)} if self.user else {}
         shipped = {
             ("references", label, math.nan): changes for label, changes in (runs.references(self.case) | own).items()
         }
@@ -224,7 +227,7 @@ class ControlStudy(Study[Found]):
 
     def rounds(self, done: Done) -> Iterator[Round]:
         jobs = {_name(key): job(run_variant, case, key[0] == "references") for key, case in self.variants.items()}
-        yield {**jobs, **(runs.loop_jobs(self.case) if self.loop else {})}
+        yield {**jobs, **(runs.loop_jobs(self.case, self.user) if self.loop else {})}
         yield {f"course of {_name(key)}": job(run_variant, self.variants[key], True) for key in self._worst(done)}
 
     def _worst(self, done: Done) -> list[tuple[str, str, float]]:
@@ -253,7 +256,8 @@ class ControlStudy(Study[Found]):
                 label = f"{family.name.replace('_', ' ')},\n{key[1]}: {family.text(key[2])}"
                 courses[label] = done[f"course of {_name(key)}"]["course"]
         loop = (point for name, point in done.items() if name.startswith("gains times "))
-        return Found(references, results, courses, sorted(loop, key=lambda point: point["factor"]))
+        points = sorted(loop, key=lambda point: point["factor"])
+        return Found(references, results, courses, points, done.get(runs.USER))
 
     def numbers(self, results: Found) -> dict[str, Any]:
         return {
@@ -273,7 +277,7 @@ class ControlStudy(Study[Found]):
                 }
                 for rank in ranking(self.chosen, results.results)
             ],
-            "loop": runs.loop_numbers(self.case, results.loop) if results.loop else None,
+            "loop": runs.loop_numbers(self.case, results.loop, results.users) if results.loop else None,
         }
 
     def summary(self, results: Found, numbers: Numbers) -> list[str]:

@@ -8,6 +8,7 @@
 #include "rollerrig/mechatronics/motor.hpp"
 #include "rollerrig/mechatronics/rig_controller.hpp"
 #include "rollerrig/mechatronics/rig_laws.hpp"
+#include "rollerrig/plant/controller_plant.hpp"
 
 using namespace rollerrig;
 
@@ -278,4 +279,30 @@ TEST_CASE(
     REQUIRE(std::fabs(train.wheel_radius * state.axle_speed(0) - state.speed()) < 0.02);
     REQUIRE(state.force(0) < 0.0);
   }
+}
+
+TEST_CASE(
+    "small motions of the controller alone: torque of a drive, filtered, through (D3) and (D5) on a rail that gives "
+    "nothing") {
+  double const period = 1e-3, speed = 30.0, low_pass = 1.0 - std::exp(-125.0 * period);
+  ControllerPlant plant({.name = "small",
+                         .step = period,
+                         .controller = {.controller = controller_of_two_axles(FilteredDerivative{125.0}, 1e9, 1.0)},
+                         .axles = {"axle_1", "axle_2"},
+                         .train_speed = speed,
+                         .axle_speed = {speed / r, speed / r},
+                         .roller_speed = {speed / R, speed / R}});
+  plant.start(1.0);
+  auto const index = [&](char const* name) {
+    auto const all = plant.variables();
+    return static_cast<int>(std::ranges::find(all, name, &Variable::name) - all.begin());
+  };
+  REQUIRE(plant.set_input(index("train.friction_change"), -1.0));
+  std::array const moves{std::pair{index("axle_1.roller_torque"), 100.0}};
+  auto const [rows, columns, matrix] = plant.jacobian(moves);
+  CHECK(rows - 2 == columns - 1);
+  double const* command = &matrix[(rows - 2) * columns];
+  CHECK(command[columns - 1] == doctest::Approx(-low_pass * J_r * (r / R) * (r / R) / J_w).epsilon(1e-9));
+  CHECK(command[2 * columns - 1] == 0.0);  // of the other axle
+  CHECK(plant.jacobian(moves).matrix == matrix);
 }

@@ -12,6 +12,7 @@ from threadpoolctl import threadpool_info, threadpool_limits
 
 import rollerrig
 from rollerrig.analysis import loop_stability, modes
+from rollerrig.analysis.control_loop import Wheel
 from rollerrig.analysis.mode_table import stability
 from rollerrig.analysis.signals import fit
 from rollerrig.common import linear_algebra
@@ -77,12 +78,11 @@ def test_the_checks_before_a_run_are_done_on_one_thread(two_threads, seen) -> No
 
 def test_the_sampled_loop_and_fits_are_solved_on_one_thread(two_threads, seen) -> None:
     fit(np.arange(3.0), np.ones(3))
-    wheel = loop_stability.Wheel(112.0, 700.0, 0.46, 0.725)
-    plant = loop_stability.rolling_plant(wheel, 1e6)
-    made = {"step": 1e-3, "sample": 1e-3, "delay": 0.0, "proportional": 10.0, "integral": 0.0, "bandwidth": 100.0}
-    made |= {"real": wheel, "assumed": wheel, "creep": 1e6, "virtual_creep": 0.0, "damping": 1.0}
-    made |= {"drive_bandwidth": 300.0, "drive_damping": 0.0, "estimator": "filtered_derivative"}
-    loop_stability.growth(loop_stability.Loop(**made), plant)
+    made = {"step": 1e-3, "sample": 1e-3, "delay": 0.0, "drive_bandwidth": 300.0, "drive_damping": 0.0, "creep": 1e6}
+    made |= {"wheel": Wheel(112.0, 700.0, 0.46, 0.725), "axles": 1, "proportional": 0.0, "integral": 0.0}
+    made |= {"torque_gain": 0.0, "controller": -np.ones((1, 5)), "feedback": np.zeros((1, 5))}
+    loop = loop_stability.Loop(**made)
+    loop_stability.growth(loop, loop_stability.rolling_plant(loop))
     assert seen == {"lstsq": {1}, "expm": {1}, "eigvals": {1}}
 
 
@@ -136,6 +136,7 @@ def test_no_module_solves_matrices_without_it() -> None:
         "modes.py",
         "linear_algebra.py",
         "starting_state.py",
+        "linear_controller.py",
         "loop_stability.py",
         "signals.py",
     } <= set(users)

@@ -19,9 +19,12 @@ import xarray as xr
 
 from called import called
 from rollerrig import Case, _core, export_part, load_case, simulate
+from rollerrig.analysis.control_loop import loop_of, users_loop
+from rollerrig.analysis.loop_stability import ABOVE, growth, vehicle_plant
 from rollerrig.cli.describe import describe_case
 from rollerrig.config import ConfigError, case_from_toml
 from rollerrig.simulation.fmu_file import cut_off
+from rollerrig.study.runs.control import excited_case
 
 fmpy = pytest.importorskip("fmpy", reason="FMPy is an optional dependency")
 validation = pytest.importorskip("fmpy.validation")
@@ -73,6 +76,20 @@ def test_our_controller_brought_back_in_gives_the_same_run(
     if name != "adhesion_train":
         assert np.ptp(built_in[asked].values) > 0.0
     assert re.fullmatch(rf"part\.fmu: .*, FMI {fmi}\.0, SHA-256 [0-9a-f]{{64}}", outside.attrs[f"{part}_fmu"])
+
+
+@pytest.mark.slow
+def test_motions_of_the_loop_that_an_fmu_closes_are_those_of_what_is_in_it(tmp_path: Path) -> None:
+    case = excited_case(load_case("adhesion_brake").with_changes({"rig_control.estimator": "kalman"}))
+    file = export_part(case, "rig_control", tmp_path / "part.fmu")
+    inside, outside = (
+        loop_of(case, 1e6, sliding=False),
+        users_loop(case.with_changes({"rig_control.fmu": str(file)}), 1e6),
+    )
+    assert inside is not None
+    assert outside is not None
+    expected, found = (growth(loop, vehicle_plant(case), ABOVE) for loop in (inside, outside))
+    assert found == pytest.approx(expected, rel=1e-5)
 
 
 def test_fmpy_alone_runs_our_slide_protection(protection: Path) -> None:

@@ -45,7 +45,7 @@ def held_growth(case: Case) -> tuple[float, float]:
     if loop is None or case.brake is None:
         return math.nan, math.nan
     holds = -friction_brake(case.brake).torque(max(row[1] for row in case.brake.demand), STANDS) / STANDS
-    return growth(loop.scaled(0.0), rolling_plant(loop.real, loop.creep, holds), above=ABOVE)
+    return growth(loop.scaled(0.0), rolling_plant(loop, holds), above=ABOVE)
 
 
 def test_the_loop_of_a_held_wheel_grows_with_some_estimators_and_has_none_with_exact_torque() -> None:
@@ -85,7 +85,7 @@ def test_reaction_of_the_brake_closes_a_loop_that_rings() -> None:
     assert rate > 1.0
     loop = loop_of(case, creep_slope(case), sliding=True)
     assert loop is not None
-    assert growth(loop, rolling_plant(loop.real, loop.creep))[0] < 0.0, "the turning wheel is stable"
+    assert growth(loop, rolling_plant(loop))[0] < 0.0, "the turning wheel is stable"
     part = simulate(case).sel(time=LOCKED)
     ripple = torque_ripple(part["time"].to_numpy(), part["roller_torque"].to_numpy())
     assert ripple.rms > 5000.0

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
 
 from rollerrig import load_case
-from rollerrig.analysis.control_loop import Loop, Wheel, creep_slope, loop_of, margins, wheel_of
+from rollerrig.analysis.control_loop import Loop, Wheel, creep_slope, loop_of, margins, users_loop, wheel_of
 from rollerrig.analysis.loop_stability import (
     ABOVE,
     gain_limit,
@@ -42,26 +42,15 @@ def points(case: Case, *factors: float) -> list[dict[str, float]]:
     return [work.call(lambda _fraction, _text: None) for work in jobs]
 
 
-def loop(**changes: object) -> Loop:
+def loop(creep: float = ROLLING, **changes: object) -> Loop:
     """A PI loop of 0.7 Hz whose estimator filters force and acceleration alike, so that feed-forward sees no drive."""
-    proportional, integral = gains(0.7 * HZ, 0.7)
-    made = Loop(
-        real=WHEEL,
-        assumed=WHEEL,
-        creep=ROLLING,
-        virtual_creep=0.0,
-        drive_bandwidth=50.0 * HZ,
-        drive_damping=0.0,
-        step=1e-3,
-        sample=1e-3,
-        delay=0.0,
-        proportional=proportional,
-        integral=integral,
-        estimator="filtered_derivative",
-        bandwidth=20.0 * HZ,
-        damping=0.8,
-    )
-    return replace(made, **changes)  # type: ignore[arg-type]
+    plain = {"estimator.kind": "filtered_derivative", "axle_torque.kind": "estimated", "drive_command.kind": "direct"}
+    given = {key.replace("__", "."): value for key, value in changes.items()}
+    case = load_case("adhesion_brake").with_changes({"time.sampling_step": given.get("sample_time", 1e-3)})
+    case = case.with_changes({f"rig_control.{key}": value for key, value in {**plain, **given}.items()})
+    made = loop_of(case, creep, sliding=True)
+    assert made is not None
+    return made
 
 
 def test_margins_are_those_of_the_closed_form() -> None:
@@ -78,23 +67,23 @@ def test_margins_are_those_of_the_closed_form() -> None:
 def test_slow_drives_are_unstable_where_routh_says() -> None:
     """s^2 (1 + s/w_d) + 2 zeta w s + w^2 is stable where w_d > w / (2 zeta): 0.5 Hz here."""
     limit = 0.7 / (2.0 * 0.7) * HZ
-    fine = {"step": 1e-4, "sample": 1e-4}  # sampling adds half a sample of delay: 0.03 % of the margin
+    # Sampling adds half a sample of delay: 0.03 % of the margin.
     for factor, unstable in ((0.95, True), (1.05, False)):
-        slow = loop(drive_bandwidth=factor * limit, **fine)
-        assert (growth(slow, rolling_plant(WHEEL, 1e7))[0] > 0.0) == unstable, factor
+        slow = loop(1e7, motor__bandwidth=factor * limit / HZ, sample_time=1e-4)
+        assert (growth(slow, rolling_plant(slow))[0] > 0.0) == unstable, factor
 
 
 @pytest.mark.parametrize("delay", [0.0, 4e-3])
 def test_the_sampled_loop_is_unstable_from_the_gain_margin_on(delay: float) -> None:
     """Sampling as a delay of half a sample holds while the oscillation, 60 to 130 Hz, is slow against 1 kHz: within 3 %."""
     creep = 657600.0
-    made = loop(delay=delay, creep=creep)
-    assert gain_limit(made, rolling_plant(WHEEL, creep)) == pytest.approx(margins(made).gain, rel=0.03)
+    made = loop(creep, delay=delay)
+    assert gain_limit(made, rolling_plant(made)) == pytest.approx(margins(made).gain, rel=0.03)
 
 
 def test_poles_of_the_sampled_loop_are_those_that_the_gains_were_made_for() -> None:
-    fast = loop(drive_bandwidth=2000.0 * HZ, step=1e-4, sample=1e-4)
-    values = np.log(np.linalg.eigvals(sampled_matrix(fast, rolling_plant(WHEEL, 1e7))).astype(complex) + 1e-300) / 1e-4
+    fast = loop(1e7, motor__bandwidth=2000.0, sample_time=1e-4)
+    values = np.log(np.linalg.eigvals(sampled_matrix(fast, rolling_plant(fast))).astype(complex) + 1e-300) / 1e-4
     wanted = 0.7 * HZ * complex(-0.7, math.sqrt(1.0 - 0.49))
     nearest = values[np.argmin(abs(values - wanted))]
     assert abs(nearest - wanted) < 2e-3 * abs(wanted)  # lag of 0.13 ms at 4.4 rad/s
@@ -105,9 +94,9 @@ def test_an_inertia_assumed_too_large_is_unstable_by_feed_forward() -> None:
     limit = WHEEL.wheelset_inertia / (WHEEL.roller_inertia * WHEEL.ratio**2) * INERTIA
     for factor, unstable in ((0.8, False), (1.2, True)):
         # Given to the wheelset alone, so that force and roller torque stay right.
-        heavy = replace(WHEEL, wheelset_inertia=WHEEL.wheelset_inertia + factor * limit)
-        made = loop(assumed=heavy, proportional=0.0, integral=0.0)
-        assert (growth(made, rolling_plant(WHEEL, 1e7))[0] > 1e-3) == unstable, factor
+        heavy = WHEEL.wheelset_inertia + factor * limit
+        made = loop(1e7, assumed__wheelset_inertia=heavy, feedback__kind="none")
+        assert (growth(made, rolling_plant(made))[0] > 1e-3) == unstable, factor
 
 
 @pytest.mark.slow
@@ -145,7 +134,60 @@ def test_the_core_is_given_the_gains_of_the_closed_form() -> None:
     assert found == pytest.approx(gains(0.7 * HZ, 0.7), rel=1e-12)
 
 
-def test_a_users_controller_has_no_equations_here() -> None:
+USERS = """
+import math
+import numpy as np
+
+class Ours:
+    sample_time = 1e-3
+    sum = 0.0
+
+    def feedback(self, error):
+        self.sum = self.sum + self.sample_time * error
+        return {proportional} * error + {integral} * self.sum
+
+    def step(self, measurements):
+        error = measurements["virtual_speed"] - measurements["axle_speed"]
+        return {{"roller_torque": measurements["feed_forward"] + self.feedback(error)}}
+
+class Switching(Ours):
+    def feedback(self, error):
+        return 500.0 * np.sign(error)
+
+class Alternating(Ours):
+    count = 0
+
+    def feedback(self, error):
+        self.count += 1
+        return self.count % 2 * 2e4 * error
+
+class Failing(Ours):
+    def feedback(self, error):
+        return math.nan * error
+"""
+
+
+def test_a_users_controller_has_the_motions_of_ours_with_the_same_law(tmp_path: Path) -> None:
+    case = excited_case(load_case("adhesion_brake"))
+    ours, vehicle = loop_of(case, 1e6, sliding=False), vehicle_plant(case)
+    assert ours is not None
+    ours = ours.scaled(20.0)
+    file = tmp_path / "users.py"
+    file.write_text(USERS.format(proportional=ours.proportional, integral=ours.integral))
+    found = users_loop(case.with_changes({"rig_control.user": f"{file}:Ours"}), 1e6)
+    assert found is not None
+    assert growth(found, vehicle, ABOVE) == pytest.approx(growth(ours, vehicle, ABOVE), rel=1e-4)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["Switching", "Alternating", "Failing"])
+def test_what_is_not_linear_has_no_motions(name: str, tmp_path: Path) -> None:
+    (tmp_path / "users.py").write_text(USERS.format(proportional=4e3, integral=1e4))
+    changes = {"rig_control.user": f"{tmp_path / 'users.py'}:{name}"}
+    assert users_loop(excited_case(load_case("adhesion_brake")).with_changes(changes), 1e6) is None
+
+
+def test_a_users_controller_is_not_ours() -> None:
     case = load_case("adhesion_brake").with_changes({"rig_control.user": "mine:Mine"})
     assert loop_of(case, 1e6, sliding=True) is None
 

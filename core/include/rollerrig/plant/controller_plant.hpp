@@ -10,6 +10,7 @@
 #include <memory>
 #include <span>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "rollerrig/plant/variable.hpp"
@@ -44,6 +45,23 @@ class ControllerPlant : public AnyPlant {
   std::unique_ptr<AnyPlant> anew() const override { return std::make_unique<ControllerPlant>(part_); }
 
   ControllerPart const& part() const { return part_; }
+
+  /// One sample in small motions, by rows: states and commands after it over states before it and inputs.
+  struct Jacobian {
+    std::size_t rows{}, columns{};
+    std::vector<double> matrix{};
+  };
+  /// By central differences about the present. States are the numbers that a sample changes, each varied as far as the inputs
+  /// bring it.
+  ///
+  /// @param moves  inputs that vary, by index, and how far: within what is linear
+  Jacobian jacobian(std::span<std::pair<int, double> const> moves);
+
+  /// What the rig's controller finds of an axle, or nothing of another controller.
+  RigController::AxleState const* axle(std::size_t i) const {
+    auto const* rig = std::get_if<RigController::State>(&state_);
+    return rig != nullptr ? &rig->axle[i] : nullptr;
+  }
 
  private:
   /// Where the number of an input belongs among the measurements.

@@ -1,6 +1,7 @@
 // plant/state_archive.hpp - everything that changes in a run to bytes and back, number by number.
 //
 //   objects with state(archive) -> [StateWriter] -> bytes -> [StateReader] -> the same objects of the same model
+//                               -> [StateNumbers] -> real numbers, to be changed one by one
 //
 // A class that changes in a run lists its members in `state`; what follows from the model is not among them. The bytes are for
 // this build and this model alone. The reader goes into objects that have just begun: lists have the lengths that they have there,
@@ -136,6 +137,22 @@ class StateReader : public StateArchive<StateReader> {
 
  private:
   bool all_finite_{true};
+};
+
+/// The real numbers of a state, by where they stand: for differences about it.
+class StateNumbers : public StateArchive<StateNumbers> {
+ public:
+  static constexpr bool reading = false;
+  std::vector<double*> places;
+
+  std::size_t size(std::size_t value) { return value; }
+  bool flag(bool value) { return value; }
+  template <class V>
+  void numbers(V* values, std::size_t count) {
+    if constexpr (std::is_same_v<V, double>)
+      for (std::size_t i = 0; i < count; ++i) places.push_back(values + i);
+  }
+  void raw(double* values, std::size_t count) { numbers(values, count); }
 };
 
 }  // namespace rollerrig

@@ -17,7 +17,7 @@ import numpy as np
 import xarray as xr
 
 from rollerrig.analysis import loop_stability
-from rollerrig.analysis.control_loop import Loop, Wheel, creep_slope, loop_of, margins, wheel_of
+from rollerrig.analysis.control_loop import Loop, Wheel, creep_slope, loop_of, margins, users_loop, wheel_of
 from rollerrig.analysis.slide_statistics import following, largest, slip, under_test, unwanted_ripple
 from rollerrig.assembly.actuators import assemble_with_actuators
 from rollerrig.cases import rig_of
@@ -102,6 +102,11 @@ FEEDBACKS: dict[str, Vary] = {
 }
 
 USER = "user's controller"  # label of the user's own controller
+
+
+def users_controller(user: str) -> Changes:
+    """What puts it in place of ours: a class as 'file.py:Class' or 'module:Class', or an FMU."""
+    return {f"rig_control.{'fmu' if user.endswith('.fmu') else 'user'}": user}
 
 
 def number_at(case: Case, key: str, otherwise: float) -> float:
@@ -329,29 +334,27 @@ def excited_case(case: Case) -> Case:
     return case.with_changes(changes)
 
 
-def loop_jobs(case: Case) -> Round:
-    """Excited runs over FACTORS; none where the linear loop has no equations."""
+def loop_jobs(case: Case, user: str | None = None) -> Round:
+    """Excited runs over FACTORS, and one of a user's controller; none where there is no linear loop, see `loop_of`."""
     excited = excited_case(case)
     creep = creep_slope(excited)
     loop = loop_of(excited, creep, sliding=False)
     if loop is None:
         return {}
+    users = {USER: job(users_point, excited.with_changes(users_controller(user)), creep)} if user else {}
     scaled = {factor: loop.scaled(factor) for factor in FACTORS}
     gains = {factor: {f"rig_control.feedback.{name}": getattr(one, name) for name in ("proportional", "integral")}
              for factor, one in scaled.items()}  # fmt: skip
-    return {
-        f"gains times {f:.4g}": job(loop_point, f, excited.with_changes(gains[f]), scaled[f], creep) for f in FACTORS
-    }
+    points = {f"gains times {f:.4g}": job(loop_point, f, excited.with_changes(gains[f]), scaled[f]) for f in FACTORS}
+    return {**points, **users}
 
 
-def loop_point(
-    factor: float, case: Case, loop: Loop, creep: float, progress: Progress | None = None
-) -> dict[str, float]:
+def loop_point(factor: float, case: Case, loop: Loop, progress: Progress | None = None) -> dict[str, float]:
     """One excited run beside the eigenvalues of its loop, by the names of `loop.points`."""
     run = whole_run(case, progress)
     error = run["virtual_speed"] - run["axle_speed"]
     measured, amplitude = loop_stability.measured_growth(error, EXCITED_AT + 0.1)
-    plants = {"rolling": loop_stability.rolling_plant(loop.real, creep), "vehicle": loop_stability.vehicle_plant(case)}
+    plants = {"rolling": loop_stability.rolling_plant(loop), "vehicle": loop_stability.vehicle_plant(case)}
     above = loop_stability.ABOVE
     found = {of: loop_stability.growth(loop, plant, above=above) for of, plant in plants.items()} | {
         "measured": measured
@@ -363,8 +366,16 @@ def loop_point(
     return {"factor": factor, **point, "unstable": float(unstable)}
 
 
-def loop_numbers(case: Case, points: list[dict[str, float]]) -> dict[str, Any] | None:
-    """Margins and gain limits of the PI loop as shipped."""
+def users_point(case: Case, creep: float, progress: Progress | None = None) -> dict[str, float]:
+    """The same of a user's controller; NaN: it is not linear."""
+    loop = users_loop(case, creep)
+    if loop is None:
+        return dict.fromkeys(("vehicle_rate", "vehicle_hz", "measured_rate"), math.nan)
+    return loop_point(1.0, case, loop, progress)
+
+
+def loop_numbers(case: Case, points: list[dict[str, float]], users: dict[str, float] | None) -> dict[str, Any] | None:
+    """Margins and gain limits of the PI loop as shipped, beside the points over its gains and that of a user's controller."""
     excited = excited_case(case)
     creep = creep_slope(excited)
     loop, sliding = (loop_of(excited, creep, sliding=slides) for slides in (False, True))
@@ -375,8 +386,9 @@ def loop_numbers(case: Case, points: list[dict[str, float]]) -> dict[str, Any] |
         "crossover_hz": found.phase_frequency,
         "phase_margin_deg": math.degrees(found.phase),
         "gain_margin": found.gain,
-        "unstable_from_factor_alone": loop_stability.gain_limit(loop, loop_stability.rolling_plant(loop.real, creep)),
+        "unstable_from_factor_alone": loop_stability.gain_limit(loop, loop_stability.rolling_plant(loop)),
         "unstable_from_factor": loop_stability.gain_limit(loop, vehicle),
         "unstable_from_factor_sliding": loop_stability.gain_limit(sliding, vehicle),
         "points": points,
+        "users": users,
     }

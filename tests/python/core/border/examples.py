@@ -265,7 +265,6 @@ class Examples:
             "rail_friction": Call(
                 _core.rail_friction, {"map": objects["AdhesionMap"], "at": np.linspace(0.0, 50.0, 4)}
             ),
-            "mean_reduction": Call(_core.mean_reduction, {"k_A": 0.8, "k_S": 0.4}),
             "RollingReference": Call(_core.RollingReference, {"a_over_b": 1.5, "poisson_ratio": 0.28, "fineness": 0.5}),
             "RollingReference.on_rows": Call(
                 _core.RollingReference.on_rows,
@@ -290,8 +289,14 @@ class Examples:
                 _core.estimator_response,
                 {"estimator": objects["ObserverEstimator"], "assumed": assumed, "period": period},
             ),
-            "kalman_gain": Call(
-                _core.kalman_gain, {"filter": objects["KalmanEstimator"], "assumed": assumed, "period": period}
+            "estimate": Call(
+                _core.estimate,
+                {
+                    "estimator": objects["KalmanEstimator"],
+                    "assumed": assumed,
+                    "period": period,
+                    "samples": np.ones((3, 3)),
+                },
             ),
             "feedback_gains": Call(
                 _core.feedback_gains, {"feedback": objects["ProportionalIntegralFeedback"], "assumed": assumed}
@@ -452,6 +457,9 @@ class Examples:
             "ControllerPlant.advance": Call(lambda **given: _core.ControllerPlant(alone).advance(**given), {"t": 0.01}),
             "ControllerPlant.set_input": Call(
                 lambda **given: _core.ControllerPlant(alone).set_input(**given), {"index": 0, "value": 43.0}
+            ),
+            "ControllerPlant.jacobian": Call(
+                lambda **given: _core.ControllerPlant(alone).jacobian(**given), {"moves": [(0, 1e-3)]}
             ),
             "ControllerPlant.get": Call(lambda **given: _core.ControllerPlant(alone).get(**given), {"index": 0}),
             "PartNames": Call(_core.PartNames, fields(given["names"])),
