@@ -227,9 +227,9 @@ def decide(amplitudes: Sequence[float], window: float, *, ended: bool = False) -
 
 
 def _lingers(amplitudes: Array) -> bool:
-    """Whether amplitudes [m] fall without slowing down: as beside an unstable cycle, which the motion then leaves."""
+    """Whether amplitudes [m] fall without slowing down: as beside an unstable cycle, which the motion then leaves, or slowly."""
     falls = -np.diff(np.log(np.maximum(amplitudes, 1e-300)))
-    return bool((falls > LEVEL).all()) and float(falls[-1]) >= float(falls[0])
+    return bool((falls > LEVEL).all() and falls[-1] >= (1.0 - SETTLED) * falls[0])  # equal ones to round-off
 
 
 def is_settled(amplitudes: Sequence[float], window: float) -> bool:
