@@ -9,6 +9,7 @@ import pytest
 from rollerrig.catalog import catalog_text
 from rollerrig.config import ConfigError, Contact, load_any, load_case, load_vehicle
 from rollerrig.config.errors import show_value
+from rollerrig.config.schema.actuators import Brake
 from rollerrig.config.schema.rig_control import KalmanFilter, NoFeedback
 
 from .conftest import MistakesOf, spoil
@@ -122,7 +123,7 @@ PRIMARY = 'between = ["front_frame", "wheelset_1"]\npoint = [10.78, 1.0, 0.46]'
          "support.toml: roller_inertia: missing; needed: moments of inertia of a pair about x, y (spin) and z through its "
          "centre [kg m^2]"),
         ("case", "[time]", "[brake]\n\n[time]",
-         "case.toml: brake.demand: missing; needed: rows [time, cylinder pressure over the ambient]; linear between [s, Pa]"),
+         f"case.toml: brake.demand: missing; needed: {Brake.model_fields['demand'].description} [s, Pa]"),
         ("case", "[time]", "[brake]\ndemand = [[0, 0], ['1 s']]\n\n[time]",
          "case.toml: brake.demand[1][1]: missing; needed: a number in Pa or a text with a unit like '3.8 bar', "
          "from 0 to 1e+08 Pa"),
