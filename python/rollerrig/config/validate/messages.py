@@ -267,8 +267,9 @@ def _needed(place: _Place) -> str:
     numbers = () if place.choices else tuple(dict.fromkeys(quantities_in(place.annotation, marks)))
     if numbers and get_origin(_bare(place.annotation)) is not tuple:
         return numbers[0].allowed.replace("allowed", "needed", 1) + other
-    units = f" [{', '.join(dict.fromkeys(one.unit for one in numbers))}]" if numbers else ""
-    return f"needed: {place.field.description}{units}{other}" if place.field and place.field.description else "needed"
+    units = ", ".join(dict.fromkeys("-" if one.unit == "1" else one.unit for one in numbers))
+    said = place.field.description if place.field else ""
+    return f"needed: {said}{f' [{units}]' if units else ''}{other}" if said else "needed"
 
 
 def _instead(field: FieldInfo | None) -> str:
