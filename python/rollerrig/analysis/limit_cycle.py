@@ -216,7 +216,7 @@ def decide(amplitudes: Sequence[float], window: float, *, ended: bool = False, e
     if not len(last):
         return "open"
     if early:
-        return "persists" if last[-1] >= LEAST_AMPLITUDE and _are_alike(last[-WINDOWS:], SETTLED_EARLY) else "open"
+        return "persists" if last[-1] >= LEAST_AMPLITUDE and _are_alike(last[-WINDOWS:], SETTLED_EARLY, 0.0) else "open"
     changes = np.diff(np.log(np.maximum(last, 1e-300)))
     if last[-1] < LEAST_AMPLITUDE:
         tiny = len(changes) > 0 and last[-1] < 0.05 * LEAST_AMPLITUDE
@@ -230,15 +230,16 @@ def decide(amplitudes: Sequence[float], window: float, *, ended: bool = False, e
     return "persists" if ended and len(changes) > 1 and (changes > 0.0).all() else "open"
 
 
-def _are_alike(last: Array, part: float) -> bool:
+def _are_alike(last: Array, part: float, level: float = LEVEL) -> bool:
     """Whether the last WINDOWS amplitudes [m] differ by this part of the largest at most, and do not linger.
 
-    A motion lingers that falls without slowing down: as beside an unstable cycle, which it then leaves.
+    A motion lingers that falls by more than the level without slowing down, but for round-off: as beside an unstable cycle,
+    which it then leaves, or in a slow decay.
     """
     if len(last) < WINDOWS or float(np.ptp(last)) > part * float(last.max()):
         return False
     falls = -np.diff(np.log(np.maximum(last, 1e-300)))
-    return not ((falls > LEVEL).all() and float(falls[-1]) >= float(falls[0]))
+    return not ((falls > level).all() and float(falls[-1]) >= (1.0 - SETTLED) * float(falls[0]))
 
 
 def is_settled(amplitudes: Sequence[float], window: float) -> bool:

@@ -19,3 +19,7 @@ def main() -> None:
     except BrokenPipeError:  # `rollerrig catalog | head`
         sys.stderr.close()
         sys.exit(1)  # termination.CLOSED
+    except Exception as error:  # pydantic makes an error of its own of an interrupt while it builds a model
+        if "KeyboardInterrupt" not in str(error):
+            raise
+        sys.exit(130)

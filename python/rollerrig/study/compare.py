@@ -15,6 +15,8 @@ import xarray as xr
 from rollerrig.analysis import SPEEDS_KMH
 from rollerrig.analysis.control_loop import RollingState, rolling_state
 from rollerrig.analysis.critical_speed import (
+    ALL_OFF,
+    ALL_ON,
     EFFECTS,
     RADII,
     RANGE_KMH,
@@ -326,7 +328,8 @@ class CompareStudy(Study[Results]):
             parts = [f"{change_in_words(ratio)} ({kind})" for kind, ratio in ratios.items() if ratio.bounded]
             if parts:
                 lines.append(f"Against {last}, the critical speed on {label} is {' and '.join(parts)}.")
-        return [*lines, speeds.effects_sentence(effect_split(results.effects))] if results.effects else lines
+        ends_known = {ALL_ON, ALL_OFF} <= results.effects.keys()
+        return [*lines, speeds.effects_sentence(effect_split(results.effects))] if ends_known else lines
 
     def files(self, results: Results, numbers: Numbers) -> Mapping[str, Any]:
         on = {label: numbers["supports"][label] for label in self.supports}.items()

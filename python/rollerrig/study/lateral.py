@@ -227,13 +227,14 @@ class LateralStudy(Study[Found]):
 
     def summary(self, results: Found, numbers: Numbers) -> list[str]:
         runs = numbers["runs"]
+        ended = {key: run for key, run in results.runs.items() if run.attrs["status"] not in COMPLETED}
         control = {"rig_centred": runs.get("rig_centred", {}), **numbers["ensemble"]}
         lines = [
             f"{LABELS[key]}: {said}." for key, one in control.items() if (said := self.quantities.said(one, CONTROL))
         ]
         for key, run in runs.items():
             before, later = (run[name] for name in HUNTING)
-            if later is not None and "centred" not in key:
+            if later is not None and "centred" not in key and key not in ended:
                 end = "dies" if later < LEFT * before else "goes on"
                 lines.append(f"Hunting, {LABELS[key]}: {self.quantities.said(run, HUNTING)}: it {end}.")
         lines.append(CAUSES)
@@ -241,7 +242,6 @@ class LateralStudy(Study[Found]):
         lines += [
             f"What remains of lateral creep on a sliding wheel, {LABELS[key]}: {said}." for key, said in guided.items()
         ]
-        ended = {key: run for key, run in results.runs.items() if run.attrs["status"] not in COMPLETED}
         return lines + [f"{LABELS[key]}: {run.attrs['status_message']}" for key, run in ended.items()]
 
     def shown(self, results: Found) -> Mapping[str, xr.Dataset]:

@@ -125,7 +125,7 @@ class _Run:
         self._in_processes = count > 1 and not executor
         self._free = list(range(ELSEWHERE_AHEAD if executor else max(count, 1)))  # places of jobs
         # how far the job of each place is, negative before its process is ready; the last one: whether they shall stop
-        self._state = _CONTEXT.RawArray("d", [-1.0 if self._in_processes else 0.0] * len(self._free) + [0.0])
+        self._state = _CONTEXT.RawArray("d", [0.0] * (len(self._free) + 1))
         self._pools: dict[int, ProcessPoolExecutor] = {}
         self._waiting, self._alone, self._died = deque(jobs.items()), deque[tuple[str, Job]](), set[str]()
         self._running: dict[Future[Any], tuple[str, Job, int]] = {}
@@ -177,10 +177,7 @@ class _Run:
         if self._elsewhere:
             return self._elsewhere.submit(_call, job)
         if self._in_processes:
-            with _interrupts_blocked():
-                if place not in self._pools:
-                    self._pools[place] = ProcessPoolExecutor(1, _CONTEXT, _begin, (self._state, place))
-                return self._pools[place].submit(_work, Job(job.function, job.arguments))
+            return self._submit_to_worker(Job(job.function, job.arguments), place)
         future: Future[Any] = Future()
 
         def progress(fraction: float, _text: str) -> None:
@@ -195,6 +192,21 @@ class _Run:
             future.set_exception(error)
         return future
 
+    def _submit_to_worker(self, job: Job, place: int) -> Future[Any]:
+        with _interrupts_blocked():
+            if place not in self._pools:
+                self._state[place] = -1.0
+                self._pools[place] = ProcessPoolExecutor(1, _CONTEXT, _begin, (self._state, place))
+            pool = self._pools[place]
+            try:
+                future = pool.submit(_work, job)
+            except BrokenProcessPool:  # its process ended while it had no job
+                self._pools.pop(place).shutdown()
+                return self._submit_to_worker(job, place)
+        # the end of the worker alone is left: else half a result, of a process that was killed, would be waited for for ever
+        pool._result_queue._writer.close()  # type: ignore[attr-defined]
+        return future
+
     def _released(self, future: Future[Any], place: int) -> bool:
         """Make the place of a job free for another one; whether its process has ended.
 
@@ -206,7 +218,7 @@ class _Run:
             if self._state[place] < 0.0 and self._stopped == math.inf:
                 raise WorkerError
             self._pools.pop(place).shutdown()
-        self._state[place] = -1.0 if died else 0.0
+        self._state[place] = 0.0
         self._free.append(place)
         return died
 

@@ -14,10 +14,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from pydantic_core import SchemaError
 
 import rollerrig as rr
 from called import call, called
-from rollerrig.cli import termination
+from rollerrig.cli import main, termination
 from rollerrig.results import read_manifest
 from rollerrig.results.folder import checksum
 from rollerrig.study.checkpoint import NAME as NAME_OF_JOBS
@@ -230,3 +231,16 @@ def test_exit_codes_are_those_of_the_documentation() -> None:
     assert documented == own
     shown = call("--help")[1]
     assert all(re.search(rf"\b{code}\b", shown) for code in own)
+
+
+@pytest.mark.parametrize(
+    ("message", "ends"), [('Error building "literal" validator:\n  KeyboardInterrupt: ', SystemExit), ("", SchemaError)]
+)
+def test_an_interrupt_while_models_are_built_ends_as_any_other(message: str, ends: type, monkeypatch) -> None:
+    def interrupted() -> None:
+        raise SchemaError(message)
+
+    monkeypatch.setattr("rollerrig.cli.app.build_app", interrupted)
+    with pytest.raises(ends) as error:
+        main()
+    assert getattr(error.value, "code", 130) == 130

@@ -9,6 +9,7 @@ import pytest
 from rollerrig.catalog import catalog_text
 from rollerrig.config import ConfigError, Contact, load_any, load_case, load_vehicle
 from rollerrig.config.errors import show_value
+from rollerrig.config.schema.actuators import Brake
 from rollerrig.config.schema.rig_control import KalmanFilter, NoFeedback
 
 from .conftest import MistakesOf, spoil
@@ -117,6 +118,15 @@ PRIMARY = 'between = ["front_frame", "wheelset_1"]\npoint = [10.78, 1.0, 0.46]'
          "case.toml: time.step: missing; needed: the step of the fixed-step method exponential_adams, e.g. step = '0.1 ms'"),
         ("case", 'output_step = "2 ms"', 'output_step = "20 s"',
          "case.toml: time.output_step: '20 s'; allowed: at most the duration, 10 s"),
+        # missing, of a list and in one
+        ("support", "roller_inertia = [1800.0, 705.0, 1800.0]", "",
+         "support.toml: roller_inertia: missing; needed: moments of inertia of a pair about x, y (spin) and z through its "
+         "centre [kg m^2]"),
+        ("case", "[time]", "[brake]\n\n[time]",
+         f"case.toml: brake.demand: missing; needed: {Brake.model_fields['demand'].description} [s, Pa]"),
+        ("case", "[time]", "[brake]\ndemand = [[0, 0], ['1 s']]\n\n[time]",
+         "case.toml: brake.demand[1][1]: missing; needed: a number in Pa or a text with a unit like '3.8 bar', "
+         "from 0 to 1e+08 Pa"),
         # torque
         ("case", "[time]", '[[axle_torque]]\nwheelset = "front_frame"\nconstant = "1 kN m"\n\n[time]',
          "case.toml: axle_torque.front_frame.wheelset: 'front_frame'; allowed: wheelset_1, wheelset_2"),

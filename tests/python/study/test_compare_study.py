@@ -176,6 +176,17 @@ def test_a_loss_of_independent_effects_leaves_no_interaction() -> None:
     assert math.isnan(effect_split({})["track_kmh"])
 
 
+def test_a_loss_is_told_only_once_rig_and_track_are_computed() -> None:
+    study = CompareStudy(compared_cases("manchester_vehicle_1", ["rig", "track"], "leading_wheelset"), (60.0,))
+    results = study.collect({"linear critical speed rig": scan(200.0)})
+    assert results is not None
+    told = []
+    for on in (frozenset(EFFECTS), frozenset[str]()):
+        results.effects[on] = scan(200.0)
+        told.append("on track" in study.summary(results, {})[-1] or "no loss" in study.summary(results, {})[-1])
+    assert told == [False, True]
+
+
 @pytest.mark.slow
 def test_ctrl_c_keeps_what_is_done(tmp_path) -> None:
     cases = compared_cases("manchester_vehicle_1", ["rig", "track"], "leading_wheelset")

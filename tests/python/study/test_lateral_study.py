@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -76,6 +77,13 @@ def test_the_control_runs_tell_the_slide_from_the_rail(outcome: Study) -> None:
     told = str(outcome.summary)
     for key, end in (("track_unbraked", "dies"), ("track_stiff_unbraked", "goes on"), ("track_stiff", "dies")):
         assert re.search(rf"Hunting, {LABELS[key]}: [^:]*: it {end}", told)
+    runs = {
+        **outcome.results.runs,
+        "track_stiff": outcome.results.runs["track_stiff"].assign_attrs(status="off_profile"),
+    }
+    told = str(outcome.study.summary(replace(outcome.results, runs=runs), outcome.numbers))
+    assert f"Hunting, {LABELS['track_stiff_unbraked']}:" in told
+    assert f"Hunting, {LABELS['track_stiff']}:" not in told  # a run that ended early says neither
 
 
 @pytest.mark.slow

@@ -127,6 +127,51 @@ def test_a_process_that_dies_costs_its_own_job_at_most(tmp_path: Path) -> None:
         run(killed, {"7": (tmp_path, 7), "6": (tmp_path, 6)}, processes=2)
 
 
+def killed_afterwards(number: int) -> int:
+    threading.Timer(0.1, os.kill, (os.getpid(), signal.SIGKILL)).start()
+    return number
+
+
+@pytest.mark.slow
+def test_a_process_that_dies_between_two_jobs_costs_none() -> None:
+    done: Done = {}
+
+    def keep(name: str, result: Any) -> dict[str, Job]:
+        done[name] = result
+        if len(done) != 2:
+            return {}
+        time.sleep(1.0)
+        return {name: Job(abs, (-3,)) for name in "cdef"}
+
+    assert not run_jobs({name: Job(killed_afterwards, (3,)) for name in "ab"}, keep, lambda *_: None, processes=2)
+    assert done == dict.fromkeys("abcdef", 3)
+
+
+def killed_while_it_sends(seen: Path) -> bytes:
+    def kill() -> None:
+        while sys._current_frames()[threading.main_thread().ident or 0].f_code.co_name != "_send":
+            pass
+        os.kill(os.getpid(), signal.SIGKILL)
+
+    if not seen.exists():
+        seen.touch()
+        threading.Thread(target=kill, daemon=True).start()
+    return bytes(1 << 26)
+
+
+@pytest.mark.slow
+def test_half_a_result_of_a_process_that_died_is_not_waited_for(tmp_path: Path) -> None:
+    script = (
+        "import sys, pathlib\n"
+        f"sys.path.insert(0, {str(Path(__file__).parent)!r})\n"
+        "import test_workers as t\n"
+        f"jobs = {{name: pathlib.Path({str(tmp_path)!r}, name) for name in 'ab'}}\n"
+        "done, stopped, _ = t.run(t.killed_while_it_sends, jobs, processes=2)\n"
+        "assert not stopped and [len(one) for one in done.values()] == [1 << 26] * 2\n"
+    )
+    subprocess.run([sys.executable, "-c", script], check=True, timeout=60)
+
+
 class KilledWorker(Exception):
     """A scheduler gives up a job that has ended several workers."""
 

@@ -13,7 +13,7 @@ from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
 from rollerrig.config.errors import ConfigProblem, join_key, nearest, one_of, show_value
-from rollerrig.config.schema.base import INSTEAD_OF, quantity_of
+from rollerrig.config.schema.base import INSTEAD_OF, quantities_in
 from rollerrig.config.schema.units import KEY_SUFFIXES
 
 _RENAMED: Mapping[str, tuple[str, ...]] = {
@@ -75,8 +75,13 @@ class _Place(NamedTuple):
     key: str
     model: type[BaseModel] | None  # the table that owns the last key
     field: FieldInfo | None
-    choices: Sequence[type[BaseModel]]  # tables that may stand here
+    annotation: Any  # what may stand here
     raw: Any
+
+    @property
+    def choices(self) -> Sequence[type[BaseModel]]:
+        """Tables that may stand here."""
+        return tables_in(self.annotation)
 
 
 def validate(model: type[M], raw: object, file: str, prefix: str = "") -> tuple[M | None, list[ConfigProblem]]:
@@ -158,17 +163,13 @@ def tag_of(table: type[BaseModel]) -> str:
 
 def _locate(model: type[BaseModel], raw: Any, location: Sequence[int | str]) -> _Place:
     annotation: Any = model.model_fields["root"].annotation if issubclass(model, RootModel) else model
-    place = _Place("", None, None, tables_in(annotation), raw)
+    place = _Place("", None, None, annotation, raw)
     for item in location:
-        tables = tables_in(annotation)
+        tables = place.choices
         if len(tables) > 1:  # the item is the tag of a union, which the user did not write
-            annotation = next(table for table in tables if tag_of(table) == item)
-        elif tables:
-            place = _enter_table(place, tables[0], str(item))
-            annotation = place.field.annotation if place.field else None
+            place = place._replace(annotation=next(table for table in tables if tag_of(table) == item))
         else:
-            place, annotation = _enter_list(place, annotation, item)
-        place = place._replace(choices=tables_in(annotation))
+            place = _enter_table(place, tables[0], str(item)) if tables else _enter_list(place, item)
     return place
 
 
@@ -180,12 +181,12 @@ def _enter_table(place: _Place, table: type[BaseModel], item: str) -> _Place:
         spelled = [f"{item}_{suffix}" for suffix in KEY_SUFFIXES if f"{item}_{suffix}" in raw]
         key = spelled[0] if item not in raw and spelled else item
         raw = raw.get(key)
-    return _Place(join_key(place.key, key), table, table.model_fields.get(item), (), raw)
+    field = table.model_fields.get(item)
+    return _Place(join_key(place.key, key), table, field, field.annotation if field else None, raw)
 
 
-def _enter_list(place: _Place, annotation: Any, item: int | str) -> tuple[_Place, Any]:
-    annotation, raw = _bare(annotation), place.raw
-    arguments = get_args(annotation)
+def _enter_list(place: _Place, item: int | str) -> _Place:
+    arguments, raw = get_args(_bare(place.annotation)), place.raw
     if isinstance(item, int):
         is_list = isinstance(raw, list | tuple)
         label = item_labels(raw)[item] if is_list and item < len(raw) else f"[{item}]"
@@ -193,11 +194,11 @@ def _enter_list(place: _Place, annotation: Any, item: int | str) -> tuple[_Place
         inner = arguments[0] if many else dict(enumerate(arguments)).get(item)
         raw = raw[item] if is_list and item < len(raw) else None
     elif item == "[key]":  # pydantic's mark for "the key itself is wrong"
-        return place, annotation
+        return place
     else:
         label, inner = item, (arguments or (None,))[-1]
         raw = raw.get(item) if isinstance(raw, Mapping) else None
-    return _Place(join_key(place.key, label), None, place.field, (), raw), inner
+    return _Place(join_key(place.key, label), None, place.field, inner, raw)
 
 
 def _follows(error: ErrorDetails, errors: Sequence[ErrorDetails]) -> bool:
@@ -261,11 +262,14 @@ def _literal(place: _Place) -> Any:
 
 
 def _needed(place: _Place) -> str:
-    quantity = quantity_of(place.field.annotation, place.field.metadata) if place.field else None
     other = f", or `{_instead(place.field)}` in its place" if _instead(place.field) else ""
-    if quantity and tables_in(place.field.annotation if place.field else None) == ():
-        return quantity.allowed.replace("allowed", "needed", 1) + other
-    return f"needed: {place.field.description}{other}" if place.field and place.field.description else "needed"
+    marks = place.field.metadata if place.field and place.model else ()
+    numbers = () if place.choices else tuple(dict.fromkeys(quantities_in(place.annotation, marks)))
+    if numbers and get_origin(_bare(place.annotation)) is not tuple:
+        return numbers[0].allowed.replace("allowed", "needed", 1) + other
+    units = ", ".join(dict.fromkeys("-" if one.unit == "1" else one.unit for one in numbers))
+    said = place.field.description if place.field else ""
+    return f"needed: {said}{f' [{units}]' if units else ''}{other}" if said else "needed"
 
 
 def _instead(field: FieldInfo | None) -> str:
