@@ -179,10 +179,15 @@ class Row:
     @property
     def told(self) -> str:
         """Outcome, value and target in words, and how many starts would decide it, where its scatter is known well enough."""
-        told = self.outcome == NOT_DECIDED and self.value.freedom >= STARTS - 1
-        count = self.starts_needed if told else math.inf
+        decidable = self.outcome == NOT_DECIDED and self.value.freedom >= STARTS - 1
+        count = self.starts_needed if decidable else math.inf
         more = f" (about {count:g} starts would decide, if mean and scatter stay)" if count < math.inf else ""
-        return f"{SHOWN[self.outcome]}: {self.text} {self.value_text}, target {self.target_text}{more}"
+        return f"{SHOWN[self.outcome]}: {self.finding}{more}"
+
+    @property
+    def finding(self) -> str:
+        """Value and target in words."""
+        return f"{self.text} {self.value_text}, target {self.target_text}"
 
     def as_dict(self) -> dict[str, Any]:
         """Dictionary for summary.json."""

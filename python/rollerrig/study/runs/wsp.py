@@ -295,7 +295,7 @@ def rig_faults(rig: StopTests, track: StopTests) -> Iterator[str]:
     own = (*SUPPORTS, "fine")  # those say it of their own tests
     gates = [row for row in rows if row.gate and row.key.partition("_")[0] not in own]
     kept = [row.outcome == "met" or (row.low <= 0.0 and row.value.interval.high <= row.high) for row in gates]
-    shut = [row.told for row, is_open in zip(gates, kept, strict=True) if not is_open]
+    shut = [row.finding for row, is_open in zip(gates, kept, strict=True) if not is_open]
     power = max(one.measures.get("drive_power_limited_s", 0.0) / one.measures["duration_s"] for one in rig.tests)
     if not power <= POWER_LIMITED:
         shut.append(
