@@ -258,8 +258,8 @@ void MechatronicSystem::record_axle(Dynamics const& plant, std::size_t i, Inputs
     out[column("estimated_torque")] = own.estimate.torque;
     out[column("virtual_speed")] = control->train.axle_speed(axle);
     out[column("virtual_force")] = control->train.force(axle);
-    out[column("dissipated_energy_density")] = own.energy;
-    out[column("sand")] = own.sand;
+    out[column("dissipated_energy_density")] = own.rail.energy;
+    out[column("sand")] = own.rail.sand;
   } else {
     out[column("dissipated_energy_density")] = inputs.dissipated_energy[left];
     out[column("sand")] = inputs.sand.empty() ? 0.0 : inputs.sand[left];
@@ -272,8 +272,8 @@ void MechatronicSystem::record_simulated(std::size_t i, double* out) const {
   double const force = own.wheels.force();
   out[column("axle_speed")] = own.wheels.speed();
   out[column("contact_force")] = out[column("creep_force")] = force;
-  out[column("dissipated_energy_density")] = own.energy;
-  out[column("sand")] = own.sand;
+  out[column("dissipated_energy_density")] = own.rail.energy;
+  out[column("sand")] = own.rail.sand;
   out[column("brake_torque")] =
       setup_.actuators.by_traction_motors ? actuators_.axle(i).stand_in : own.wheels.brake_torque();
   out[column("axle_work")] = own.work;

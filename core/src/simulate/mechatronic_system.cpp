@@ -13,7 +13,6 @@
 namespace rollerrig {
 namespace {
 
-constexpr double least_speed = 0.1;        ///< below it the dissipated energy is counted as at it [m/s]
 constexpr double energy_relaxation = 0.2;  ///< per step: friction and dissipated energy act on each other
 constexpr double settling_time = 1.0;      ///< no run ends at standstill before [s]
 
@@ -63,7 +62,7 @@ void MechatronicSystem::prepare(Model const& model, Inputs& inputs) const {
 
 void MechatronicSystem::start(Dynamics const& plant) {
   sensors_.start(setup_, plant, simulated_, measured_);
-  if (RigController const* law = rig()) speed_control_.fill(law->start_feedback());
+  if (RigController const* law = rig()) speed_control_.fill(first_state(law->feedback));
   for (std::size_t i = 0; i < controllers_.size(); ++i) {
     auto const& [sampling, any] = setup_.controllers[i];
     double const period = setup_.step * sampling.every;
@@ -241,9 +240,9 @@ void MechatronicSystem::deposit_sand(Dynamics const& plant, Inputs& inputs) {
   for (std::size_t i = 0; i < under_test(); ++i) {
     AxleParts const& parts = setup_.axles[i];
     double const from = train_.distance() + plant.model().contacts[at(parts.contacts[0])].distance_ahead;
-    sanded_.run(from, from + way, sand_.acting()[i] * setup_.step, setup_.sanding->kept);
+    double const sand = sanded_.run(from, from + way, sand_.acting()[i] * setup_.step, setup_.sanding->kept);
     for (int c : parts.contacts)
-      if (c != absent) inputs.sand[at(c)] = sanded_.at(from + way);
+      if (c != absent) inputs.sand[at(c)] = sand;
   }
 }
 
@@ -257,30 +256,25 @@ double MechatronicSystem::track_brake_force(Dynamics const& plant) const {
 void MechatronicSystem::dissipate(Dynamics const& plant, Inputs& inputs) {
   Model const& model = plant.model();
   double const step_length = setup_.step * std::max(0.0, train_.speed());
-  double const per_speed =
-      1.0 / std::max(least_speed, train_.speed());  // rail passes at train speed, even if wheels slide
   for (std::size_t i = 0; i < under_test(); ++i) {
     AxleParts const& parts = setup_.axles[i];
     for (std::size_t side = 0; side < 2; ++side) {
       int const c = parts.contacts[side];
       if (c == absent || model.contacts[at(c)].laws.friction.map == nullptr) continue;
-      double const arc_length = train_.distance() + model.contacts[at(c)].distance_ahead;
-      double energy = 0.0, width = 0.0;  // [J/m], [m]
+      double const from = train_.distance() + model.contacts[at(c)].distance_ahead;
+      double power = 0.0, width = 0.0;  // [W], [m]
       for (int k = 0; k < plant.patch_count(c); ++k) {
         auto const& patch = plant.patch(c, k);
-        energy += std::max(0.0, patch.creep_dissipation()) * per_speed;
+        power += std::max(0.0, patch.creep_dissipation());
         width += 0.5 * pi * patch.b;  // area of the ellipse over its length
       }
       if (setup_.energy_width > 0.0) width = setup_.energy_width;
-      double const own = width > 0.0 ? energy / width : 0.0;
-      CleanedWheel& wheel = wheel_[side][i];
-      double const wanted = rail_[side].before(arc_length) + wheel.energy() +
-                            0.5 * own;  // half of it is dissipated behind the patch's middle
-      inputs.dissipated_energy[at(c)] += energy_relaxation * (wanted - inputs.dissipated_energy[at(c)]);
-      rail_[side].add(arc_length, arc_length + step_length, own);
+      double const own = width > 0.0 ? energy_per_area(power, train_.speed(), width) : 0.0;
       double const radius = model.contacts[at(c)].pair.wheel_radius;
       double const rolled = setup_.step * std::fabs(radius * plant.work().motion[at(parts.wheelset)].rate[coord_pitch]);
-      wheel.run(own, step_length, rolled, 2.0 * pi * radius, setup_.wheel_memory);
+      double const under = wheel_[side][i].pass({&rail_[side], 1}, from, from + step_length, own, rolled,
+                                                2.0 * pi * radius, setup_.wheel_memory);
+      inputs.dissipated_energy[at(c)] += energy_relaxation * (under - inputs.dissipated_energy[at(c)]);
     }
   }
 }
@@ -389,7 +383,7 @@ PerAxle<double> MechatronicSystem::answer_of(std::size_t index) {
       command[i] = law->torque_for_speed(speed_control_[i], command[i], caller_.roller_speed[i],
                                          measured_.roller_speed[i], setup_.step * sampling.every);
     else
-      speed_control_[i] = law->start_feedback();
+      speed_control_[i] = first_state(law->feedback);
   }
   return command;
 }
