@@ -31,7 +31,7 @@ template <class V>
 constexpr bool sampled_laws = std::is_same_v<V, AnyEstimator> || std::is_same_v<V, AnyAxleTorque> ||
                               std::is_same_v<V, AnyFeedback> || std::is_same_v<V, AnyDriveCommand>;
 template <class Law>
-constexpr bool settled_at_start = std::is_same_v<Law, KalmanFilter>;
+constexpr bool settled_at_start = requires { requires Law::settled_at_start; };
 
 }  // namespace
 
