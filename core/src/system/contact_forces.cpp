@@ -17,8 +17,8 @@ ContactPlacement<T> ForceAssembly<T>::placement(std::size_t index) const {
   } else if (!displaced && model_.bodies[at(contact.roller)].only_spins()) {
     p = on_fixed_roller(contact, wheelset, *under);
   } else {
-    p = on_roller(contact, wheelset, *under, displaced ? &w_.offset[index] : nullptr, model_.irregularity.steered,
-                  w_.travel.speed);
+    p = on_roller(contact, wheelset, *under, displaced ? &w_.offset[index] : nullptr,
+                  model_.irregularity && model_.irregularity->steered, w_.travel.speed);
   }
   if (contact.right) mirror(p);
   p.motion.friction_factor = inputs_.friction.empty() ? 1.0 : inputs_.friction[index];
@@ -50,7 +50,7 @@ WheelRollerPair const& ForceAssembly<T>::head_under(std::size_t index) const {
   if (heads.empty()) return contact.pair;
   T const place = heads.at(distance_along(contact)).value;
   HeadUnderWheel& head = evaluation_.head[index];
-  head.move_to(value_of(place), heads, model_.profiles);
+  head.move_to(value_of(place), heads, model_.splines);
   if constexpr (!std::same_as<T, double>) {  // of the derivative over time: the head rises under the load
     double const y = loaded_abscissa(evaluation_.work.patches[index], evaluation_.work.patch_count[index]);
     w_.placed[index].pose.o.z -= (place - value_of(place)) * head.rise(y);

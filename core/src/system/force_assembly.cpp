@@ -19,9 +19,9 @@ void ForceAssembly<T>::place_track(T const& t) const {
   for (std::size_t i = 0; i < model_.contacts.size(); ++i) {
     WheelContact const& contact = model_.contacts[i];
     T const place = w_.travel.s + contact.distance_ahead;
-    w_.offset[i] = model_.irregularity.empty()
-                       ? RailOffset<T>{}
-                       : model_.irregularity.at(contact.right, place, model_.start + model_.foremost_wheel);
+    w_.offset[i] = model_.irregularity
+                       ? model_.irregularity->at(contact.right, place, model_.start + model_.foremost_wheel)
+                       : RailOffset<T>{};
     if (has_line) (contact.right ? model_.line.right : model_.line.left).add_to(w_.offset[i], place);
   }
 }
