@@ -86,27 +86,6 @@ constexpr Field train_table[] = {
     {"sand_used", "kg", "sand that has been laid on both rails since the start"},
 };
 
-constexpr Field measurement_table[] = {
-    {"axle_speed", "rad/s", "measured speed of each axle: for rig_control the rig's sensors, else the vehicle's own"},
-    {"roller_speed", "rad/s", "measured speed of each roller axle, positive as under a wheel that rolls forward"},
-    {"roller_torque", "N m",
-     "torque of each roller drive since the last sample, as measured; positive drives the wheel forward"},
-    {"estimated_force", "N", "our estimate of the contact force on each axle, forward"},
-    {"estimated_torque", "N m", "our estimate of the torque on each axle"},
-    {"virtual_speed", "rad/s", "speed of each axle of the virtual train"},
-    {"feed_forward", "N m", "our feed-forward torque of each roller drive"},
-    {"axle_load", "N", "measured vertical force under each axle"},
-    {"drive_torque", "N m", "torque of each roller drive now, as measured"},
-    {"motor_torque", "N m", "torque of the traction motor of each axle, as its drive reports it"},
-    {"brake_torque", "N m", "torque of each axle's friction brake, from cylinder pressure and nominal pad friction"},
-    {"sand_flow", "kg/s", "flow of sand in front of each axle, on each rail"},
-    {"dump_valve", "1", "command of each axle's dump valve that acts: 0 fill, 1 hold, 2 vent"},
-    {"brake_demand", "Pa", "cylinder pressure demanded of each axle"},
-    {"track_brake_force", "N", "force of all track brakes against running, the same number for each axle"},
-    {"force_of_others", "N",
-     "force of the simulated axles on the train, mean since the last sample, forward; the same number for each axle"},
-};
-
 /// Of all patches of an axle, and of the rolling constraint where it stands for creep [N].
 struct LongitudinalForce {
   double total{0.0};  ///< along the running direction
@@ -131,7 +110,6 @@ LongitudinalForce longitudinal_force(Dynamics const& plant, AxleParts const& par
 
 std::span<Field const> MechatronicSystem::axle_fields() { return axle_table; }
 std::span<Field const> MechatronicSystem::train_fields() { return train_table; }
-std::span<Field const> MechatronicSystem::measurement_fields() { return measurement_table; }
 
 int MechatronicSystem::width() const {
   return static_cast<int>(axles() * std::size(axle_table) + std::size(train_table));
@@ -147,35 +125,26 @@ std::vector<double> MechatronicSystem::measurement(std::string_view controller) 
 }
 
 int MechatronicSystem::measurement_width(std::size_t controller) const {
-  bool const of_rollers = controllers_[controller].command == at(Command::roller_torque);
-  return static_cast<int>((of_rollers ? under_test() : axles()) * std::size(measurement_table));
+  bool const of_rollers = controllers_[controller].command == Command::roller_torque;
+  return static_cast<int>((of_rollers ? under_test() : axles()) * std::size(measurement_fields));
 }
 
 void MechatronicSystem::measure(std::size_t controller, double* row) const {
-  bool const of_rollers = controllers_[controller].command == at(Command::roller_torque);
+  bool const of_rollers = controllers_[controller].command == Command::roller_torque;
   auto const* control = rig_state();
-  auto const& m = measured_;
-  for (std::size_t i = 0; i < (of_rollers ? under_test() : axles()); ++i, row += std::size(measurement_table)) {
-    auto const own = control != nullptr ? control->axle[i] : RigController::AxleState{};
-    double const virtual_speed = control != nullptr ? control->train.axle_speed(static_cast<int>(i)) : 0.0;
-    double const seen[] = {of_rollers ? m.axle_speed[i] : m.vehicle_axle_speed[i],
-                           m.roller_speed[i],
-                           m.roller_torque[i],
-                           own.estimate.force,
-                           own.estimate.torque,
-                           virtual_speed,
-                           own.feed_forward,
-                           m.axle_load[i],
-                           m.drive_torque[i],
-                           m.motor_torque[i],
-                           m.brake_torque[i],
-                           m.sand_flow[i],
-                           m.dump_valve[i],
-                           m.brake_demand[i],
-                           m.track_brake_force,
-                           m.force_of_others};
-    static_assert(std::size(seen) == std::size(measurement_table));
-    std::ranges::copy(seen, row);
+  for (std::size_t i = 0; i < (of_rollers ? under_test() : axles()); ++i, row += std::size(measurement_fields)) {
+    for (std::size_t c = 0; c < std::size(measurement_fields); ++c) {
+      auto const place = place_of(measurement_fields[c], of_rollers);
+      row[c] = place != nullptr ? (measured_.*place)[i] : 0.0;
+    }
+    row[measurement_index("track_brake_force")] = measured_.track_brake_force;
+    row[measurement_index("force_of_others")] = measured_.force_of_others;
+    if (control == nullptr) continue;
+    auto const& own = control->axle[i];
+    row[measurement_index("estimated_force")] = own.estimate.force;
+    row[measurement_index("estimated_torque")] = own.estimate.torque;
+    row[measurement_index("virtual_speed")] = control->train.axle_speed(static_cast<int>(i));
+    row[measurement_index("feed_forward")] = own.feed_forward;
   }
 }
 
@@ -188,8 +157,8 @@ void MechatronicSystem::record(Dynamics const& plant, std::int64_t step, double 
     row[column("measured_axle_speed")] = measured_.axle_speed[i];
     row[column("vehicle_axle_speed")] = measured_.vehicle_axle_speed[i];
     row[column("measured_load")] = measured_.axle_load[i];
-    row[column("valve")] = acting_[at(Command::dump_valve)][i];
-    row[column("torque_factor")] = acting_[at(Command::torque_factor)][i];
+    row[column("valve")] = acting_.dump_valve[i];
+    row[column("torque_factor")] = acting_.torque_factor[i];
     row[column("traction_torque")] = actuators.motor[0];
     row[column("electrodynamic_torque")] = actuators.electrodynamic.torque;
     row[column("demanded_brake_torque")] = actuators.asked;
@@ -240,7 +209,7 @@ void MechatronicSystem::record_axle(Dynamics const& plant, std::size_t i, Inputs
                                 : parts.brake != absent             ? plant.evaluation().brake_torque[at(parts.brake)]
                                                                     : 0.0;
   out[column("roller_torque")] = actuators.drive[0];
-  out[column("roller_command")] = acting_[at(Command::roller_torque)][i];
+  out[column("roller_command")] = acting_.roller_torque[i];
   out[column("contact_force")] = force.total;
   out[column("creep_force")] = force.creep;
   out[column("real_sliding")] =

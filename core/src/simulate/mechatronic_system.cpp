@@ -26,10 +26,9 @@ MechatronicSystem::MechatronicSystem(MechatronicSetup setup)
       simulated_{setup_.simulated, setup_.speed},
       sand_{0.0, setup_.sanding ? static_cast<int>(std::lround(setup_.sanding->delay / setup_.step)) : 0} {
   for (auto const& [sampling, any] : setup_.controllers) {
-    auto const [name, command] = std::visit([](auto const& law) { return std::pair{law.name, law.command}; }, any);
-    auto const index = at(static_cast<int>(command));
-    controllers_.push_back({name, index, {}, {command_fields[index].initial, sampling.delay}});
-    controlled_[index] = true;
+    Command const command = command_of(any);
+    char const* const name = std::visit([](auto const& law) { return law.name; }, any);
+    controllers_.push_back({name, command, {}, {field_of(command).initial, sampling.delay}});
     if (command == Command::cylinder_pressure) {  // a machine reads no sensors
       brake_unit_ = controllers_.size() - 1;
       continue;
@@ -40,7 +39,7 @@ MechatronicSystem::MechatronicSystem(MechatronicSetup setup)
   measured_.under_test = static_cast<int>(under_test());
   for (auto& rail : rail_) rail.reset(setup_.rail_cell);
   sanded_.reset(setup_.rail_cell);
-  for (std::size_t c = 0; c < command_count; ++c) acting_[c].fill(command_fields[c].initial);
+  for (CommandField const& field : command_fields) (acting_.*field.of).fill(field.initial);
   caller_.commands = acting_;
   if (RigController const* law = rig()) caller_.roller_speed.fill(setup_.speed / law->assumed.roller_radius);
 }
@@ -89,11 +88,10 @@ bool MechatronicSystem::sample(Dynamics const& plant, std::int64_t step, double 
 
 /// What the brakes are asked for from this instant on, by all that has been commanded up to now.
 void MechatronicSystem::sample_brake_demand(std::int64_t step) {
-  constexpr auto valve = at(Command::dump_valve);
   measured_.time = time(step);
-  measured_.dump_valve = caller_.commands[valve];
+  measured_.dump_valve = caller_.commands.dump_valve;
   for (Controller& own : controllers_)
-    if (own.command == valve) {
+    if (own.command == Command::dump_valve) {
       own.commands.advance(step);
       measured_.dump_valve = own.commands.acting();
     }
@@ -115,7 +113,7 @@ void MechatronicSystem::ask(std::size_t index, std::int64_t step) {
   PerAxle<double> command{};
   auto const run = [&]<class Law>(Law const& law, typename Law::State& state) {
     if constexpr (std::same_as<Law, RigController>) {
-      sensors_.read_roller_torques(setup_, law.commanded_torque ? &acting_[own.command] : nullptr, measured_);
+      sensors_.read_roller_torques(setup_, law.commanded_torque ? &acting_.roller_torque : nullptr, measured_);
       measured_.force_of_others = impulse_of_simulated_ / (setup_.step * sampling.every);
       impulse_of_simulated_ = 0.0;
     } else if (sampling.external)
@@ -147,12 +145,11 @@ void MechatronicSystem::read_true_forces(Dynamics const& plant) {
 }
 
 void MechatronicSystem::act(Dynamics const& plant, std::int64_t step, Inputs& inputs) {
+  acting_ = caller_.commands;
   for (Controller& own : controllers_) {
     own.commands.advance(step);
-    acting_[own.command] = own.commands.acting();
+    acting_.*field_of(own.command).of = own.commands.acting();
   }
-  for (std::size_t c = 0; c < command_count; ++c)
-    if (!controlled_[c]) acting_[c] = caller_.commands[c];
   if (setup_.sanding) switch_sand(plant, step);
   double const retarding = track_brake_force(plant) - simulated_.force() - caller_.train_force;
   if (frame_moves()) train_.accelerate(setup_.frame, plant, inputs, retarding);
@@ -218,8 +215,7 @@ void MechatronicSystem::step_simulated(std::int64_t step) {
 
 /// What slide protection or wheel-slip control has just asked of an axle.
 bool MechatronicSystem::axle_is_sliding(std::size_t axle) const {
-  double const valve = acting_[at(Command::dump_valve)][axle];
-  return valve == static_cast<double>(DumpValve::vent) || acting_[at(Command::torque_factor)][axle] < 1.0;
+  return acting_.dump_valve[axle] == static_cast<double>(DumpValve::vent) || acting_.torque_factor[axle] < 1.0;
 }
 
 void MechatronicSystem::switch_sand(Dynamics const& plant, std::int64_t step) {
@@ -373,7 +369,7 @@ void MechatronicSystem::answer(std::int64_t step) {
 PerAxle<double> MechatronicSystem::answer_of(std::size_t index) {
   Controller& own = controllers_[index];
   bool const due = std::exchange(own.pending, false);
-  PerAxle<double> command = caller_.commands[own.command];
+  PerAxle<double> command = caller_.commands.*field_of(own.command).of;
   auto const& [sampling, any] = setup_.controllers[index];
   auto const* law = std::get_if<RigController>(&any);
   for (std::size_t i = 0; i < under_test() && law != nullptr; ++i) {
@@ -391,10 +387,10 @@ PerAxle<double> MechatronicSystem::answer_of(std::size_t index) {
 void MechatronicSystem::set_command(std::string_view controller, std::span<double const> command, std::int64_t step) {
   for (Controller& own : controllers_) {
     if (own.name != controller || !own.pending) continue;
-    bool const of_rollers = own.command == at(Command::roller_torque);
+    bool const of_rollers = own.command == Command::roller_torque;
     if (command.size() != (of_rollers ? under_test() : axles()))
       throw std::invalid_argument("a command has one number per axle");
-    CommandField const& field = command_fields[own.command];
+    CommandField const& field = field_of(own.command);
     for (double number : command)
       if (!(number >= field.lowest && number <= field.highest) || (field.whole && number != std::round(number)))
         throw std::invalid_argument("command: " + std::string(field.name) + " = " + std::to_string(number) +
