@@ -37,7 +37,7 @@ void RigController::step(State& s, Measurements const& now, double period, PerAx
     torques[k] = s.axle[k].estimate.torque = torque_of_axle(s.axle[k], now, k, period);
     lock_or_unlock(s, static_cast<int>(k), now.axle_speed[k]);
   }
-  double const from = s.train.distance();
+  double const from = s.train.distance;
   auto const rail_force = [&](int i, double slip, double speed, double load) {
     return rail.force(slip, speed, load, now.time, from + train.position[at(i)], s.axle[at(i)].rail.energy,
                       s.axle[at(i)].rail.sand, now.rail_friction);
@@ -50,16 +50,16 @@ void RigController::step(State& s, Measurements const& now, double period, PerAx
     AxleState& axle = s.axle[at(i)];
     double const ahead = train.position[at(i)];
     rail.pass(axle.rail,
-              {from + ahead, s.train.distance() + ahead, s.train.speed(), r * s.train.axle_speed(i), s.train.force(i),
-               2.0 * pi * r, period},
+              {from + ahead, s.train.distance + ahead, s.train.speed, r * s.train.axle[at(i)].speed,
+               s.train.axle[at(i)].force, 2.0 * pi * r, period},
               found, at(i));
-    axle.feed_forward = assumed.roller_inertia * r / assumed.roller_radius * s.train.axle_rate(i) -
-                        assumed.roller_radius * s.train.force(i);  // (D5)
+    axle.feed_forward = assumed.roller_inertia * r / assumed.roller_radius * s.train.axle[at(i)].rate -
+                        assumed.roller_radius * s.train.axle[at(i)].force;  // (D5)
     double wanted = axle.feed_forward;
-    if (s.train.locked(i)) {
+    if (s.train.axle[at(i)].locked) {
       axle.feedback = first_state(feedback);
     } else {
-      TrackingError const error{axle.feed_forward, s.train.axle_speed(i) - now.axle_speed[at(i)], period};
+      TrackingError const error{axle.feed_forward, s.train.axle[at(i)].speed - now.axle_speed[at(i)], period};
       auto const correct = [&](auto const& law, auto& state) { return law.step(state, assumed, error, largest); };
       wanted = visit_with_state(correct, feedback, axle.feedback);
     }
@@ -96,12 +96,10 @@ double RigController::torque_of_axle(AxleState& axle, Measurements const& now, s
 /// drive's own, delayed by the estimator, and through (D3) it would return to the drive with the gain J_r (r/R)^2 / J_w.
 void RigController::lock_or_unlock(State& s, int i, double axle_speed) const {
   double const rolling = train.wheel_radius * axle_speed;
-  bool const stands = std::fabs(rolling) < locked_speed && s.train.speed() - rolling > locked_speed;
-  if (s.train.locked(i) ? stands : stands && train.wheel_radius * std::fabs(s.train.axle_speed(i)) < locked_speed) {
-    s.train.lock(i, axle_speed);
-  } else {
-    s.train.unlock(i);
-  }
+  bool const stands = std::fabs(rolling) < locked_speed && s.train.speed - rolling > locked_speed;
+  VirtualAxle& axle = s.train.axle[at(i)];
+  axle.locked = stands && (axle.locked || train.wheel_radius * std::fabs(axle.speed) < locked_speed);
+  if (axle.locked) axle.speed = axle_speed;
 }
 
 }  // namespace rollerrig

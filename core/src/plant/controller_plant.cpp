@@ -178,8 +178,8 @@ void ControllerPlant::sample() {
   for (std::size_t i = 0; i < axles; ++i) value_[commands_ + i] = command[i];
   auto const rest = commands_ + axles;
   if (auto const* rig = std::get_if<RigController::State>(&state_)) {
-    for (std::size_t i = 0; i < axles; ++i) value_[rest + i] = rig->train.axle_speed(static_cast<int>(i));
-    value_[rest + axles] = rig->train.speed();
+    for (std::size_t i = 0; i < axles; ++i) value_[rest + i] = rig->train.axle[i].speed;
+    value_[rest + axles] = rig->train.speed;
     return;
   }
   if (auto const* brake = std::get_if<BrakeUnit::State>(&state_)) {

@@ -143,7 +143,7 @@ void MechatronicSystem::measure(std::size_t controller, double* row) const {
     auto const& own = control->axle[i];
     row[measurement_index("estimated_force")] = own.estimate.force;
     row[measurement_index("estimated_torque")] = own.estimate.torque;
-    row[measurement_index("virtual_speed")] = control->train.axle_speed(static_cast<int>(i));
+    row[measurement_index("virtual_speed")] = control->train.axle[i].speed;
     row[measurement_index("feed_forward")] = own.feed_forward;
   }
 }
@@ -176,9 +176,9 @@ void MechatronicSystem::record(Dynamics const& plant, std::int64_t step, double 
   double const t = time(step);
   Travel<double> train = running_motion(plant, t, z, inputs);  // on a rig without a virtual train: that of the rollers
   if (control != nullptr)
-    train = {control->train.distance(), control->train.speed(), control->train.acceleration()};
+    train = {control->train.distance, control->train.speed, control->train.acceleration};
   else if (frame_moves())
-    train = {train_.distance(), train_.speed(), train_.acceleration()};
+    train = {train_.distance, train_.speed, train_.acceleration};
   row[0] = train.speed;
   row[1] = train.s;
   row[2] = train.acceleration;
@@ -200,7 +200,7 @@ void MechatronicSystem::record_axle(Dynamics const& plant, std::size_t i, Inputs
   std::size_t const left = at(parts.contacts[0]);
   WheelContact const& contact = plant.model().contacts[left];
   double const wheel = spin(parts.wheelset), roller = parts.roller != absent ? -spin(parts.roller) : 0.0;
-  double const ground_speed = frame_moves() ? train_.speed() : setup_.speed;
+  double const ground_speed = frame_moves() ? train_.speed : setup_.speed;
   double const surface = parts.roller != absent ? roller * contact.roller_radius() : ground_speed;
   auto const force = longitudinal_force(plant, parts, axle);
   out[column("axle_speed")] = wheel;
@@ -225,8 +225,8 @@ void MechatronicSystem::record_axle(Dynamics const& plant, std::size_t i, Inputs
     auto const& own = control->axle[i];
     out[column("estimated_force")] = own.estimate.force;
     out[column("estimated_torque")] = own.estimate.torque;
-    out[column("virtual_speed")] = control->train.axle_speed(axle);
-    out[column("virtual_force")] = control->train.force(axle);
+    out[column("virtual_speed")] = control->train.axle[at(axle)].speed;
+    out[column("virtual_force")] = control->train.axle[at(axle)].force;
     out[column("dissipated_energy_density")] = own.rail.energy;
     out[column("sand")] = own.rail.sand;
   } else {
@@ -237,19 +237,19 @@ void MechatronicSystem::record_axle(Dynamics const& plant, std::size_t i, Inputs
 
 /// Of an axle outside the model there are no rollers, and the virtual rail's force is all that acts on it.
 void MechatronicSystem::record_simulated(std::size_t i, double* out) const {
-  auto const& own = simulated_.axle(i - under_test());
-  double const force = own.wheels.force();
-  out[column("axle_speed")] = own.wheels.speed();
+  auto const& own = simulated_.axle[i - under_test()];
+  double const force = own.wheels.force;
+  out[column("axle_speed")] = own.wheels.speed;
   out[column("contact_force")] = out[column("creep_force")] = force;
   out[column("dissipated_energy_density")] = own.rail.energy;
   out[column("sand")] = own.rail.sand;
   out[column("brake_torque")] =
-      setup_.actuators.by_traction_motors ? actuators_.axle(i).stand_in : own.wheels.brake_torque();
+      setup_.actuators.by_traction_motors ? actuators_.axle(i).stand_in : own.wheels.brake_torque;
   out[column("axle_work")] = own.work;
   out[column("work_on_train")] = own.to_train;
   out[column("slip_dissipation")] = own.dissipated;
   if (rig_state() != nullptr) {  // nothing slides on a roller
-    out[column("virtual_speed")] = own.wheels.speed();
+    out[column("virtual_speed")] = own.wheels.speed;
     out[column("virtual_force")] = force;
   } else {
     out[column("real_sliding")] = own.slip;

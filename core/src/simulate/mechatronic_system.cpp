@@ -151,7 +151,7 @@ void MechatronicSystem::act(Dynamics const& plant, std::int64_t step, Inputs& in
     acting_.*field_of(own.command).of = own.commands.acting();
   }
   if (setup_.sanding) switch_sand(plant, step);
-  double const retarding = track_brake_force(plant) - simulated_.force() - caller_.train_force;
+  double const retarding = track_brake_force(plant) - simulated_.force - caller_.train_force;
   if (frame_moves()) train_.accelerate(setup_.frame, plant, inputs, retarding);
   PerAxle<double> speed{}, roller_speed{};
   for (std::size_t i = 0; i < axles(); ++i) {
@@ -160,16 +160,16 @@ void MechatronicSystem::act(Dynamics const& plant, std::int64_t step, Inputs& in
     roller_speed[i] = roller != absent ? -plant.work().motion[at(roller)].rate[coord_pitch] : 0.0;
   }
   actuators_.step(setup_, step, acting_, caller_, speed, roller_speed, train_speed(plant), inputs);
-  inputs.speed = {time(step), train_.speed(), train_.acceleration()};
-  inputs.distance = train_.distance();
+  inputs.speed = {time(step), train_.speed, train_.acceleration};
+  inputs.distance = train_.distance;
   dissipate(plant, inputs);
   if (setup_.sanding) deposit_sand(plant, inputs);
-  if (simulated_.count() > 0) step_simulated(step);
+  if (simulated_.axle.size() > 0) step_simulated(step);
 }
 
 /// True speed of an axle [rad/s].
 double MechatronicSystem::axle_speed(Dynamics const& plant, std::size_t i) const {
-  if (i >= under_test()) return simulated_.axle(i - under_test()).wheels.speed();
+  if (i >= under_test()) return simulated_.axle[i - under_test()].wheels.speed;
   return plant.work().motion[at(setup_.axles[i].wheelset)].rate[coord_pitch];
 }
 
@@ -177,16 +177,16 @@ double MechatronicSystem::axle_speed(Dynamics const& plant, std::size_t i) const
 TrainStep MechatronicSystem::train_step(std::int64_t step) const {
   double const h = setup_.step, t = time(step);
   if (frame_moves()) {
-    double const rate = train_.acceleration();
-    return {t, train_.distance(), std::max(0.0, train_.speed() + 0.5 * h * rate), rate};
+    double const rate = train_.acceleration;
+    return {t, train_.distance, std::max(0.0, train_.speed + 0.5 * h * rate), rate};
   }
   VirtualTrainState const& train = rig_state()->train;
   int every = 1;
   for (SampledController const& c : setup_.controllers)
     if (std::holds_alternative<RigController>(c.controller)) every = c.sampling.every;
-  double const until = h * static_cast<double>(every - step % every), rate = train.acceleration();
-  double const behind = until * (train.speed() - 0.5 * until * rate);  // that the train still has to run until then
-  return {t, train.distance() - behind, std::max(0.0, train.speed() - (until - 0.5 * h) * rate), rate};
+  double const until = h * static_cast<double>(every - step % every), rate = train.acceleration;
+  double const behind = until * (train.speed - 0.5 * until * rate);  // that the train still has to run until then
+  return {t, train.distance - behind, std::max(0.0, train.speed - (until - 0.5 * h) * rate), rate};
 }
 
 /// The axles of the train that are not in the model, over the step that begins.
@@ -210,7 +210,7 @@ void MechatronicSystem::step_simulated(std::int64_t step) {
     return parts.has_brake ? setup_.actuators.brake.torque(actuators_.cylinder(first + i).pressure, w) : 0.0;
   };
   simulated_.step(setup_.simulated, *setup_.rail, train, setup_.step, found, torque, brake);
-  impulse_of_simulated_ += setup_.step * simulated_.force();
+  impulse_of_simulated_ += setup_.step * simulated_.force;
 }
 
 /// What slide protection or wheel-slip control has just asked of an axle.
@@ -232,10 +232,10 @@ void MechatronicSystem::switch_sand(Dynamics const& plant, std::int64_t step) {
 /// Sand on the rails of a track, in front of the wheels and behind them; on a rig it lies on the virtual rail.
 void MechatronicSystem::deposit_sand(Dynamics const& plant, Inputs& inputs) {
   if (!frame_moves()) return;
-  double const way = setup_.step * std::max(0.0, train_.speed());
+  double const way = setup_.step * std::max(0.0, train_.speed);
   for (std::size_t i = 0; i < under_test(); ++i) {
     AxleParts const& parts = setup_.axles[i];
-    double const from = train_.distance() + plant.model().contacts[at(parts.contacts[0])].distance_ahead;
+    double const from = train_.distance + plant.model().contacts[at(parts.contacts[0])].distance_ahead;
     double const sand = sanded_.run(from, from + way, sand_.acting()[i] * setup_.step, setup_.sanding->kept);
     for (int c : parts.contacts)
       if (c != absent) inputs.sand[at(c)] = sand;
@@ -251,13 +251,13 @@ double MechatronicSystem::track_brake_force(Dynamics const& plant) const {
 /// Energy that the wheels dissipate on the rail under them, and what they leave for those behind.
 void MechatronicSystem::dissipate(Dynamics const& plant, Inputs& inputs) {
   Model const& model = plant.model();
-  double const step_length = setup_.step * std::max(0.0, train_.speed());
+  double const step_length = setup_.step * std::max(0.0, train_.speed);
   for (std::size_t i = 0; i < under_test(); ++i) {
     AxleParts const& parts = setup_.axles[i];
     for (std::size_t side = 0; side < 2; ++side) {
       int const c = parts.contacts[side];
       if (c == absent || model.contacts[at(c)].laws.friction.map == nullptr) continue;
-      double const from = train_.distance() + model.contacts[at(c)].distance_ahead;
+      double const from = train_.distance + model.contacts[at(c)].distance_ahead;
       double power = 0.0, width = 0.0;  // [W], [m]
       for (int k = 0; k < plant.patch_count(c); ++k) {
         auto const& patch = plant.patch(c, k);
@@ -265,7 +265,7 @@ void MechatronicSystem::dissipate(Dynamics const& plant, Inputs& inputs) {
         width += 0.5 * pi * patch.b;  // area of the ellipse over its length
       }
       if (setup_.energy_width > 0.0) width = setup_.energy_width;
-      double const own = width > 0.0 ? energy_per_area(power, train_.speed(), width) : 0.0;
+      double const own = width > 0.0 ? energy_per_area(power, train_.speed, width) : 0.0;
       double const radius = model.contacts[at(c)].pair.wheel_radius;
       double const rolled = setup_.step * std::fabs(radius * plant.work().motion[at(parts.wheelset)].rate[coord_pitch]);
       double const under = wheel_[side][i].pass({&rail_[side], 1}, from, from + step_length, own, rolled,
@@ -322,15 +322,15 @@ RigController::State const* MechatronicSystem::rig_state() const {
 
 /// Of the train on track, of the virtual train on a rig, or else of the rollers [m/s].
 double MechatronicSystem::train_speed(Dynamics const& plant) const {
-  if (frame_moves()) return train_.speed();
+  if (frame_moves()) return train_.speed;
   auto const* control = rig_state();
-  return control != nullptr ? control->train.speed() : crown_speed(plant);
+  return control != nullptr ? control->train.speed : crown_speed(plant);
 }
 
 /// Of the train on track, of the virtual train on a rig, since the start [m].
 double MechatronicSystem::train_distance() const {
   auto const* control = rig_state();
-  return frame_moves() || control == nullptr ? train_.distance() : control->train.distance();
+  return frame_moves() || control == nullptr ? train_.distance : control->train.distance;
 }
 
 /// Of the first controller that estimates the train's speed.

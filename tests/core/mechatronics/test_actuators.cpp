@@ -193,14 +193,14 @@ TEST_CASE("a wheel keeps of its cleaning what its circumference and its memory l
   };
   // dE/ds = e / (2 pi r) - E / L, whatever the step: to its settled value e L / (2 pi r)
   for (double step : {0.03, 1.0})
-    CHECK(after(45.0, step, 1.0, memory).energy() ==
+    CHECK(after(45.0, step, 1.0, memory).energy ==
           doctest::Approx(own * memory / around * -std::expm1(-45.0 / memory)).epsilon(1e-9));
-  CHECK(after(45.0, 0.05, 1.0, 0.0).energy() == 0.0);                                                    // switched off
-  CHECK(after(45.0, 0.05, 0.0, memory).energy() == doctest::Approx(own * 45.0 / around).epsilon(1e-9));  // locked
+  CHECK(after(45.0, 0.05, 1.0, 0.0).energy == 0.0);                                                    // switched off
+  CHECK(after(45.0, 0.05, 0.0, memory).energy == doctest::Approx(own * 45.0 / around).epsilon(1e-9));  // locked
   CleanedWheel wheel = after(45.0, 0.05, 1.0, memory);
-  double const cleaned = wheel.energy();
+  double const cleaned = wheel.energy;
   for (int k = 0; k < 600; ++k) wheel.run(0.0, 0.1, 0.1, around, memory);  // rolls 60 m without sliding
-  CHECK(wheel.energy() == doctest::Approx(cleaned * std::exp(-2.0)).epsilon(1e-9));
+  CHECK(wheel.energy == doctest::Approx(cleaned * std::exp(-2.0)).epsilon(1e-9));
 }
 
 TEST_CASE("a motor stays within its envelope and follows with its bandwidth") {

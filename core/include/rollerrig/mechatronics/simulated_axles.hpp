@@ -46,8 +46,7 @@ struct TrainStep {
   double acceleration{};  ///< [m/s^2]
 };
 
-class SimulatedAxleStates {
- public:
+struct SimulatedAxleStates {
   struct Axle {
     VirtualAxle wheels{};
     double angle{};       ///< turned since the start [rad]
@@ -60,9 +59,13 @@ class SimulatedAxleStates {
     void state(auto& archive) { archive(wheels, angle, slip, load, work, to_train, dissipated, rail); }
   };
 
-  explicit SimulatedAxleStates(SimulatedAxles const& axles, double speed) : axle_(axles.count()) {
-    for (std::size_t i = 0; i < axle_.size(); ++i)
-      axle_[i].wheels = VirtualAxle{speed / axles.wheel_radius}, axle_[i].load = axles.static_load[i];
+  std::vector<Axle> axle;
+  double force{0.0};  ///< (N2), mean of the last step [N]
+  void state(auto& archive) { archive(axle, force); }
+
+  explicit SimulatedAxleStates(SimulatedAxles const& axles, double speed) : axle(axles.count()) {
+    for (std::size_t i = 0; i < axle.size(); ++i)
+      axle[i].wheels.speed = speed / axles.wheel_radius, axle[i].load = axles.static_load[i];
   }
 
   /// One step of length h.
@@ -74,39 +77,29 @@ class SimulatedAxleStates {
   template <class Torque, class Brake>
   void step(SimulatedAxles const& axles, VirtualRail const& rail, TrainStep const& train, double h,
             FoundRail const& found, Torque&& torque, Brake&& brake) {
-    force_ = 0.0;
+    force = 0.0;
     double const r = axles.wheel_radius;
-    for (std::size_t i = 0; i < axle_.size(); ++i) {
-      Axle& own = axle_[i];
+    for (std::size_t i = 0; i < axle.size(); ++i) {
+      Axle& own = axle[i];
       double const place = train.distance + axles.position[i];
       own.load = std::fmax(
           0.0, axles.static_load[i] + axles.load_transfer[i] * (train.acceleration + axles.gradient_force));  // (D9)
-      auto const force = [&](double w) {
+      auto const rail_force = [&](double w) {
         return rail.force(r * w - train.speed, train.speed, own.load, train.time, place, own.rail.energy, own.rail.sand,
                           found.friction);
       };
       double const driving = torque(i);
-      own.wheels.step({axles.wheelset_inertia, r}, driving, h, force, [&](double w) { return brake(i, w); });
-      double const w = own.wheels.middle_speed(), of_rail = own.wheels.force();
+      own.wheels.step({axles.wheelset_inertia, r}, driving, h, rail_force, [&](double w) { return brake(i, w); });
+      double const w = own.wheels.middle_speed, of_rail = own.wheels.force;
       own.slip = r * w - train.speed;
       own.angle += h * w;
-      own.work += h * (driving + own.wheels.brake_torque()) * w;
+      own.work += h * (driving + own.wheels.brake_torque) * w;
       own.to_train += h * of_rail * train.speed;
       own.dissipated += h * of_rail * own.slip;
-      force_ += of_rail;
+      force += of_rail;
       rail.pass(own.rail, {place, place + h * train.speed, train.speed, r * w, of_rail, 2.0 * pi * r, h}, found, i);
     }
   }
-
-  std::size_t count() const { return axle_.size(); }
-  Axle const& axle(std::size_t i) const { return axle_[i]; }
-  double force() const { return force_; }  ///< (N2), mean of the last step [N]
-
-  void state(auto& archive) { archive(axle_, force_); }
-
- private:
-  std::vector<Axle> axle_;
-  double force_{0.0};
 };
 
 }  // namespace rollerrig

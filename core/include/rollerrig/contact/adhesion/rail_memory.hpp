@@ -126,9 +126,9 @@ inline double energy_per_area(double power, double train_speed, double width) {
 ///
 /// with s_w the length rolled, e the energy per area of rail and L the memory. Of a locked wheel s_w does not grow: nothing fades.
 /// Source  ours; docs/theory/adhesion.md.
-class CleanedWheel {
- public:
-  double energy() const { return energy_; }  ///< per area of the tread, its mean [J/m^2]
+struct CleanedWheel {
+  double energy{0.0};  ///< per area of the tread, its mean [J/m^2]
+  void state(auto& archive) { archive(energy); }
 
   /// @param dissipated     per area of the rail, by this wheel [J/m^2]
   /// @param passed         length of the rail that passed [m]
@@ -139,7 +139,7 @@ class CleanedWheel {
     if (!(memory > 0.0)) return;
     double const gain = dissipated * passed / circumference, fade = rolled / memory;
     double const kept = fade > 1e-9 ? -std::expm1(-fade) / fade : 1.0;  // of what comes in evenly over the step
-    energy_ = energy_ * std::exp(-fade) + gain * kept;
+    energy = energy * std::exp(-fade) + gain * kept;
   }
 
   /// The wheel over a step, that rolls from one arc length to another of a rail, or on several, of which it finds the mean.
@@ -148,7 +148,7 @@ class CleanedWheel {
   ///          dissipated behind the patch's middle [J/m^2]
   double pass(std::span<RailCells> rails, double from, double to, double dissipated, double rolled,
               double circumference, double memory) {
-    double under = energy_ + 0.5 * dissipated;
+    double under = energy + 0.5 * dissipated;
     for (RailCells& rail : rails) {
       under += rail.before(from) / static_cast<double>(rails.size());
       rail.add(from, to, dissipated);
@@ -156,11 +156,6 @@ class CleanedWheel {
     run(dissipated, to - from, rolled, circumference, memory);
     return under;
   }
-
-  void state(auto& archive) { archive(energy_); }
-
- private:
-  double energy_{0.0};
 };
 
 }  // namespace rollerrig
