@@ -16,8 +16,6 @@ constexpr double largest_change = 9.0;  ///< of friction
 constexpr double most_samples = 1e7;    ///< in one step of a tool: hours
 constexpr double round_off = 1e-6;      ///< of a sample time, in periods: tools add up their steps
 
-double without_limit(double value) { return std::fabs(value) < unlimited ? value : std::copysign(no_limit, value); }
-
 struct TrainInput {
   char const *name, *unit, *meaning;
   double Measurements::* place;
@@ -65,9 +63,7 @@ void ControllerPlant::add_axle_inputs() {
                            : name == "roller_speed" ? part_.roller_speed[i]
                            : name == "axle_load"    ? rig->train.static_load[i]
                                                     : 0.0;
-      variables_.push_back({part_.axles[i] + "." + std::string(name), std::string(field.unit),
-                            std::string(field.meaning), Causality::input, Variability::discrete, start,
-                            without_limit(field.lowest), without_limit(field.highest), field.whole});
+      variables_.push_back(variable_of(field, part_.axles[i] + "." + std::string(name), Causality::input, start));
       inputs_.push_back({.per_axle = place_of(field, of_rollers()), .axle = i});
     }
 }
@@ -83,9 +79,8 @@ void ControllerPlant::add_train_inputs() {
 void ControllerPlant::add_outputs() {
   CommandField const& field = field_of(command_of(part_.controller.controller));
   for (std::string const& axle : part_.axles)
-    variables_.push_back({axle + "." + std::string(field.name) + "_command", std::string(field.unit),
-                          std::string(field.meaning), Causality::output, Variability::discrete, field.initial,
-                          without_limit(field.lowest), without_limit(field.highest), field.whole});
+    variables_.push_back(
+        variable_of(field, axle + "." + std::string(field.name) + "_command", Causality::output, field.initial));
   auto const add = [&](std::string name, char const* unit, char const* meaning, double start) {
     variables_.push_back(
         {std::move(name), unit, meaning, Causality::output, Variability::discrete, start, -no_limit, no_limit});

@@ -48,13 +48,8 @@ void add_demands(MechatronicSetup const& setup, PartNames const& names, Variable
     for (std::size_t i = 0; i < setup.axles.size() && is_open(setup, static_cast<Command>(c)); ++i) {
       if (!has_command(setup, i, static_cast<Command>(c))) continue;
       CommandField const& field = command_fields[c];
-      auto const limit = [](double number) {
-        return std::abs(number) < unlimited ? number : std::copysign(any, number);
-      };
       std::string const name = names.axles[i] + "." + std::string(field.name) + "_command";
-      list.add({name, std::string(field.unit), std::string(field.meaning), Causality::input, Variability::discrete,
-                field.initial, limit(field.lowest), limit(field.highest), field.whole},
-               {Place::command, i, c});
+      list.add(variable_of(field, name, Causality::input, field.initial), {Place::command, i, c});
     }
 }
 

@@ -8,8 +8,6 @@ namespace {
 
 constexpr double largest_motor_part = 0.2;  ///< of a second-order torque loop, over its time constant
 
-DumpValve valve_of(double command) { return static_cast<DumpValve>(static_cast<int>(command)); }
-
 /// Steps of the blending's delay.
 int blending_steps(MechatronicSetup const& setup) {
   auto const& machine = setup.actuators.electrodynamic;

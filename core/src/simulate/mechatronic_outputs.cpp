@@ -64,12 +64,6 @@ constexpr Field axle_table[] = {
      "pipe"},
 };
 
-consteval std::size_t column(std::string_view name) {
-  auto const found = std::ranges::find(axle_table, name, &Field::name);
-  if (found == std::end(axle_table)) throw "there is no such column";
-  return at(found - std::begin(axle_table));
-}
-
 constexpr Field train_table[] = {
     {"train_speed", "m/s",
      "speed of the train: on track the real one, on a rig the virtual one, or else of the rollers"},
@@ -85,6 +79,14 @@ constexpr Field train_table[] = {
     {"track_brake_energy", "J", "energy that the track brakes have taken since the start"},
     {"sand_used", "kg", "sand that has been laid on both rails since the start"},
 };
+
+consteval std::size_t index_in(std::span<Field const> table, std::string_view name) {
+  auto const found = std::ranges::find(table, name, &Field::name);
+  if (found == table.end()) throw "there is no such column";
+  return at(found - table.begin());
+}
+consteval std::size_t column(std::string_view name) { return index_in(axle_table, name); }
+consteval std::size_t train_column(std::string_view name) { return index_in(train_table, name); }
 
 /// Of all patches of an axle, and of the rolling constraint where it stands for creep [N].
 struct LongitudinalForce {
@@ -179,17 +181,17 @@ void MechatronicSystem::record(Dynamics const& plant, std::int64_t step, double 
     train = {control->train.distance, control->train.speed, control->train.acceleration};
   else if (frame_moves())
     train = {train_.distance, train_.speed, train_.acceleration};
-  row[0] = train.speed;
-  row[1] = train.s;
-  row[2] = train.acceleration;
-  row[3] = reference_speed().value_or(setup_.speed);
-  row[4] = setup_.actuators.brake_demand.at(t);
-  row[5] = setup_.actuators.torque_demand.at(t);
-  row[6] = actuators_.cylinders().drawn();
-  row[7] = reference_speed().value_or(train.speed) - train.speed;
-  row[8] = track_brake_force(plant);
-  row[9] = track_brake_energy_;
-  row[10] = sand_used_;
+  row[train_column("train_speed")] = train.speed;
+  row[train_column("train_distance")] = train.s;
+  row[train_column("train_acceleration")] = train.acceleration;
+  row[train_column("reference_speed")] = reference_speed().value_or(setup_.speed);
+  row[train_column("brake_demand")] = setup_.actuators.brake_demand.at(t);
+  row[train_column("traction_demand")] = setup_.actuators.torque_demand.at(t);
+  row[train_column("main_pipe_air")] = actuators_.cylinders().drawn();
+  row[train_column("reference_speed_error")] = reference_speed().value_or(train.speed) - train.speed;
+  row[train_column("track_brake_force")] = track_brake_force(plant);
+  row[train_column("track_brake_energy")] = track_brake_energy_;
+  row[train_column("sand_used")] = sand_used_;
 }
 
 void MechatronicSystem::record_axle(Dynamics const& plant, std::size_t i, Inputs const& inputs, double* out) const {

@@ -215,7 +215,7 @@ void MechatronicSystem::step_simulated(std::int64_t step) {
 
 /// What slide protection or wheel-slip control has just asked of an axle.
 bool MechatronicSystem::axle_is_sliding(std::size_t axle) const {
-  return acting_.dump_valve[axle] == static_cast<double>(DumpValve::vent) || acting_.torque_factor[axle] < 1.0;
+  return valve_of(acting_.dump_valve[axle]) == DumpValve::vent || acting_.torque_factor[axle] < 1.0;
 }
 
 void MechatronicSystem::switch_sand(Dynamics const& plant, std::int64_t step) {

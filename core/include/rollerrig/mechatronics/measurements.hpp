@@ -124,7 +124,9 @@ inline constexpr MeasurementField measurement_fields[] = {
      "force of the simulated axles on the train, mean since the last sample, forward; the same number for each axle"},
 };
 constexpr std::size_t measurement_index(std::string_view name) {
-  return at(std::ranges::find(measurement_fields, name, &MeasurementField::name) - std::begin(measurement_fields));
+  auto const found = std::ranges::find(measurement_fields, name, &MeasurementField::name);
+  if (found == std::end(measurement_fields)) throw "there is no such column";
+  return at(found - std::begin(measurement_fields));
 }
 /// Where the number of a column is; the rig's controller has speed sensors of its own.
 constexpr PerAxle<double> Measurements::* place_of(MeasurementField const& field, bool of_rollers) {
