@@ -48,18 +48,19 @@ void RigController::step(State& s, Measurements const& now, double period, PerAx
   double const r = train.wheel_radius;
   for (int i = 0; i < now.under_test; ++i) {  // front to back: the leading axle cleans for the following ones
     AxleState& axle = s.axle[at(i)];
+    VirtualAxle const& wheels = s.train.axle[at(i)];
     double const ahead = train.position[at(i)];
-    rail.pass(axle.rail,
-              {from + ahead, s.train.distance + ahead, s.train.speed, r * s.train.axle[at(i)].speed,
-               s.train.axle[at(i)].force, 2.0 * pi * r, period},
-              found, at(i));
-    axle.feed_forward = assumed.roller_inertia * r / assumed.roller_radius * s.train.axle[at(i)].rate -
-                        assumed.roller_radius * s.train.axle[at(i)].force;  // (D5)
+    rail.pass(
+        axle.rail,
+        {from + ahead, s.train.distance + ahead, s.train.speed, r * wheels.speed, wheels.force, 2.0 * pi * r, period},
+        found, at(i));
+    axle.feed_forward = assumed.roller_inertia * r / assumed.roller_radius * wheels.rate -
+                        assumed.roller_radius * wheels.force;  // (D5)
     double wanted = axle.feed_forward;
-    if (s.train.axle[at(i)].locked) {
+    if (wheels.locked) {
       axle.feedback = first_state(feedback);
     } else {
-      TrackingError const error{axle.feed_forward, s.train.axle[at(i)].speed - now.axle_speed[at(i)], period};
+      TrackingError const error{axle.feed_forward, wheels.speed - now.axle_speed[at(i)], period};
       auto const correct = [&](auto const& law, auto& state) { return law.step(state, assumed, error, largest); };
       wanted = visit_with_state(correct, feedback, axle.feedback);
     }
