@@ -168,7 +168,7 @@ void bind_commands(nb::module_& m, std::variant<Laws...> const* /*registry*/) {
       .def_ro("highest", &CommandField::highest)
       .def_ro("whole", &CommandField::whole);
   nb::dict found;
-  ((found[Laws::name] = nb::cast(command_fields[static_cast<std::size_t>(Laws::command)])), ...);
+  ((found[Laws::name] = nb::cast(field_of(Laws::command))), ...);
   m.attr("commands") = found;
 }
 

@@ -371,7 +371,7 @@ void bind_tangent_run(nb::module_& m) {
           "Derivatives of the states: (states, numbers and directions).");
 }
 
-nb::list field_list(std::span<Field const> fields) {
+nb::list field_list(auto const& fields) {
   nb::list list;
   for (auto const& f : fields)
     list.append(nb::make_tuple(std::string(f.name), std::string(f.unit), std::string(f.meaning)));
@@ -456,7 +456,7 @@ void bind_simulation(nb::module_& m) {
   m.attr("element_fields") = field_list(Recorder::element_fields());
   m.attr("axle_fields") = field_list(MechatronicSystem::axle_fields());
   m.attr("train_fields") = field_list(MechatronicSystem::train_fields());
-  m.attr("measurement_fields") = field_list(MechatronicSystem::measurement_fields());
+  m.attr("measurement_fields") = field_list(measurement_fields);
   m.attr("run_fields") = field_list(Recorder::run_fields());
   m.def(
       "status_sentence", [](int status) { return std::string(status_sentence(static_cast<Status>(status))); },

@@ -132,8 +132,8 @@ MUTANTS = (
            "- retarding) / train.mass -",
            "- retarding) / (0.5 * train.mass) -", ("mechatronics/test_rig_control.cpp",)),
     Mutant("feed-forward (D5): a sign", "src/mechatronics/rig_controller.cpp",
-           "s.train.axle_rate(i) -",
-           "s.train.axle_rate(i) +", ("mechatronics/test_rig_control.cpp",)),
+           "wheels.rate -",
+           "wheels.rate +", ("mechatronics/test_rig_control.cpp",)),
 )  # fmt: skip
 
 

@@ -102,6 +102,12 @@ struct States<std::variant<Laws...>> {
 template <class Registry>
 using StateOf = typename registry::States<Registry>::Type;
 
+/// Of a law whose state begins with nothing.
+template <class Registry>
+StateOf<Registry> first_state(Registry const& law) {
+  return std::visit([]<class Law>(Law const&) { return StateOf<Registry>{typename Law::State{}}; }, law);
+}
+
 /// f(law, its state): the state must have been made by that law.
 template <class Function, class Registry>
 decltype(auto) visit_with_state(Function&& f, Registry const& law, StateOf<Registry>& state) {

@@ -6,8 +6,6 @@
 namespace rollerrig {
 namespace {
 
-constexpr double least_speed = 0.1;  ///< below it the dissipated energy is counted as at it [m/s]
-
 AxleSample sample_of(Measurements const& now, std::size_t k) {
   return {now.roller_speed[k], now.axle_speed[k], now.roller_torque[k], now.true_force[k], now.true_torque[k]};
 }
@@ -22,9 +20,9 @@ RigController::State RigController::start(Measurements const& now, double train_
   for (std::size_t k = 0; k < at(now.under_test); ++k) {
     AxleState& axle = s.axle[k];
     std::visit([&](auto const& law) { axle.estimator = law.start(assumed, period, sample_of(now, k)); }, estimator);
-    std::visit([&]<class Law>(Law const&) { axle.axle_torque = typename Law::State{}; }, axle_torque);
-    axle.feedback = start_feedback();
-    std::visit([&]<class Law>(Law const&) { axle.drive_command = typename Law::State{}; }, drive_command);
+    axle.axle_torque = first_state(axle_torque);
+    axle.feedback = first_state(feedback);
+    axle.drive_command = first_state(drive_command);
   }
   return s;
 }
@@ -39,23 +37,30 @@ void RigController::step(State& s, Measurements const& now, double period, PerAx
     torques[k] = s.axle[k].estimate.torque = torque_of_axle(s.axle[k], now, k, period);
     lock_or_unlock(s, static_cast<int>(k), now.axle_speed[k]);
   }
-  double const from = s.train.distance();
+  double const from = s.train.distance;
   auto const rail_force = [&](int i, double slip, double speed, double load) {
-    return rail.force(slip, speed, load, now.time, from + train.position[at(i)], s.axle[at(i)].energy,
-                      s.axle[at(i)].sand, now.rail_friction);
+    return rail.force(slip, speed, load, now.time, from + train.position[at(i)], s.axle[at(i)].rail.energy,
+                      s.axle[at(i)].rail.sand, now.rail_friction);
   };
   s.train.step(train, now.under_test, torques, measured_loads ? &now.axle_load : nullptr,
                now.track_brake_force - now.force_of_others, period, rail_force);
+  FoundRail const found{{&s.rail, 1}, &s.sand, now.sand_flow.data()};
+  double const r = train.wheel_radius;
   for (int i = 0; i < now.under_test; ++i) {  // front to back: the leading axle cleans for the following ones
     AxleState& axle = s.axle[at(i)];
-    recover(s, now, i, from, period);
-    axle.feed_forward = assumed.roller_inertia * train.wheel_radius / assumed.roller_radius * s.train.axle_rate(i) -
-                        assumed.roller_radius * s.train.force(i);  // (D5)
+    VirtualAxle const& wheels = s.train.axle[at(i)];
+    double const ahead = train.position[at(i)];
+    rail.pass(
+        axle.rail,
+        {from + ahead, s.train.distance + ahead, s.train.speed, r * wheels.speed, wheels.force, 2.0 * pi * r, period},
+        found, at(i));
+    axle.feed_forward = assumed.roller_inertia * r / assumed.roller_radius * wheels.rate -
+                        assumed.roller_radius * wheels.force;  // (D5)
     double wanted = axle.feed_forward;
-    if (s.train.locked(i)) {
-      axle.feedback = start_feedback();
+    if (wheels.locked) {
+      axle.feedback = first_state(feedback);
     } else {
-      TrackingError const error{axle.feed_forward, s.train.axle_speed(i) - now.axle_speed[at(i)], period};
+      TrackingError const error{axle.feed_forward, wheels.speed - now.axle_speed[at(i)], period};
       auto const correct = [&](auto const& law, auto& state) { return law.step(state, assumed, error, largest); };
       wanted = visit_with_state(correct, feedback, axle.feedback);
     }
@@ -92,27 +97,10 @@ double RigController::torque_of_axle(AxleState& axle, Measurements const& now, s
 /// drive's own, delayed by the estimator, and through (D3) it would return to the drive with the gain J_r (r/R)^2 / J_w.
 void RigController::lock_or_unlock(State& s, int i, double axle_speed) const {
   double const rolling = train.wheel_radius * axle_speed;
-  bool const stands = std::fabs(rolling) < locked_speed && s.train.speed() - rolling > locked_speed;
-  if (s.train.locked(i) ? stands : stands && train.wheel_radius * std::fabs(s.train.axle_speed(i)) < locked_speed) {
-    s.train.lock(i, axle_speed);
-  } else {
-    s.train.unlock(i);
-  }
-}
-
-/// What the wheels ahead and this one have dissipated on the virtual rail under an axle, and the sand there.
-void RigController::recover(State& s, Measurements const& now, int i, double from, double period) const {
-  AxleState& axle = s.axle[at(i)];
-  double const begin = from + train.position[at(i)], end = s.train.distance() + train.position[at(i)];
-  double const speed = train.wheel_radius * s.train.axle_speed(i);
-  double const slip = speed - s.train.speed();
-  double const own = std::fabs(s.train.force(i) * slip) / (2.0 * std::max(s.train.speed(), least_speed) * rail.width);
-  // Half of its own is dissipated behind the patch's middle.
-  axle.energy = s.rail.before(begin) + axle.wheel.energy() + 0.5 * own;
-  s.rail.add(begin, end, own);
-  s.sand.run(begin, end, now.sand_flow[at(i)] * period, rail.sand_kept);
-  axle.sand = s.sand.at(end);
-  axle.wheel.run(own, end - begin, period * std::fabs(speed), 2.0 * pi * train.wheel_radius, rail.wheel_memory);
+  bool const stands = std::fabs(rolling) < locked_speed && s.train.speed - rolling > locked_speed;
+  VirtualAxle& axle = s.train.axle[at(i)];
+  axle.locked = stands && (axle.locked || train.wheel_radius * std::fabs(axle.speed) < locked_speed);
+  if (axle.locked) axle.speed = axle_speed;
 }
 
 }  // namespace rollerrig

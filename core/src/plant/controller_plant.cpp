@@ -18,44 +18,16 @@ constexpr double round_off = 1e-6;      ///< of a sample time, in periods: tools
 constexpr double least_change = 1e-6;   ///< of a number that is varied, over it: differences then have ten digits
 constexpr int trial_samples = 3;        ///< in which states show how far inputs bring them
 
-struct AxleInput {
-  char const *name, *unit, *meaning;
-  PerAxle<double> Measurements::* place;
-  double least{-no_limit}, most{no_limit};
-  bool whole{false};
-};
 struct TrainInput {
   char const *name, *unit, *meaning;
   double Measurements::* place;
   double base, least, most;
 };
 
-constexpr AxleInput of_vehicle[] = {
-    {"axle_speed", "rad/s", "measured speed of each axle", &Measurements::vehicle_axle_speed},
-};
-constexpr AxleInput of_motors[] = {
-    of_vehicle[0],
-    {"motor_torque", "N m", "torque of the traction motor of each axle, as its drive reports it",
-     &Measurements::motor_torque},
-};
-constexpr AxleInput of_rig[] = {
-    {"axle_speed", "rad/s", "measured speed of each axle", &Measurements::axle_speed},
-    {"roller_speed", "rad/s", "measured speed of each roller axle, positive as under a wheel that rolls forward",
-     &Measurements::roller_speed},
-    {"roller_torque", "N m",
-     "torque of each roller drive since the last sample, as measured; positive drives the wheel forward",
-     &Measurements::roller_torque},
-    {"drive_torque", "N m", "torque of each roller drive now, as measured", &Measurements::drive_torque},
-    of_motors[1],
-    {"brake_torque", "N m", "torque of each axle's friction brake, from cylinder pressure and nominal pad friction",
-     &Measurements::brake_torque},
-    {"axle_load", "N", "measured vertical force under each axle", &Measurements::axle_load},
-    {"sand_flow", "kg/s", "flow of sand in front of each axle, on each rail", &Measurements::sand_flow},
-};
-constexpr AxleInput of_brake[] = {
-    {"dump_valve", "1", "command of the dump valve: 0 fill, 1 hold, 2 vent", &Measurements::dump_valve, 0.0, 2.0, true},
-    {"brake_demand", "Pa", "cylinder pressure demanded", &Measurements::brake_demand, 0.0, highest_pressure},
-};
+constexpr std::string_view of_motors[] = {"axle_speed", "motor_torque"};  // of slide protection the first one
+constexpr std::string_view of_rig[] = {"axle_speed",   "roller_speed", "roller_torque", "drive_torque",
+                                       "motor_torque", "brake_torque", "axle_load",     "sand_flow"};
+constexpr std::string_view of_brake[] = {"dump_valve", "brake_demand"};
 constexpr TrainInput of_train[] = {
     {"train.track_brake_force", "N", "force of all track brakes against running", &Measurements::track_brake_force, 0.0,
      -no_limit, no_limit},
@@ -83,21 +55,18 @@ bool ControllerPlant::of_brakes() const { return std::holds_alternative<BrakeUni
 
 void ControllerPlant::add_axle_inputs() {
   bool const drives = std::holds_alternative<WheelSlipControl>(part_.controller.controller);
-  std::span<AxleInput const> const table = of_rollers()  ? std::span<AxleInput const>(of_rig)
-                                           : of_brakes() ? std::span<AxleInput const>(of_brake)
-                                           : drives      ? std::span<AxleInput const>(of_motors)
-                                                         : of_vehicle;
+  using Names = std::span<std::string_view const>;
+  Names const names = of_rollers() ? Names(of_rig) : of_brakes() ? Names(of_brake) : Names(of_motors, drives ? 2 : 1);
   auto const* rig = std::get_if<RigController>(&part_.controller.controller);
   for (std::size_t i = 0; i < part_.axles.size(); ++i)
-    for (AxleInput const& input : table) {
-      std::string const name = input.name;
+    for (std::string_view const name : names) {
+      MeasurementField const& field = measurement_fields[measurement_index(name)];
       double const start = name == "axle_speed"     ? part_.axle_speed[i]
                            : name == "roller_speed" ? part_.roller_speed[i]
                            : name == "axle_load"    ? rig->train.static_load[i]
                                                     : 0.0;
-      variables_.push_back({part_.axles[i] + "." + name, input.unit, input.meaning, Causality::input,
-                            Variability::discrete, start, input.least, input.most, input.whole});
-      inputs_.push_back({.per_axle = input.place, .axle = i});
+      variables_.push_back(variable_of(field, part_.axles[i] + "." + std::string(name), Causality::input, start));
+      inputs_.push_back({.per_axle = place_of(field, of_rollers()), .axle = i});
     }
 }
 
@@ -110,13 +79,10 @@ void ControllerPlant::add_train_inputs() {
 }
 
 void ControllerPlant::add_outputs() {
-  auto const command = std::visit([](auto const& law) { return law.command; }, part_.controller.controller);
-  CommandField const& field = command_fields[at(static_cast<int>(command))];
-  auto const limit = [](double value) { return std::fabs(value) < unlimited ? value : std::copysign(no_limit, value); };
+  CommandField const& field = field_of(command_of(part_.controller.controller));
   for (std::string const& axle : part_.axles)
-    variables_.push_back({axle + "." + std::string(field.name) + "_command", std::string(field.unit),
-                          std::string(field.meaning), Causality::output, Variability::discrete, field.initial,
-                          limit(field.lowest), limit(field.highest), field.whole});
+    variables_.push_back(
+        variable_of(field, axle + "." + std::string(field.name) + "_command", Causality::output, field.initial));
   auto const add = [&](std::string name, char const* unit, char const* meaning, double start) {
     variables_.push_back(
         {std::move(name), unit, meaning, Causality::output, Variability::discrete, start, -no_limit, no_limit});
@@ -209,8 +175,8 @@ void ControllerPlant::sample() {
   for (std::size_t i = 0; i < axles; ++i) value_[commands_ + i] = command[i];
   auto const rest = commands_ + axles;
   if (auto const* rig = std::get_if<RigController::State>(&state_)) {
-    for (std::size_t i = 0; i < axles; ++i) value_[rest + i] = rig->train.axle_speed(static_cast<int>(i));
-    value_[rest + axles] = rig->train.speed();
+    for (std::size_t i = 0; i < axles; ++i) value_[rest + i] = rig->train.axle[i].speed;
+    value_[rest + axles] = rig->train.speed;
     return;
   }
   if (auto const* brake = std::get_if<BrakeUnit::State>(&state_)) {

@@ -126,7 +126,7 @@ Kind const& part_file() {
 std::string const& model_layout() { return model_file().layout; }
 
 std::vector<std::byte> write_model(AssembledModel const& a) {
-  Content const content{a.name, parts_of(*a.model), a.setup, a.names, a.options, a.start_time, a.start, a.disturbances};
+  Content const content{a.name, *a.model, a.setup, a.names, a.options, a.start_time, a.start, a.disturbances};
   return model_file().write(&content);
 }
 

@@ -31,7 +31,7 @@ template <class V>
 constexpr bool sampled_laws = std::is_same_v<V, AnyEstimator> || std::is_same_v<V, AnyAxleTorque> ||
                               std::is_same_v<V, AnyFeedback> || std::is_same_v<V, AnyDriveCommand>;
 template <class Law>
-constexpr bool settled_at_start = std::is_same_v<Law, KalmanFilter>;
+constexpr bool settled_at_start = requires { requires Law::settled_at_start; };
 
 }  // namespace
 
@@ -129,9 +129,9 @@ struct ModelParameters::Walk {
   }
 
   void friction() {
-    for (std::size_t i = 0; i < own.parts_.contacts.size(); ++i)
-      fields(own.parts_.contacts[i].laws.friction, wheel_name(own.given_, own.given_.model->contacts[i]) + ".friction",
-             true);
+    for (std::size_t i = 0; i < own.parts_.described_contacts.size(); ++i)
+      fields(own.parts_.described_contacts[i].laws.friction,
+             wheel_name(own.given_, own.given_.model->contacts[i]) + ".friction", true);
   }
 
   /// A map of its own in place of each one that contacts and virtual rails share.
@@ -143,7 +143,7 @@ struct ModelParameters::Walk {
       if (!copy) own.maps_.push_back(copy = std::make_shared<AdhesionMap>(*friction.map));
       friction.map = copy;
     };
-    for (ContactDescription& contact : own.parts_.contacts) replace(contact.laws.friction);
+    for (ContactDescription& contact : own.parts_.described_contacts) replace(contact.laws.friction);
     if (own.setup_) {
       if (own.setup_->rail) replace(own.setup_->rail->friction);
       for (SampledController& one : own.setup_->controllers)
@@ -172,7 +172,7 @@ struct ModelParameters::Walk {
   /// Of all rollers: their crowns stay where they are.
   void rollers() {
     std::vector<double*> radius;
-    for (ContactDescription& contact : own.parts_.contacts)
+    for (ContactDescription& contact : own.parts_.described_contacts)
       if (contact.roller_radius > 0.0) radius.push_back(&contact.roller_radius);
     if (radius.empty() || std::ranges::any_of(radius, [&](double const* one) { return *one != *radius.front(); }))
       return;
@@ -181,7 +181,7 @@ struct ModelParameters::Walk {
 };
 
 ModelParameters::ModelParameters(AssembledModel const& assembled)
-    : given_{assembled}, parts_{parts_of(*assembled.model)}, setup_{assembled.setup} {
+    : given_{assembled}, parts_{*assembled.model}, setup_{assembled.setup} {
   Walk walk{*this};
   walk.bodies();
   walk.elements();
@@ -203,7 +203,7 @@ AssembledModel ModelParameters::assembled() const {
   if (setup_) out.setup->controllers = setup_->controllers;
   if (!changed) return out;
   ModelParts parts = parts_;
-  for (ContactDescription const& contact : parts.contacts) {
+  for (ContactDescription const& contact : parts.described_contacts) {
     if (!(contact.roller_radius > 0.0)) continue;
     Body& roller = parts.bodies[at(contact.roller)];
     roller.position.z = -contact.roller_radius;

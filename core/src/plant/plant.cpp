@@ -144,7 +144,7 @@ void Plant::apply(Place const& place, double value) {
   CallerDemands& caller = system->caller();
   if (place.kind == Place::brake_demand) caller.brake_demand[place.index] = value;
   if (place.kind == Place::motor_torque) caller.motor_torque[place.index] = value;
-  if (place.kind == Place::command) caller.commands[place.item][place.index] = value;
+  if (place.kind == Place::command) (caller.commands.*command_fields[place.item].of)[place.index] = value;
   if (place.kind == Place::speed_control) caller.speed_control[place.index] = value;
   if (place.kind == Place::roller_speed) caller.roller_speed[place.index] = value;
   if (place.kind == Place::rail_friction) caller.rail_friction = 1.0 + value;

@@ -23,14 +23,11 @@ bool has_command(MechatronicSetup const& setup, std::size_t axle, Command comman
   return command == Command::torque_factor ? parts.driven() : parts.roller_torque != absent;
 }
 
-/// Commands that no controller of the setup gives.
-std::array<bool, command_count> open_commands(MechatronicSetup const& setup) {
-  std::array<bool, command_count> open{};
-  open.fill(true);
-  open[at(Command::cylinder_pressure)] = false;  // without a controller the plant's own brake unit
+/// Whether no controller of the setup gives a command.
+bool is_open(MechatronicSetup const& setup, Command command) {
   for (auto const& [sampling, any_law] : setup.controllers)
-    open[at(static_cast<int>(std::visit([](auto const& law) { return law.command; }, any_law)))] = sampling.external;
-  return open;
+    if (command_of(any_law) == command) return sampling.external;
+  return command != Command::cylinder_pressure;  // without a controller the plant's own brake unit
 }
 
 void add_demands(MechatronicSetup const& setup, PartNames const& names, VariableList& list) {
@@ -47,18 +44,12 @@ void add_demands(MechatronicSetup const& setup, PartNames const& names, Variable
           "torque demanded of the traction motor beside the demand of the case, positive forward", any,
           Place::motor_torque);
   }
-  auto const open = open_commands(setup);
-  for (std::size_t c = 0; c < command_count; ++c)
-    for (std::size_t i = 0; i < setup.axles.size() && open[c]; ++i) {
+  for (std::size_t c = 0; c < std::size(command_fields); ++c)
+    for (std::size_t i = 0; i < setup.axles.size() && is_open(setup, static_cast<Command>(c)); ++i) {
       if (!has_command(setup, i, static_cast<Command>(c))) continue;
       CommandField const& field = command_fields[c];
-      auto const limit = [](double number) {
-        return std::abs(number) < unlimited ? number : std::copysign(any, number);
-      };
       std::string const name = names.axles[i] + "." + std::string(field.name) + "_command";
-      list.add({name, std::string(field.unit), std::string(field.meaning), Causality::input, Variability::discrete,
-                field.initial, limit(field.lowest), limit(field.highest), field.whole},
-               {Place::command, i, c});
+      list.add(variable_of(field, name, Causality::input, field.initial), {Place::command, i, c});
     }
 }
 
@@ -160,8 +151,10 @@ class Columns {
     }
   }
   void skip(std::size_t columns) { column_ += columns; }
-  void measured(std::string const& owner, std::span<Field const> fields) {
-    for (Field const& field : fields) add(owner + std::string(field.name), field, {Place::measured, list_.measured++});
+  void measured(std::string const& owner) {
+    for (MeasurementField const& field : measurement_fields)
+      add(owner + std::string(field.name), {field.name, field.unit, field.meaning},
+          {Place::measured, list_.measured++});
   }
 
  private:
@@ -178,10 +171,10 @@ class Columns {
 void add_measurements(MechatronicSetup const& setup, PartNames const& names, Columns& columns) {
   for (auto const& [sampling, any_law] : setup.controllers) {
     if (!sampling.external) continue;
-    auto const [name, command] = std::visit([](auto const& law) { return std::pair{law.name, law.command}; }, any_law);
-    std::size_t const axles = command == Command::roller_torque ? setup.under_test() : setup.axles.size();
-    for (std::size_t i = 0; i < axles; ++i)
-      columns.measured(std::string(name) + "." + names.axles[i] + ".", MechatronicSystem::measurement_fields());
+    char const* const name = std::visit([](auto const& law) { return law.name; }, any_law);
+    bool const of_rollers = command_of(any_law) == Command::roller_torque;
+    std::size_t const axles = of_rollers ? setup.under_test() : setup.axles.size();
+    for (std::size_t i = 0; i < axles; ++i) columns.measured(std::string(name) + "." + names.axles[i] + ".");
   }
 }
 

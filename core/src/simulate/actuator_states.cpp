@@ -8,8 +8,6 @@ namespace {
 
 constexpr double largest_motor_part = 0.2;  ///< of a second-order torque loop, over its time constant
 
-DumpValve valve_of(double command) { return static_cast<DumpValve>(static_cast<int>(command)); }
-
 /// Steps of the blending's delay.
 int blending_steps(MechatronicSetup const& setup) {
   auto const& machine = setup.actuators.electrodynamic;
@@ -42,17 +40,17 @@ ActuatorStates::ActuatorStates(MechatronicSetup const& setup)
       counted_{0.0, blending_steps(setup)} {}
 
 /// The motors that brake, and what their axles are asked for in all.
-void ActuatorStates::step_electrodynamic(MechatronicSetup const& setup, std::int64_t step, ActingCommands const& acting,
+void ActuatorStates::step_electrodynamic(MechatronicSetup const& setup, std::int64_t step, AxleCommands const& acting,
                                          PerAxle<double> const& demand, PerAxle<double> const& axle_speed) {
   Actuators const& actuators = setup.actuators;
-  PerAxle<double> const &valve = acting[at(Command::dump_valve)], &admitted = acting[at(Command::torque_factor)];
   PerAxle<double> counted{};
   for (std::size_t i = 0; i < axle_.size(); ++i) {
     Axle& axle = axle_[i];
     double const speed = axle_speed[i];
     axle.asked = actuators.brake.sliding_torque(demand[i], speed);
     if (!actuators.electrodynamic || !setup.axles[i].electrodynamic) continue;
-    actuators.electrodynamic->step(axle.electrodynamic, axle.asked, speed, valve_of(valve[i]), admitted[i], setup.step);
+    actuators.electrodynamic->step(axle.electrodynamic, axle.asked, speed, valve_of(acting.dump_valve[i]),
+                                   acting.torque_factor[i], setup.step);
     counted[i] = axle.electrodynamic.counted;
   }
   counted_.send(counted, step);
@@ -80,11 +78,10 @@ void ActuatorStates::step_pneumatics(MechatronicSetup const& setup, PerAxle<doub
   cylinders_.step(setup.actuators.pneumatics, valve, demand, setup.step);
 }
 
-void ActuatorStates::step(MechatronicSetup const& setup, std::int64_t step, ActingCommands const& acting,
+void ActuatorStates::step(MechatronicSetup const& setup, std::int64_t step, AxleCommands const& acting,
                           CallerDemands const& caller, PerAxle<double> const& axle_speed,
                           PerAxle<double> const& roller_speed, double train_speed, Inputs& inputs) {
   double const h = setup.step, t = h * static_cast<double>(step);
-  auto const& [valve, factor, roller_torque, commanded_pressure] = acting;
   auto const line = [&](double from, double to) { return HeldInput{t, from, (to - from) / h}; };
   PerAxle<double> before{}, motor_before{}, pressure_demand{};
   for (std::size_t i = 0; i < axle_.size(); ++i) {
@@ -95,9 +92,9 @@ void ActuatorStates::step(MechatronicSetup const& setup, std::int64_t step, Acti
   if (setup.braked()) {
     step_electrodynamic(setup, step, acting, pressure_demand, axle_speed);
     if (setup.brake_unit_is_sampled())
-      cylinders_.take(setup.actuators.pneumatics.control_valve, valve, commanded_pressure);
+      cylinders_.take(setup.actuators.pneumatics.control_valve, acting.dump_valve, acting.cylinder_pressure);
     else
-      step_pneumatics(setup, valve, pressure_demand, axle_speed);
+      step_pneumatics(setup, acting.dump_valve, pressure_demand, axle_speed);
   }
   if (auto const& brake = setup.actuators.track_brake) {
     double const from = track_brake_;
@@ -113,14 +110,14 @@ void ActuatorStates::step(MechatronicSetup const& setup, std::int64_t step, Acti
     axle.stand_in = setup.actuators.by_traction_motors ? setup.actuators.brake.torque(pressure, speed) : 0.0;
     if (parts.driven()) {
       double const asked = setup.actuators.torque_demand.at(t) + caller.motor_torque[i];
-      double const demand = factor[i] * asked + axle.stand_in;
+      double const demand = acting.torque_factor[i] * asked + axle.stand_in;
       step_motor(setup.actuators.motor, axle.motor, demand, speed, h);
       if (parts.axle_torque != absent)
         inputs.axle_torque[at(parts.axle_torque)] = line(motor_before[i], axle.of_motor());
     }
     if (parts.roller_torque != absent) {
       double const from = axle.drive[0];
-      step_drive(setup, i, roller_torque[i], roller_speed[i]);
+      step_drive(setup, i, acting.roller_torque[i], roller_speed[i]);
       inputs.roller_torque[at(parts.roller_torque)] = line(from, axle.drive[0]);
     }
   }

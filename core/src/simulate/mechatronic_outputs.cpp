@@ -64,12 +64,6 @@ constexpr Field axle_table[] = {
      "pipe"},
 };
 
-consteval std::size_t column(std::string_view name) {
-  auto const found = std::ranges::find(axle_table, name, &Field::name);
-  if (found == std::end(axle_table)) throw "there is no such column";
-  return at(found - std::begin(axle_table));
-}
-
 constexpr Field train_table[] = {
     {"train_speed", "m/s",
      "speed of the train: on track the real one, on a rig the virtual one, or else of the rollers"},
@@ -86,26 +80,13 @@ constexpr Field train_table[] = {
     {"sand_used", "kg", "sand that has been laid on both rails since the start"},
 };
 
-constexpr Field measurement_table[] = {
-    {"axle_speed", "rad/s", "measured speed of each axle: for rig_control the rig's sensors, else the vehicle's own"},
-    {"roller_speed", "rad/s", "measured speed of each roller axle, positive as under a wheel that rolls forward"},
-    {"roller_torque", "N m",
-     "torque of each roller drive since the last sample, as measured; positive drives the wheel forward"},
-    {"estimated_force", "N", "our estimate of the contact force on each axle, forward"},
-    {"estimated_torque", "N m", "our estimate of the torque on each axle"},
-    {"virtual_speed", "rad/s", "speed of each axle of the virtual train"},
-    {"feed_forward", "N m", "our feed-forward torque of each roller drive"},
-    {"axle_load", "N", "measured vertical force under each axle"},
-    {"drive_torque", "N m", "torque of each roller drive now, as measured"},
-    {"motor_torque", "N m", "torque of the traction motor of each axle, as its drive reports it"},
-    {"brake_torque", "N m", "torque of each axle's friction brake, from cylinder pressure and nominal pad friction"},
-    {"sand_flow", "kg/s", "flow of sand in front of each axle, on each rail"},
-    {"dump_valve", "1", "command of each axle's dump valve that acts: 0 fill, 1 hold, 2 vent"},
-    {"brake_demand", "Pa", "cylinder pressure demanded of each axle"},
-    {"track_brake_force", "N", "force of all track brakes against running, the same number for each axle"},
-    {"force_of_others", "N",
-     "force of the simulated axles on the train, mean since the last sample, forward; the same number for each axle"},
-};
+consteval std::size_t index_in(std::span<Field const> table, std::string_view name) {
+  auto const found = std::ranges::find(table, name, &Field::name);
+  if (found == table.end()) throw "there is no such column";
+  return at(found - table.begin());
+}
+consteval std::size_t column(std::string_view name) { return index_in(axle_table, name); }
+consteval std::size_t train_column(std::string_view name) { return index_in(train_table, name); }
 
 /// Of all patches of an axle, and of the rolling constraint where it stands for creep [N].
 struct LongitudinalForce {
@@ -131,7 +112,6 @@ LongitudinalForce longitudinal_force(Dynamics const& plant, AxleParts const& par
 
 std::span<Field const> MechatronicSystem::axle_fields() { return axle_table; }
 std::span<Field const> MechatronicSystem::train_fields() { return train_table; }
-std::span<Field const> MechatronicSystem::measurement_fields() { return measurement_table; }
 
 int MechatronicSystem::width() const {
   return static_cast<int>(axles() * std::size(axle_table) + std::size(train_table));
@@ -147,35 +127,26 @@ std::vector<double> MechatronicSystem::measurement(std::string_view controller) 
 }
 
 int MechatronicSystem::measurement_width(std::size_t controller) const {
-  bool const of_rollers = controllers_[controller].command == at(Command::roller_torque);
-  return static_cast<int>((of_rollers ? under_test() : axles()) * std::size(measurement_table));
+  bool const of_rollers = controllers_[controller].command == Command::roller_torque;
+  return static_cast<int>((of_rollers ? under_test() : axles()) * std::size(measurement_fields));
 }
 
 void MechatronicSystem::measure(std::size_t controller, double* row) const {
-  bool const of_rollers = controllers_[controller].command == at(Command::roller_torque);
+  bool const of_rollers = controllers_[controller].command == Command::roller_torque;
   auto const* control = rig_state();
-  auto const& m = measured_;
-  for (std::size_t i = 0; i < (of_rollers ? under_test() : axles()); ++i, row += std::size(measurement_table)) {
-    auto const own = control != nullptr ? control->axle[i] : RigController::AxleState{};
-    double const virtual_speed = control != nullptr ? control->train.axle_speed(static_cast<int>(i)) : 0.0;
-    double const seen[] = {of_rollers ? m.axle_speed[i] : m.vehicle_axle_speed[i],
-                           m.roller_speed[i],
-                           m.roller_torque[i],
-                           own.estimate.force,
-                           own.estimate.torque,
-                           virtual_speed,
-                           own.feed_forward,
-                           m.axle_load[i],
-                           m.drive_torque[i],
-                           m.motor_torque[i],
-                           m.brake_torque[i],
-                           m.sand_flow[i],
-                           m.dump_valve[i],
-                           m.brake_demand[i],
-                           m.track_brake_force,
-                           m.force_of_others};
-    static_assert(std::size(seen) == std::size(measurement_table));
-    std::ranges::copy(seen, row);
+  for (std::size_t i = 0; i < (of_rollers ? under_test() : axles()); ++i, row += std::size(measurement_fields)) {
+    for (std::size_t c = 0; c < std::size(measurement_fields); ++c) {
+      auto const place = place_of(measurement_fields[c], of_rollers);
+      row[c] = place != nullptr ? (measured_.*place)[i] : 0.0;
+    }
+    row[measurement_index("track_brake_force")] = measured_.track_brake_force;
+    row[measurement_index("force_of_others")] = measured_.force_of_others;
+    if (control == nullptr) continue;
+    auto const& own = control->axle[i];
+    row[measurement_index("estimated_force")] = own.estimate.force;
+    row[measurement_index("estimated_torque")] = own.estimate.torque;
+    row[measurement_index("virtual_speed")] = control->train.axle[i].speed;
+    row[measurement_index("feed_forward")] = own.feed_forward;
   }
 }
 
@@ -188,8 +159,8 @@ void MechatronicSystem::record(Dynamics const& plant, std::int64_t step, double 
     row[column("measured_axle_speed")] = measured_.axle_speed[i];
     row[column("vehicle_axle_speed")] = measured_.vehicle_axle_speed[i];
     row[column("measured_load")] = measured_.axle_load[i];
-    row[column("valve")] = acting_[at(Command::dump_valve)][i];
-    row[column("torque_factor")] = acting_[at(Command::torque_factor)][i];
+    row[column("valve")] = acting_.dump_valve[i];
+    row[column("torque_factor")] = acting_.torque_factor[i];
     row[column("traction_torque")] = actuators.motor[0];
     row[column("electrodynamic_torque")] = actuators.electrodynamic.torque;
     row[column("demanded_brake_torque")] = actuators.asked;
@@ -207,20 +178,20 @@ void MechatronicSystem::record(Dynamics const& plant, std::int64_t step, double 
   double const t = time(step);
   Travel<double> train = running_motion(plant, t, z, inputs);  // on a rig without a virtual train: that of the rollers
   if (control != nullptr)
-    train = {control->train.distance(), control->train.speed(), control->train.acceleration()};
+    train = {control->train.distance, control->train.speed, control->train.acceleration};
   else if (frame_moves())
-    train = {train_.distance(), train_.speed(), train_.acceleration()};
-  row[0] = train.speed;
-  row[1] = train.s;
-  row[2] = train.acceleration;
-  row[3] = reference_speed().value_or(setup_.speed);
-  row[4] = setup_.actuators.brake_demand.at(t);
-  row[5] = setup_.actuators.torque_demand.at(t);
-  row[6] = actuators_.cylinders().drawn();
-  row[7] = reference_speed().value_or(train.speed) - train.speed;
-  row[8] = track_brake_force(plant);
-  row[9] = track_brake_energy_;
-  row[10] = sand_used_;
+    train = {train_.distance, train_.speed, train_.acceleration};
+  row[train_column("train_speed")] = train.speed;
+  row[train_column("train_distance")] = train.s;
+  row[train_column("train_acceleration")] = train.acceleration;
+  row[train_column("reference_speed")] = reference_speed().value_or(setup_.speed);
+  row[train_column("brake_demand")] = setup_.actuators.brake_demand.at(t);
+  row[train_column("traction_demand")] = setup_.actuators.torque_demand.at(t);
+  row[train_column("main_pipe_air")] = actuators_.cylinders().drawn();
+  row[train_column("reference_speed_error")] = reference_speed().value_or(train.speed) - train.speed;
+  row[train_column("track_brake_force")] = track_brake_force(plant);
+  row[train_column("track_brake_energy")] = track_brake_energy_;
+  row[train_column("sand_used")] = sand_used_;
 }
 
 void MechatronicSystem::record_axle(Dynamics const& plant, std::size_t i, Inputs const& inputs, double* out) const {
@@ -231,7 +202,7 @@ void MechatronicSystem::record_axle(Dynamics const& plant, std::size_t i, Inputs
   std::size_t const left = at(parts.contacts[0]);
   WheelContact const& contact = plant.model().contacts[left];
   double const wheel = spin(parts.wheelset), roller = parts.roller != absent ? -spin(parts.roller) : 0.0;
-  double const ground_speed = frame_moves() ? train_.speed() : setup_.speed;
+  double const ground_speed = frame_moves() ? train_.speed : setup_.speed;
   double const surface = parts.roller != absent ? roller * contact.roller_radius() : ground_speed;
   auto const force = longitudinal_force(plant, parts, axle);
   out[column("axle_speed")] = wheel;
@@ -240,7 +211,7 @@ void MechatronicSystem::record_axle(Dynamics const& plant, std::size_t i, Inputs
                                 : parts.brake != absent             ? plant.evaluation().brake_torque[at(parts.brake)]
                                                                     : 0.0;
   out[column("roller_torque")] = actuators.drive[0];
-  out[column("roller_command")] = acting_[at(Command::roller_torque)][i];
+  out[column("roller_command")] = acting_.roller_torque[i];
   out[column("contact_force")] = force.total;
   out[column("creep_force")] = force.creep;
   out[column("real_sliding")] =
@@ -256,10 +227,10 @@ void MechatronicSystem::record_axle(Dynamics const& plant, std::size_t i, Inputs
     auto const& own = control->axle[i];
     out[column("estimated_force")] = own.estimate.force;
     out[column("estimated_torque")] = own.estimate.torque;
-    out[column("virtual_speed")] = control->train.axle_speed(axle);
-    out[column("virtual_force")] = control->train.force(axle);
-    out[column("dissipated_energy_density")] = own.energy;
-    out[column("sand")] = own.sand;
+    out[column("virtual_speed")] = control->train.axle[at(axle)].speed;
+    out[column("virtual_force")] = control->train.axle[at(axle)].force;
+    out[column("dissipated_energy_density")] = own.rail.energy;
+    out[column("sand")] = own.rail.sand;
   } else {
     out[column("dissipated_energy_density")] = inputs.dissipated_energy[left];
     out[column("sand")] = inputs.sand.empty() ? 0.0 : inputs.sand[left];
@@ -268,19 +239,19 @@ void MechatronicSystem::record_axle(Dynamics const& plant, std::size_t i, Inputs
 
 /// Of an axle outside the model there are no rollers, and the virtual rail's force is all that acts on it.
 void MechatronicSystem::record_simulated(std::size_t i, double* out) const {
-  auto const& own = simulated_.axle(i - under_test());
-  double const force = own.wheels.force();
-  out[column("axle_speed")] = own.wheels.speed();
+  auto const& own = simulated_.axle[i - under_test()];
+  double const force = own.wheels.force;
+  out[column("axle_speed")] = own.wheels.speed;
   out[column("contact_force")] = out[column("creep_force")] = force;
-  out[column("dissipated_energy_density")] = own.energy;
-  out[column("sand")] = own.sand;
+  out[column("dissipated_energy_density")] = own.rail.energy;
+  out[column("sand")] = own.rail.sand;
   out[column("brake_torque")] =
-      setup_.actuators.by_traction_motors ? actuators_.axle(i).stand_in : own.wheels.brake_torque();
+      setup_.actuators.by_traction_motors ? actuators_.axle(i).stand_in : own.wheels.brake_torque;
   out[column("axle_work")] = own.work;
   out[column("work_on_train")] = own.to_train;
   out[column("slip_dissipation")] = own.dissipated;
   if (rig_state() != nullptr) {  // nothing slides on a roller
-    out[column("virtual_speed")] = own.wheels.speed();
+    out[column("virtual_speed")] = own.wheels.speed;
     out[column("virtual_force")] = force;
   } else {
     out[column("real_sliding")] = own.slip;

@@ -13,7 +13,6 @@
 namespace rollerrig {
 namespace {
 
-constexpr double least_speed = 0.1;        ///< below it the dissipated energy is counted as at it [m/s]
 constexpr double energy_relaxation = 0.2;  ///< per step: friction and dissipated energy act on each other
 constexpr double settling_time = 1.0;      ///< no run ends at standstill before [s]
 
@@ -27,10 +26,9 @@ MechatronicSystem::MechatronicSystem(MechatronicSetup setup)
       simulated_{setup_.simulated, setup_.speed},
       sand_{0.0, setup_.sanding ? static_cast<int>(std::lround(setup_.sanding->delay / setup_.step)) : 0} {
   for (auto const& [sampling, any] : setup_.controllers) {
-    auto const [name, command] = std::visit([](auto const& law) { return std::pair{law.name, law.command}; }, any);
-    auto const index = at(static_cast<int>(command));
-    controllers_.push_back({name, index, {}, {command_fields[index].initial, sampling.delay}});
-    controlled_[index] = true;
+    Command const command = command_of(any);
+    char const* const name = std::visit([](auto const& law) { return law.name; }, any);
+    controllers_.push_back({name, command, {}, {field_of(command).initial, sampling.delay}});
     if (command == Command::cylinder_pressure) {  // a machine reads no sensors
       brake_unit_ = controllers_.size() - 1;
       continue;
@@ -41,7 +39,7 @@ MechatronicSystem::MechatronicSystem(MechatronicSetup setup)
   measured_.under_test = static_cast<int>(under_test());
   for (auto& rail : rail_) rail.reset(setup_.rail_cell);
   sanded_.reset(setup_.rail_cell);
-  for (std::size_t c = 0; c < command_count; ++c) acting_[c].fill(command_fields[c].initial);
+  for (CommandField const& field : command_fields) (acting_.*field.of).fill(field.initial);
   caller_.commands = acting_;
   if (RigController const* law = rig()) caller_.roller_speed.fill(setup_.speed / law->assumed.roller_radius);
 }
@@ -63,7 +61,7 @@ void MechatronicSystem::prepare(Model const& model, Inputs& inputs) const {
 
 void MechatronicSystem::start(Dynamics const& plant) {
   sensors_.start(setup_, plant, simulated_, measured_);
-  if (RigController const* law = rig()) speed_control_.fill(law->start_feedback());
+  if (RigController const* law = rig()) speed_control_.fill(first_state(law->feedback));
   for (std::size_t i = 0; i < controllers_.size(); ++i) {
     auto const& [sampling, any] = setup_.controllers[i];
     double const period = setup_.step * sampling.every;
@@ -90,11 +88,10 @@ bool MechatronicSystem::sample(Dynamics const& plant, std::int64_t step, double 
 
 /// What the brakes are asked for from this instant on, by all that has been commanded up to now.
 void MechatronicSystem::sample_brake_demand(std::int64_t step) {
-  constexpr auto valve = at(Command::dump_valve);
   measured_.time = time(step);
-  measured_.dump_valve = caller_.commands[valve];
+  measured_.dump_valve = caller_.commands.dump_valve;
   for (Controller& own : controllers_)
-    if (own.command == valve) {
+    if (own.command == Command::dump_valve) {
       own.commands.advance(step);
       measured_.dump_valve = own.commands.acting();
     }
@@ -116,7 +113,7 @@ void MechatronicSystem::ask(std::size_t index, std::int64_t step) {
   PerAxle<double> command{};
   auto const run = [&]<class Law>(Law const& law, typename Law::State& state) {
     if constexpr (std::same_as<Law, RigController>) {
-      sensors_.read_roller_torques(setup_, law.commanded_torque ? &acting_[own.command] : nullptr, measured_);
+      sensors_.read_roller_torques(setup_, law.commanded_torque ? &acting_.roller_torque : nullptr, measured_);
       measured_.force_of_others = impulse_of_simulated_ / (setup_.step * sampling.every);
       impulse_of_simulated_ = 0.0;
     } else if (sampling.external)
@@ -148,14 +145,13 @@ void MechatronicSystem::read_true_forces(Dynamics const& plant) {
 }
 
 void MechatronicSystem::act(Dynamics const& plant, std::int64_t step, Inputs& inputs) {
+  acting_ = caller_.commands;
   for (Controller& own : controllers_) {
     own.commands.advance(step);
-    acting_[own.command] = own.commands.acting();
+    acting_.*field_of(own.command).of = own.commands.acting();
   }
-  for (std::size_t c = 0; c < command_count; ++c)
-    if (!controlled_[c]) acting_[c] = caller_.commands[c];
   if (setup_.sanding) switch_sand(plant, step);
-  double const retarding = track_brake_force(plant) - simulated_.force() - caller_.train_force;
+  double const retarding = track_brake_force(plant) - simulated_.force - caller_.train_force;
   if (frame_moves()) train_.accelerate(setup_.frame, plant, inputs, retarding);
   PerAxle<double> speed{}, roller_speed{};
   for (std::size_t i = 0; i < axles(); ++i) {
@@ -164,16 +160,16 @@ void MechatronicSystem::act(Dynamics const& plant, std::int64_t step, Inputs& in
     roller_speed[i] = roller != absent ? -plant.work().motion[at(roller)].rate[coord_pitch] : 0.0;
   }
   actuators_.step(setup_, step, acting_, caller_, speed, roller_speed, train_speed(plant), inputs);
-  inputs.speed = {time(step), train_.speed(), train_.acceleration()};
-  inputs.distance = train_.distance();
+  inputs.speed = {time(step), train_.speed, train_.acceleration};
+  inputs.distance = train_.distance;
   dissipate(plant, inputs);
   if (setup_.sanding) deposit_sand(plant, inputs);
-  if (simulated_.count() > 0) step_simulated(step);
+  if (simulated_.axle.size() > 0) step_simulated(step);
 }
 
 /// True speed of an axle [rad/s].
 double MechatronicSystem::axle_speed(Dynamics const& plant, std::size_t i) const {
-  if (i >= under_test()) return simulated_.axle(i - under_test()).wheels.speed();
+  if (i >= under_test()) return simulated_.axle[i - under_test()].wheels.speed;
   return plant.work().motion[at(setup_.axles[i].wheelset)].rate[coord_pitch];
 }
 
@@ -181,16 +177,16 @@ double MechatronicSystem::axle_speed(Dynamics const& plant, std::size_t i) const
 TrainStep MechatronicSystem::train_step(std::int64_t step) const {
   double const h = setup_.step, t = time(step);
   if (frame_moves()) {
-    double const rate = train_.acceleration();
-    return {t, train_.distance(), std::max(0.0, train_.speed() + 0.5 * h * rate), rate};
+    double const rate = train_.acceleration;
+    return {t, train_.distance, std::max(0.0, train_.speed + 0.5 * h * rate), rate};
   }
   VirtualTrainState const& train = rig_state()->train;
   int every = 1;
   for (SampledController const& c : setup_.controllers)
     if (std::holds_alternative<RigController>(c.controller)) every = c.sampling.every;
-  double const until = h * static_cast<double>(every - step % every), rate = train.acceleration();
-  double const behind = until * (train.speed() - 0.5 * until * rate);  // that the train still has to run until then
-  return {t, train.distance() - behind, std::max(0.0, train.speed() - (until - 0.5 * h) * rate), rate};
+  double const until = h * static_cast<double>(every - step % every), rate = train.acceleration;
+  double const behind = until * (train.speed - 0.5 * until * rate);  // that the train still has to run until then
+  return {t, train.distance - behind, std::max(0.0, train.speed - (until - 0.5 * h) * rate), rate};
 }
 
 /// The axles of the train that are not in the model, over the step that begins.
@@ -214,13 +210,12 @@ void MechatronicSystem::step_simulated(std::int64_t step) {
     return parts.has_brake ? setup_.actuators.brake.torque(actuators_.cylinder(first + i).pressure, w) : 0.0;
   };
   simulated_.step(setup_.simulated, *setup_.rail, train, setup_.step, found, torque, brake);
-  impulse_of_simulated_ += setup_.step * simulated_.force();
+  impulse_of_simulated_ += setup_.step * simulated_.force;
 }
 
 /// What slide protection or wheel-slip control has just asked of an axle.
 bool MechatronicSystem::axle_is_sliding(std::size_t axle) const {
-  double const valve = acting_[at(Command::dump_valve)][axle];
-  return valve == static_cast<double>(DumpValve::vent) || acting_[at(Command::torque_factor)][axle] < 1.0;
+  return valve_of(acting_.dump_valve[axle]) == DumpValve::vent || acting_.torque_factor[axle] < 1.0;
 }
 
 void MechatronicSystem::switch_sand(Dynamics const& plant, std::int64_t step) {
@@ -237,13 +232,13 @@ void MechatronicSystem::switch_sand(Dynamics const& plant, std::int64_t step) {
 /// Sand on the rails of a track, in front of the wheels and behind them; on a rig it lies on the virtual rail.
 void MechatronicSystem::deposit_sand(Dynamics const& plant, Inputs& inputs) {
   if (!frame_moves()) return;
-  double const way = setup_.step * std::max(0.0, train_.speed());
+  double const way = setup_.step * std::max(0.0, train_.speed);
   for (std::size_t i = 0; i < under_test(); ++i) {
     AxleParts const& parts = setup_.axles[i];
-    double const from = train_.distance() + plant.model().contacts[at(parts.contacts[0])].distance_ahead;
-    sanded_.run(from, from + way, sand_.acting()[i] * setup_.step, setup_.sanding->kept);
+    double const from = train_.distance + plant.model().contacts[at(parts.contacts[0])].distance_ahead;
+    double const sand = sanded_.run(from, from + way, sand_.acting()[i] * setup_.step, setup_.sanding->kept);
     for (int c : parts.contacts)
-      if (c != absent) inputs.sand[at(c)] = sanded_.at(from + way);
+      if (c != absent) inputs.sand[at(c)] = sand;
   }
 }
 
@@ -256,31 +251,26 @@ double MechatronicSystem::track_brake_force(Dynamics const& plant) const {
 /// Energy that the wheels dissipate on the rail under them, and what they leave for those behind.
 void MechatronicSystem::dissipate(Dynamics const& plant, Inputs& inputs) {
   Model const& model = plant.model();
-  double const step_length = setup_.step * std::max(0.0, train_.speed());
-  double const per_speed =
-      1.0 / std::max(least_speed, train_.speed());  // rail passes at train speed, even if wheels slide
+  double const step_length = setup_.step * std::max(0.0, train_.speed);
   for (std::size_t i = 0; i < under_test(); ++i) {
     AxleParts const& parts = setup_.axles[i];
     for (std::size_t side = 0; side < 2; ++side) {
       int const c = parts.contacts[side];
       if (c == absent || model.contacts[at(c)].laws.friction.map == nullptr) continue;
-      double const arc_length = train_.distance() + model.contacts[at(c)].distance_ahead;
-      double energy = 0.0, width = 0.0;  // [J/m], [m]
+      double const from = train_.distance + model.contacts[at(c)].distance_ahead;
+      double power = 0.0, width = 0.0;  // [W], [m]
       for (int k = 0; k < plant.patch_count(c); ++k) {
         auto const& patch = plant.patch(c, k);
-        energy += std::max(0.0, patch.creep_dissipation()) * per_speed;
+        power += std::max(0.0, patch.creep_dissipation());
         width += 0.5 * pi * patch.b;  // area of the ellipse over its length
       }
       if (setup_.energy_width > 0.0) width = setup_.energy_width;
-      double const own = width > 0.0 ? energy / width : 0.0;
-      CleanedWheel& wheel = wheel_[side][i];
-      double const wanted = rail_[side].before(arc_length) + wheel.energy() +
-                            0.5 * own;  // half of it is dissipated behind the patch's middle
-      inputs.dissipated_energy[at(c)] += energy_relaxation * (wanted - inputs.dissipated_energy[at(c)]);
-      rail_[side].add(arc_length, arc_length + step_length, own);
+      double const own = width > 0.0 ? energy_per_area(power, train_.speed, width) : 0.0;
       double const radius = model.contacts[at(c)].pair.wheel_radius;
       double const rolled = setup_.step * std::fabs(radius * plant.work().motion[at(parts.wheelset)].rate[coord_pitch]);
-      wheel.run(own, step_length, rolled, 2.0 * pi * radius, setup_.wheel_memory);
+      double const under = wheel_[side][i].pass({&rail_[side], 1}, from, from + step_length, own, rolled,
+                                                2.0 * pi * radius, setup_.wheel_memory);
+      inputs.dissipated_energy[at(c)] += energy_relaxation * (under - inputs.dissipated_energy[at(c)]);
     }
   }
 }
@@ -332,15 +322,15 @@ RigController::State const* MechatronicSystem::rig_state() const {
 
 /// Of the train on track, of the virtual train on a rig, or else of the rollers [m/s].
 double MechatronicSystem::train_speed(Dynamics const& plant) const {
-  if (frame_moves()) return train_.speed();
+  if (frame_moves()) return train_.speed;
   auto const* control = rig_state();
-  return control != nullptr ? control->train.speed() : crown_speed(plant);
+  return control != nullptr ? control->train.speed : crown_speed(plant);
 }
 
 /// Of the train on track, of the virtual train on a rig, since the start [m].
 double MechatronicSystem::train_distance() const {
   auto const* control = rig_state();
-  return frame_moves() || control == nullptr ? train_.distance() : control->train.distance();
+  return frame_moves() || control == nullptr ? train_.distance : control->train.distance;
 }
 
 /// Of the first controller that estimates the train's speed.
@@ -379,7 +369,7 @@ void MechatronicSystem::answer(std::int64_t step) {
 PerAxle<double> MechatronicSystem::answer_of(std::size_t index) {
   Controller& own = controllers_[index];
   bool const due = std::exchange(own.pending, false);
-  PerAxle<double> command = caller_.commands[own.command];
+  PerAxle<double> command = caller_.commands.*field_of(own.command).of;
   auto const& [sampling, any] = setup_.controllers[index];
   auto const* law = std::get_if<RigController>(&any);
   for (std::size_t i = 0; i < under_test() && law != nullptr; ++i) {
@@ -389,7 +379,7 @@ PerAxle<double> MechatronicSystem::answer_of(std::size_t index) {
       command[i] = law->torque_for_speed(speed_control_[i], command[i], caller_.roller_speed[i],
                                          measured_.roller_speed[i], setup_.step * sampling.every);
     else
-      speed_control_[i] = law->start_feedback();
+      speed_control_[i] = first_state(law->feedback);
   }
   return command;
 }
@@ -397,10 +387,10 @@ PerAxle<double> MechatronicSystem::answer_of(std::size_t index) {
 void MechatronicSystem::set_command(std::string_view controller, std::span<double const> command, std::int64_t step) {
   for (Controller& own : controllers_) {
     if (own.name != controller || !own.pending) continue;
-    bool const of_rollers = own.command == at(Command::roller_torque);
+    bool const of_rollers = own.command == Command::roller_torque;
     if (command.size() != (of_rollers ? under_test() : axles()))
       throw std::invalid_argument("a command has one number per axle");
-    CommandField const& field = command_fields[own.command];
+    CommandField const& field = field_of(own.command);
     for (double number : command)
       if (!(number >= field.lowest && number <= field.highest) || (field.whole && number != std::round(number)))
         throw std::invalid_argument("command: " + std::string(field.name) + " = " + std::to_string(number) +

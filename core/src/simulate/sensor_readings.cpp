@@ -14,7 +14,7 @@ double spin(Dynamics const& plant, int body) { return plant.work().motion[at(bod
 SimulatedAxleStates::Axle const* simulated_axle(MechatronicSetup const& setup, SimulatedAxleStates const& simulated,
                                                 std::size_t axle) {
   std::size_t const first = setup.under_test();
-  return axle < first ? nullptr : &simulated.axle(axle - first);
+  return axle < first ? nullptr : &simulated.axle[axle - first];
 }
 
 }  // namespace
@@ -49,7 +49,7 @@ void SensorReadings::start(MechatronicSetup const& setup, Dynamics const& plant,
     Axle& axle = axle_[i] = {};
     SimulatedAxleStates::Axle const* only = simulated_axle(setup, simulated, i);
     measured.axle_speed[i] = measured.vehicle_axle_speed[i] =
-        only != nullptr ? only->wheels.speed() : spin(plant, parts.wheelset);
+        only != nullptr ? only->wheels.speed : spin(plant, parts.wheelset);
     measured.roller_speed[i] = parts.roller != absent ? -spin(plant, parts.roller) : 0.0;
     std::uint64_t const stream = stream_of(sensors, i);
     AxleTurn const wheels{0.0, 0.0, measured.axle_speed[i]};
@@ -71,7 +71,7 @@ void SensorReadings::follow(MechatronicSetup const& setup, Dynamics const& plant
     std::uint64_t const stream = stream_of(sensors, i);
     SimulatedAxleStates::Axle const* only = simulated_axle(setup, simulated, i);
     AxleTurn const wheels = only != nullptr
-                                ? AxleTurn{time, only->angle, only->wheels.speed()}
+                                ? AxleTurn{time, only->angle, only->wheels.speed}
                                 : AxleTurn{time, z[map.angle[at(parts.wheelset)]], spin(plant, parts.wheelset)};
     axle.speed.follow(sensors.axles, wheels, stream + of_axle);
     if (sensors.vehicle) axle.vehicle_speed.follow(*sensors.vehicle, wheels, stream + of_vehicle);

@@ -53,10 +53,10 @@ void check_law(RigController const& control, std::size_t axles) {
          "rig_control: train: static_load, load_transfer and position need one number per axle");
 }
 void check_law(WheelSlideProtection const& control, std::size_t /*axles*/) {
-  auto const* law = std::get_if<ThresholdTable>(&control.law);
-  need(law == nullptr ||
-           law->entries.size() == (law->slip_thresholds.size() + 1) * (law->acceleration_thresholds.size() + 1),
-       "slide_protection: entries: needed is one for each band of slip and acceleration");
+  auto const check = [](auto const& law) {
+    if constexpr (requires { law.check(); }) law.check();
+  };
+  std::visit(check, control.law);
 }
 void check_law(WheelSlipControl const& /*control*/, std::size_t /*axles*/) {}
 /// Of a reservoir or a relay valve for each axle, and for as many more as there may be; or none.

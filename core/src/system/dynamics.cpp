@@ -15,7 +15,7 @@ Evaluation::Evaluation(Model const& model)
       rolling_force(model.rolling_constraints.size(), 0.0) {
   for (auto const& c : model.contacts) {
     RailHeads const& heads = c.right ? model.right_heads : model.left_heads;
-    head.emplace_back(heads.empty() ? 0 : model.profiles[at(heads.profiles[0])]->pieces.size());
+    head.emplace_back(heads.empty() ? 0 : model.profiles[at(heads.profiles[0])].pieces.size());
   }
 }
 

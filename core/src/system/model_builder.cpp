@@ -182,7 +182,8 @@ int ModelBuilder::add_element(ForceElement const& element) {
 
 int ModelBuilder::add_profile(UniformSpline const& profile) {
   need_profile(profile, number("profile", model_.profiles.size()));
-  model_.profiles.push_back(std::make_shared<UniformSpline const>(profile));
+  model_.profiles.push_back(profile);
+  model_.splines.push_back(std::make_shared<UniformSpline const>(profile));
   return static_cast<int>(model_.profiles.size()) - 1;
 }
 
@@ -195,7 +196,7 @@ int ModelBuilder::add_contact(ContactDescription const& d) {
          what + ": there is no profile " + std::to_string(profile));
   check_fields(d, what);
   for (int profile : {d.wheel_profile, d.rail_profile})
-    need(model_.profiles[at(profile)]->end() - model_.profiles[at(profile)]->start <= widest_profile * d.size,
+    need(model_.profiles[at(profile)].end() - model_.profiles[at(profile)].start <= widest_profile * d.size,
          what + ": size is too small for profile " + std::to_string(profile));
   if (d.laws.friction.map) d.laws.friction.map->check();
   Body const& wheelset = model_.bodies[at(d.wheelset)];
@@ -212,8 +213,8 @@ int ModelBuilder::add_contact(ContactDescription const& d) {
     c.crown_in_roller = {wheelset.position.x - roller.position.x, -roller.position.y,
                          rail ? -roller.position.z : d.roller_radius};
   }
-  c.pair = {model_.profiles[at(d.wheel_profile)].get(),
-            model_.profiles[at(d.rail_profile)].get(),
+  c.pair = {model_.splines[at(d.wheel_profile)].get(),
+            model_.splines[at(d.rail_profile)].get(),
             d.wheel_radius,
             d.tape_circle_y,
             d.rail_origin_y,
@@ -231,6 +232,7 @@ int ModelBuilder::add_contact(ContactDescription const& d) {
   if (!tip) tip = flange_tip(*c.pair.wheel, d.size);
   c.flange_tip = *tip;
   model_.contacts.push_back(c);
+  model_.described_contacts.push_back(d);
   return static_cast<int>(model_.contacts.size()) - 1;
 }
 
@@ -283,6 +285,7 @@ int ModelBuilder::add_rolling_constraint(int wheelset) {
          "rolling constraint: body " + std::to_string(body) + " cannot turn");
   need(wheels == 2, "rolling constraint: body " + std::to_string(wheelset) + " has not two wheels");
   model_.rolling_constraints.push_back(added);
+  model_.rolling_wheelsets.push_back(wheelset);
   return static_cast<int>(model_.rolling_constraints.size()) - 1;
 }
 
@@ -291,7 +294,8 @@ void ModelBuilder::set_adhesion(int contact, std::shared_ptr<AdhesionMap const> 
        "adhesion map: there is no contact " + std::to_string(contact));
   need(map != nullptr, "adhesion map: there is none");
   map->check();
-  model_.contacts[at(contact)].laws.friction.map = map;
+  for (ContactLaws* laws : {&model_.contacts[at(contact)].laws, &model_.described_contacts[at(contact)].laws})
+    laws->friction.map = map;
 }
 
 void ModelBuilder::set_contact_loss_limit(double duration) {
@@ -352,7 +356,7 @@ void ModelBuilder::set_heads(RailHeads const& left, RailHeads const& right) {
     need(heads->profiles.empty() == heads->place.empty(), "heads: place and profiles are needed together");
     for (int const i : heads->profiles) {
       need(i < static_cast<int>(model_.profiles.size()), "heads: there is no profile " + std::to_string(i));
-      UniformSpline const &one = *model_.profiles[at(i)], &first = *model_.profiles[at(heads->profiles.front())];
+      UniformSpline const &one = model_.profiles[at(i)], &first = model_.profiles[at(heads->profiles.front())];
       need(one.start == first.start && one.step == first.step && one.pieces.size() == first.pieces.size(),
            "heads: profile " + std::to_string(i) + " must have the knots of the first");
     }

@@ -19,7 +19,7 @@ std::shared_ptr<Model const> coasting_model(std::shared_ptr<Model const> const& 
   RunningResistance const& r = model->resistance;
   bool const resisted = r.constant != 0.0 || r.linear != 0.0 || r.quadratic != 0.0 || r.gradient != 0.0;
   if (!resisted && model->rolling_constraints.empty() && model->track_brakes.empty()) return model;
-  ModelParts parts = parts_of(*model);
+  ModelParts parts = *model;
   parts.resistance = {};
   parts.rolling_wheelsets.clear();
   parts.track_brakes.clear();

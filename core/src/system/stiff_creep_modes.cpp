@@ -120,22 +120,22 @@ void StiffCreepModes::add_slip(Model const& model, Evaluation const& evaluation,
   double const across = 1.0 / std::sqrt(n.y * n.y + n.z * n.z);
   Vec3<double> const t{0.0, n.z * across, -n.y * across};
   Vec3<double> const force = std::sqrt(viscosity) * (lateral ? t : cross(t, n));
-  auto sum = contact_wrenches<double>(own.laws.roller, placed, p, force, {});
+  auto const sum = contact_wrenches<double>(own.laws.roller, placed, p, force, {});
   double work = prescribed_power(placed, sum);
-  sum = in_wheelset_frame(own, placed, sum);
+  BodyWrenches<double> const total = body_wrenches(own, placed, sum);
 
   auto& d = slips.d[slips.count];
   auto& u = slips.u[slips.count];
   d.fill(0.0);
   u.fill(0.0);
-  slips.trend[slips.count] = own.rail ? -sum.force.x * evaluation.work.travel.acceleration : 0.0;  // it runs at -V
+  slips.trend[slips.count] = own.rail ? -total.force_F.x * evaluation.work.travel.acceleration : 0.0;  // it runs at -V
   for (std::size_t i = 0; i < group.body.size(); ++i) {
     int const body = group.body[i];
     auto const& m = evaluation.work.motion[at(body)];
-    Wrench<double> wrench{sum.force, sum.on_wheelset};
+    Wrench<double> wrench{total.force_F, total.on_wheelset_F};
     if (i > 0) {
       if (body != own.roller) continue;
-      wrench = {-sum.force, -((own.rail ? placed.R : m.R) * sum.on_roller)};
+      wrench = {-total.force_F, -((own.rail ? placed.R_Fb : m.R) * total.on_roller_b)};
     }
     if (model.constraint_of_contact[at(contact)] >= 0) {  // the constraint takes this part of all creep out
       wrench.force.x = 0.0;

@@ -10,7 +10,7 @@ from typing import Any
 
 from rollerrig import _core
 from rollerrig.assembly.actuators import electrodynamic_brake, friction_brake, pneumatics, track_brake
-from rollerrig.assembly.laws import angular, core_struct
+from rollerrig.assembly.laws import angular, core_struct, part_of
 from rollerrig.assembly.model import AssembledModel
 from rollerrig.assembly.model_parts import ABSENT
 from rollerrig.assembly.train_axles import (
@@ -201,16 +201,17 @@ def controller_of(model: AssembledModel, name: str) -> Any:
     if name == "brake_unit" and case.brake is not None:
         return law(pneumatics=pneumatics(case.brake), **air_groups(model))
     if name == "slide_protection":
-        return law(law=slide_protection(table, radius))
+        return slide_protection(table, radius)
     search = core_struct(_core.SlipSearch, table.search, axle_inertia=wheelset_inertia(model))
     return core_struct(law, table, without=_TIMING, wheel_radius=radius, search=search)
 
 
 def slide_protection(table: SlideProtection | TableSlideProtection, wheel_radius: float) -> Any:
-    """The law of slide protection, for wheels of an assumed radius [m]."""
+    """Slide protection by the law of a table, for wheels of an assumed radius [m]."""
     given: dict[str, Any] = {"entries": entry_numbers(table)} if isinstance(table, TableSlideProtection) else {}
-    given["return_speed"] = table.return_speed or table.least_speed
-    return law_of(_core.slide_protections, table, _TIMING, wheel_radius=wheel_radius, **given)
+    law = part_of(_core.slide_protections[table.kind], table, **given)
+    again = table.return_speed or table.least_speed
+    return part_of(_core.SlideProtection, table, law=law, wheel_radius=wheel_radius, return_speed=again)
 
 
 def rig_controller(model: AssembledModel) -> _core.RigControl:

@@ -19,7 +19,7 @@ StripTables const& tables = strip_tables();
 using Function = StripKernel::Function;
 
 /// One region over two bodies with half-curvatures A along the strips and B across; its deepest points lie on x = skew y.
-RegionPart<double> paraboloid(double along_x, double across, double approach, double skew = 0.0) {
+StripPatch<double> paraboloid(double along_x, double across, double approach, double skew = 0.0) {
   Strips<double> s;
   StripPlaces<double> places;
   s.compliance = steel.compliance() / pi;

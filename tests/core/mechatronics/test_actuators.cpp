@@ -19,44 +19,36 @@ using namespace rollerrig;
 
 namespace {
 
-SlipAndDeceleration const wsp{.wheel_radius = 0.46,
-                              .reference_deceleration = 1.6,
-                              .filter_time = 0.04,
-                              .vent_slip = 0.12,
-                              .vent_slip_speed = 1.0,
-                              .vent_deceleration = 4.0,
-                              .fill_slip = 0.06,
-                              .fill_slip_speed = 0.5,
-                              .recovery_acceleration = 0.5,
-                              .pulse_time = 0.06,
-                              .pulse_pause = 0.14,
-                              .longest_vent = 5.0,
-                              .least_speed = 5.0 / 3.6,
-                              .return_speed = 5.0 / 3.6,
-                              .release_interval = 3.0,
-                              .shortest_release = 0.3,
-                              .longest_release = 1.2,
-                              .least_deceleration = 0.2,
-                              .regained_after = 2.0};
+WheelSlideProtection protection_by(AnySlideProtection const& law) {
+  return {.law = law,
+          .wheel_radius = 0.46,
+          .reference_deceleration = 1.6,
+          .filter_time = 0.04,
+          .recovery_acceleration = 0.5,
+          .longest_vent = 5.0,
+          .least_speed = 5.0 / 3.6,
+          .return_speed = 5.0 / 3.6,
+          .release_interval = 3.0,
+          .shortest_release = 0.3,
+          .longest_release = 1.2,
+          .least_deceleration = 0.2,
+          .regained_after = 2.0};
+}
 
-ThresholdTable const table_protection{.wheel_radius = 0.46,
-                                      .reference_deceleration = 1.6,
-                                      .filter_time = 0.04,
-                                      .least_slip_reference = 8.3,
-                                      .slip_thresholds = {0.05, 0.1, 0.2},
-                                      .acceleration_thresholds = {-4.0, -1.5, 0.5},
-                                      .entries = {1, 0, 0, 0, 2, 1, 1, 1, 2, 3, 3, 1, 2, 2, 2, 1},
-                                      .recovery_acceleration = 0.5,
-                                      .pulse_time = 0.06,
-                                      .pulse_pause = 0.14,
-                                      .longest_vent = 5.0,
-                                      .least_speed = 5.0 / 3.6,
-                                      .return_speed = 5.0 / 3.6,
-                                      .release_interval = 3.0,
-                                      .shortest_release = 0.3,
-                                      .longest_release = 1.2,
-                                      .least_deceleration = 0.2,
-                                      .regained_after = 2.0};
+WheelSlideProtection const wsp = protection_by(SlipAndDeceleration{.vent_slip = 0.12,
+                                                                   .vent_slip_speed = 1.0,
+                                                                   .vent_deceleration = 4.0,
+                                                                   .fill_slip = 0.06,
+                                                                   .fill_slip_speed = 0.5,
+                                                                   .pulse_time = 0.06,
+                                                                   .pulse_pause = 0.14});
+
+ThresholdTable const threshold_table{.least_slip_reference = 8.3,
+                                     .slip_thresholds = {0.05, 0.1, 0.2},
+                                     .acceleration_thresholds = {-4.0, -1.5, 0.5},
+                                     .entries = {1, 0, 0, 0, 2, 1, 1, 1, 2, 3, 3, 1, 2, 2, 2, 1},
+                                     .pulse_time = 0.06,
+                                     .pulse_pause = 0.14};
 
 WheelSlipControl const slip_control{.wheel_radius = 0.46,
                                     .reference_acceleration = 1.5,
@@ -75,30 +67,21 @@ WheelSlipControl const slip_control{.wheel_radius = 0.46,
                                     .regained_after = 3.0};
 
 /// A controller of two axles with the speeds that it sees.
-template <class Law, class State = BrakedAxles>
+template <class Law>
 struct Device {
   Law const& law;
   double period;
-  State state;
+  typename Law::State state;
   PerAxle<double> command{};
 
-  Device(Law const& the_law, double speed, double the_period) : law{the_law}, period{the_period}, state{begin(speed)} {}
-
-  State begin(double speed) const {
-    if constexpr (std::same_as<State, BrakedAxles>)
-      return BrakedAxles::at(speed);
-    else
-      return law.start({}, speed, period);
-  }
+  Device(Law const& the_law, double speed, double the_period)
+      : law{the_law}, period{the_period}, state{law.start({}, speed, period)} {}
 
   /// @param speeds  at the wheels' circumferences [m/s]
   PerAxle<double> const& step(double first, double second) {
     Measurements now{.axles = 2};
     now.vehicle_axle_speed = {first / law.wheel_radius, second / law.wheel_radius};
-    if constexpr (std::same_as<State, BrakedAxles>)
-      state.step(law, now, period, command);
-    else
-      law.step(state, now, period, command);
+    law.step(state, now, period, command);
     return command;
   }
 };
@@ -210,14 +193,14 @@ TEST_CASE("a wheel keeps of its cleaning what its circumference and its memory l
   };
   // dE/ds = e / (2 pi r) - E / L, whatever the step: to its settled value e L / (2 pi r)
   for (double step : {0.03, 1.0})
-    CHECK(after(45.0, step, 1.0, memory).energy() ==
+    CHECK(after(45.0, step, 1.0, memory).energy ==
           doctest::Approx(own * memory / around * -std::expm1(-45.0 / memory)).epsilon(1e-9));
-  CHECK(after(45.0, 0.05, 1.0, 0.0).energy() == 0.0);                                                    // switched off
-  CHECK(after(45.0, 0.05, 0.0, memory).energy() == doctest::Approx(own * 45.0 / around).epsilon(1e-9));  // locked
+  CHECK(after(45.0, 0.05, 1.0, 0.0).energy == 0.0);                                                    // switched off
+  CHECK(after(45.0, 0.05, 0.0, memory).energy == doctest::Approx(own * 45.0 / around).epsilon(1e-9));  // locked
   CleanedWheel wheel = after(45.0, 0.05, 1.0, memory);
-  double const cleaned = wheel.energy();
+  double const cleaned = wheel.energy;
   for (int k = 0; k < 600; ++k) wheel.run(0.0, 0.1, 0.1, around, memory);  // rolls 60 m without sliding
-  CHECK(wheel.energy() == doctest::Approx(cleaned * std::exp(-2.0)).epsilon(1e-9));
+  CHECK(wheel.energy == doctest::Approx(cleaned * std::exp(-2.0)).epsilon(1e-9));
 }
 
 TEST_CASE("a motor stays within its envelope and follows with its bandwidth") {
@@ -315,13 +298,14 @@ TEST_CASE("the watchdog fills after the longest vent, and everything fills near 
 TEST_CASE("a table of thresholds passes through the phases of an anti-lock cycle") {
   using Entry = ThresholdTable::Entry;
   double const period = 5e-3;
-  Device device(table_protection, 30.0, period);
-  CHECK(table_protection.entry(0.0, 0.0) == Entry::fill);
-  CHECK(table_protection.entry(0.0, -9.0) == Entry::hold);
-  CHECK(table_protection.entry(0.08, -9.0) == Entry::vent);
-  CHECK(table_protection.entry(0.15, 0.0) == Entry::vent_in_steps);
-  CHECK(table_protection.entry(0.3, 0.0) == Entry::vent);
-  CHECK(table_protection.entry(0.3, 2.0) == Entry::hold);
+  WheelSlideProtection const protection = protection_by(threshold_table);
+  Device device(protection, 30.0, period);
+  CHECK(threshold_table.entry(0.0, 0.0) == Entry::fill);
+  CHECK(threshold_table.entry(0.0, -9.0) == Entry::hold);
+  CHECK(threshold_table.entry(0.08, -9.0) == Entry::vent);
+  CHECK(threshold_table.entry(0.15, 0.0) == Entry::vent_in_steps);
+  CHECK(threshold_table.entry(0.3, 0.0) == Entry::vent);
+  CHECK(threshold_table.entry(0.3, 2.0) == Entry::hold);
   double train = 30.0, slow = 30.0;
   std::vector<DumpValve> phases{DumpValve::fill};
   auto const note = [&](DumpValve now) {
@@ -349,7 +333,7 @@ TEST_CASE("a table of thresholds passes through the phases of an anti-lock cycle
 }
 
 TEST_CASE("wheel-slip control takes torque off the slipping axle and gives it back") {
-  Device<WheelSlipControl, WheelSlipControl::State> device(slip_control, 5.0, 5e-3);
+  Device device(slip_control, 5.0, 5e-3);
   for (int k = 0; k < 40; ++k) device.step(5.0, 5.0 + 0.05 * k);
   CHECK(device.command[0] == 1.0);
   CHECK(device.command[1] < 0.5);
@@ -380,7 +364,7 @@ TEST_CASE("noise has mean 0 and deviation 1") {
 
 TEST_CASE("a protection that is off near standstill comes back above its own threshold alone") {
   auto const switches = [](double return_speed) {
-    SlipAndDeceleration law = wsp;
+    WheelSlideProtection law = wsp;
     law.return_speed = return_speed;
     Device device(law, 4.0, 5e-3);
     int changes = 0;

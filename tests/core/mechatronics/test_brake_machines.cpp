@@ -190,13 +190,13 @@ TEST_CASE("a virtual train that an eddy-current brake alone slows obeys v' = -F(
   train.static_load = {98e3};
   train.load_transfer = {0.0};
   VirtualTrainState state(train, 40.0);
-  while (state.speed() > 10.0)
-    state.step(train, 1, {}, nullptr, eddy_current.force(state.speed()), 1e-3,
+  while (state.speed > 10.0)
+    state.step(train, 1, {}, nullptr, eddy_current.force(state.speed), 1e-3,
                [](int, double slip, double, double) { return 1e5 * slip; });
-  double const v0 = 40.0, v1 = state.speed(), k = eddy_current.critical_speed;
+  double const v0 = 40.0, v1 = state.speed, k = eddy_current.critical_speed;
   double const with_spin = train.mass + 100.0 / (0.46 * 0.46);  // the axle is dragged along, with a small slip
   double const way = with_spin * ((v0 * v0 * v0 - v1 * v1 * v1) / 3.0 + k * k * (v0 - v1)) / (2.0 * 15e3 * k);
-  CHECK(state.distance() == doctest::Approx(way).epsilon(1e-3));
+  CHECK(state.distance == doctest::Approx(way).epsilon(1e-3));
 }
 
 TEST_CASE("a drive tells which of its limits a command meets, and gives just what that leaves") {

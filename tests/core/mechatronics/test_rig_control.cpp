@@ -68,10 +68,10 @@ TEST_CASE("with pure rolling and exact torque the rig's wheels turn as those of 
     now.true_torque = {torque, torque};
     controller.step(state, now, period, roller);
     wheel += period * (torque + r / R * roller[0]) / reduced;  // pure rolling
-    worst = std::max(worst, std::abs(wheel - state.train.axle_speed(0)));
+    worst = std::max(worst, std::abs(wheel - state.train.axle[0].speed));
   }
-  CHECK(state.train.speed() - r * wheel > 1.0);  // the wheels do slide on the virtual rail
-  CHECK(worst < 1e-9);                           // round-off of twenty thousand additions
+  CHECK(state.train.speed - r * wheel > 1.0);  // the wheels do slide on the virtual rail
+  CHECK(worst < 1e-9);                         // round-off of twenty thousand additions
 }
 
 TEST_CASE("while the brake's torque changes evenly the wheel is late by (D17) without a lead, and by nothing with it") {
@@ -104,10 +104,10 @@ TEST_CASE("while the brake's torque changes evenly the wheel is late by (D17) wi
         double const torque = brake(now.time + (j + 0.5) * fine);
         ideal.step(controller.train, 2, {torque, torque}, nullptr, 0.0, fine, rail);
       }
-      if (k + 1 == std::lround(0.7 / period)) begin = wheel - ideal.axle_speed(0);
+      if (k + 1 == std::lround(0.7 / period)) begin = wheel - ideal.axle[0].speed;
     }
-    CHECK(ideal.speed() - r * ideal.axle_speed(0) > 1.0);  // it slides
-    return (wheel - ideal.axle_speed(0) - begin) / 0.2 * J_w / -slope;
+    CHECK(ideal.speed - r * ideal.axle[0].speed > 1.0);  // it slides
+    return (wheel - ideal.axle[0].speed - begin) / 0.2 * J_w / -slope;
   };
   for (double const period : {2e-3, 1e-3, 0.5e-3}) {
     double const lag = torque_lag(motor, period, 0.0, 0.0);
@@ -137,7 +137,7 @@ TEST_CASE("the drives of locked wheels give the rail's force without ringing, wh
     controller.locked_speed = locked_speed;
     Measurements now{.axles = 1, .under_test = 1};
     auto state = controller.start(now, 20.0, period);
-    state.train.lock(0, 0.0);
+    state.train.axle[0].locked = true, state.train.axle[0].speed = 0.0;
     double wheel = 0.0, torque = 500.0, mean = 0.0, square = 0.0, off = 0.0;
     int const samples = 3000, late = 2000;
     for (int k = 0; k < samples; ++k) {
@@ -149,7 +149,7 @@ TEST_CASE("the drives of locked wheels give the rail's force without ringing, wh
       wheel += held * (r / R * torque / brake - wheel);
       if (k < samples - late) continue;
       mean += torque / late, square += torque * torque / late;
-      off += (torque + R * state.train.force(0)) / late;
+      off += (torque + R * state.train.axle[0].force) / late;
     }
     return Motion{std::sqrt(std::fmax(0.0, square - mean * mean)), off};
   };
@@ -173,14 +173,14 @@ TEST_CASE("the virtual train stops in the distance of its adhesion") {
   double const mu = 0.1;
   auto const coulomb = [&](int, double slip, double, double load) { return mu * load * std::tanh(slip / 1e-3); };
   double time = 0.0;
-  while (virtual_train.speed() > 1.0) {
+  while (virtual_train.speed > 1.0) {
     virtual_train.step(train, 2, locked, nullptr, 0.0, 1e-3, coulomb);
     time += 1e-3;
   }
   double const deceleration = mu * 2 * 109100.0 / 22000.0;
-  double const v = virtual_train.speed();
+  double const v = virtual_train.speed;
   CHECK(time == doctest::Approx((v0 - v) / deceleration).epsilon(2e-3));  // the first moments build the slip up
-  CHECK(virtual_train.distance() == doctest::Approx((v0 * v0 - v * v) / (2 * deceleration)).epsilon(2e-3));
+  CHECK(virtual_train.distance == doctest::Approx((v0 * v0 - v * v) / (2 * deceleration)).epsilon(2e-3));
 }
 
 TEST_CASE("the virtual axle is integrated to second order") {
@@ -189,7 +189,7 @@ TEST_CASE("the virtual axle is integrated to second order") {
     VirtualTrainState state(train, 30.0);
     int const steps = static_cast<int>(std::lround(1.0 / period));
     for (int k = 0; k < steps; ++k) state.step(train, 2, {-4000.0, -6000.0}, nullptr, 0.0, period, degraded_force);
-    return state.axle_speed(1);
+    return state.axle[1].speed;
   };
   double const reference = end_speed(1e-5);
   double const coarse = std::abs(end_speed(4e-3) - reference);
@@ -274,10 +274,10 @@ TEST_CASE(
   auto const law = [](int, double slip, double speed, double) {
     return 33e3 * std::tanh(22e6 / 33e3 * slip / std::hypot(speed, 1.0));
   };
-  while (state.speed() > 0.5) {
+  while (state.speed > 0.5) {
     state.step(train, 1, {torque}, nullptr, 0.0, 1e-3, law);
-    REQUIRE(std::fabs(train.wheel_radius * state.axle_speed(0) - state.speed()) < 0.02);
-    REQUIRE(state.force(0) < 0.0);
+    REQUIRE(std::fabs(train.wheel_radius * state.axle[0].speed - state.speed) < 0.02);
+    REQUIRE(state.axle[0].force < 0.0);
   }
 }
 

@@ -45,7 +45,7 @@ struct Train {
   void run(double seconds) {
     double const h = 1e-3;
     for (int k = 0; k * h < seconds; ++k) {
-      double const rate = states.force() / mass;
+      double const rate = states.force / mass;
       double const pads = 8000.0 * std::fmin(1.0, k * h);
       auto const torque = [](std::size_t) { return 0.0; };
       auto const held = [&](std::size_t, double w) { return -pads * w / std::sqrt(w * w + 0.01); };
@@ -61,11 +61,11 @@ struct Train {
 TEST_CASE("four identical axles move as one of a quarter of the train") {
   Train four(4), one(1);
   four.run(4.0), one.run(4.0);
-  CHECK(one.speed - r * one.states.axle(0).wheels.speed() > 1.0);  // they slide
+  CHECK(one.speed - r * one.states.axle[0].wheels.speed > 1.0);  // they slide
   CHECK(four.speed == doctest::Approx(one.speed).epsilon(1e-12));
   for (std::size_t i = 0; i < 4; ++i)
-    CHECK(four.states.axle(i).wheels.speed() ==
-          doctest::Approx(one.states.axle(0).wheels.speed()).epsilon(1e-12));  // round-off of the sum of forces
+    CHECK(four.states.axle[i].wheels.speed ==
+          doctest::Approx(one.states.axle[0].wheels.speed).epsilon(1e-12));  // round-off of the sum of forces
 }
 
 TEST_CASE("an axle of the virtual train and a simulated one are the same under the same torque") {
@@ -80,17 +80,17 @@ TEST_CASE("an axle of the virtual train and a simulated one are the same under t
   energy.reset(0.05);
   double const h = 1e-3;
   for (int k = 0; k < 1000; ++k) {
-    double const middle = std::fmax(0.0, state.speed() + 0.5 * h * state.acceleration());
+    double const middle = std::fmax(0.0, state.speed + 0.5 * h * state.acceleration);
     simulated.step(
-        axles, rail, {k * h, state.distance(), middle, state.acceleration()}, h, {.energy = {&energy, 1}},
+        axles, rail, {k * h, state.distance, middle, state.acceleration}, h, {.energy = {&energy, 1}},
         [](std::size_t) { return -3000.0; }, [](std::size_t, double) { return 0.0; });
     auto const law = [&](int, double slip, double speed, double carries) {
-      return rail.force(slip, speed, carries, k * h, state.distance(), 0.0, 0.0);
+      return rail.force(slip, speed, carries, k * h, state.distance, 0.0, 0.0);
     };
     state.step(train, 1, {-3000.0}, nullptr, 0.0, h, law);
   }
-  CHECK(simulated.axle(0).wheels.speed() == state.axle_speed(0));
-  CHECK(simulated.force() == state.force(0));
+  CHECK(simulated.axle[0].wheels.speed == state.axle[0].speed);
+  CHECK(simulated.force == state.axle[0].force);
 }
 
 TEST_CASE("energy of a simulated axle closes, and its slip never gives any") {
@@ -98,8 +98,8 @@ TEST_CASE("energy of a simulated axle closes, and its slip never gives any") {
   double const before = 0.5 * J_w * (20.0 / r) * (20.0 / r);
   train.run(6.0);
   for (std::size_t i = 0; i < 2; ++i) {
-    auto const& axle = train.states.axle(i);
-    double const gained = 0.5 * J_w * axle.wheels.speed() * axle.wheels.speed() - before;
+    auto const& axle = train.states.axle[i];
+    double const gained = 0.5 * J_w * axle.wheels.speed * axle.wheels.speed - before;
     double const rest = axle.work - axle.to_train - axle.dissipated - gained;
     CHECK(std::fabs(rest) < 1e-9 * std::fabs(axle.work));  // round-off of six thousand steps
     CHECK(axle.dissipated > 0.0);
@@ -109,7 +109,7 @@ TEST_CASE("energy of a simulated axle closes, and its slip never gives any") {
 TEST_CASE("pads hold a locked wheel of a running train without ringing") {
   Train train(1);
   train.run(8.0);
-  CHECK(std::fabs(train.states.axle(0).wheels.speed()) < 0.1);
+  CHECK(std::fabs(train.states.axle[0].wheels.speed) < 0.1);
   CHECK(train.speed > 5.0);
-  CHECK(std::fabs(train.states.axle(0).wheels.rate()) < 1e-2);
+  CHECK(std::fabs(train.states.axle[0].wheels.rate) < 1e-2);
 }

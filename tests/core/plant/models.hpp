@@ -52,12 +52,16 @@ inline AssembledModel braked() {
   setup.sensors.axles = PulsePeriod{.teeth = 100.0, .pitch_error = 0.01, .timeout = 0.3};
   setup.sensors.rollers = setup.sensors.axles;
   setup.sensors.axle_load = {.bandwidth = 100.0, .noise = 10.0, .resolution = 1.0, .range = 1e6};
-  SlipAndDeceleration law{.wheel_radius = 0.46, .reference_deceleration = 1.5, .filter_time = 0.02};
+  SlipAndDeceleration law;
   law.vent_slip = 0.1, law.vent_slip_speed = 0.5, law.vent_deceleration = 3.0, law.fill_slip = 0.05,
   law.fill_slip_speed = 0.3;
-  law.recovery_acceleration = 1.0, law.pulse_time = 0.02, law.pulse_pause = 0.1, law.longest_vent = 5.0;
-  WheelSlideProtection protection;
-  protection.law = law;
+  law.pulse_time = 0.02, law.pulse_pause = 0.1;
+  WheelSlideProtection const protection{.law = law,
+                                        .wheel_radius = 0.46,
+                                        .reference_deceleration = 1.5,
+                                        .filter_time = 0.02,
+                                        .recovery_acceleration = 1.0,
+                                        .longest_vent = 5.0};
   setup.controllers.push_back({{.every = 5, .delay = 3}, protection});
   return assembled(parts, setup);
 }

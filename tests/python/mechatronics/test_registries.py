@@ -35,7 +35,7 @@ FAMILIES = {
     "sanding_starts": (_core.sanding_starts, AnySandingStart, set()),
     "estimators": (_core.estimators, AnyEstimator, {"torque"}),
     "speed_sensors": (_core.speed_sensors, AnySpeedSensor, set()),
-    "slide_protections": (_core.slide_protections, AnySlideProtection, TIMING | {"wheel_radius"}),
+    "slide_protections": (_core.slide_protections, AnySlideProtection, TIMING | set(_core.SlideProtection.fields)),
     "feedbacks": (_core.feedbacks, AnyFeedback, {"largest"}),
 }
 """Registry, the tables that choose from it, and what of a table is not the law's."""

@@ -309,6 +309,12 @@ template <int W>
 }
 #endif
 
+/// The number inside a scalar.
+template <class T>
+using NumberOf = std::remove_cvref_t<decltype(value_of(std::declval<T const&>()))>;
+
+inline double lane(double x, int) { return x; }
+
 }  // namespace rollerrig
 
 #if defined(__GNUC__) && !defined(__clang__)

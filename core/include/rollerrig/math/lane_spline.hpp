@@ -10,11 +10,6 @@
 
 namespace rollerrig {
 
-/// The number inside a scalar.
-template <class T>
-using NumberOf = std::remove_cvref_t<decltype(value_of(std::declval<T const&>()))>;
-
-inline double lane(double x, int) { return x; }
 inline void set_lane(double& x, int, double value) { x = value; }
 /// Within the limits; the lower one if it is not a number.
 inline double clamped(double x, double low, double high) { return x > low ? std::min(x, high) : low; }

@@ -65,7 +65,7 @@ class BrakeCylinders {
     PerAxle<DumpValve> command{};
     PerAxle<double> asked{};  // both in the order of the cylinders
     for (std::size_t i = 0; i < axles_; ++i) {
-      command[place_[i]] = static_cast<DumpValve>(static_cast<int>(valve[i]));
+      command[place_[i]] = valve_of(valve[i]);
       asked[place_[i]] = demand[i];
     }
     auto const all = [&](auto const& air) {
@@ -86,8 +86,7 @@ class BrakeCylinders {
       double const rise = pressure[i] - own.pressure;
       (rise > 0.0 ? own.air : own.exhausted) += measures.air(std::fabs(rise));
       own.pressure = pressure[i];
-      own.move_valves(valve[i] == static_cast<double>(DumpValve::fill),
-                      valve[i] == static_cast<double>(DumpValve::vent));
+      own.move_valves(valve_of(valve[i]) == DumpValve::fill, valve_of(valve[i]) == DumpValve::vent);
     }
   }
 

@@ -13,6 +13,10 @@ namespace rollerrig {
 
 using AnyController = std::variant<WheelSlideProtection, WheelSlipControl, RigController, BrakeUnit>;
 
+inline Command command_of(AnyController const& any) {
+  return std::visit([](auto const& law) { return law.command; }, any);
+}
+
 inline constexpr Range sampling_steps{1.0, 1e9, "one step or more"};
 inline constexpr Range delay_steps{0.0, 1e5, "none to 100000 steps"};  ///< each is kept
 

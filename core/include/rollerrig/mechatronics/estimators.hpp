@@ -112,6 +112,7 @@ struct FilteredDerivative {
 /// (D10)-(D12).
 struct KalmanFilter {
   static constexpr char const* name = "kalman";
+  static constexpr bool settled_at_start = true;  ///< its gain does not follow its numbers
   double bandwidth{}, speed_noise{};
   std::optional<double> force_change{}, torque_change{};
 

@@ -53,7 +53,14 @@ struct Measurements {
 /// What an actuator of each axle takes from a controller.
 enum class Command : int { dump_valve, torque_factor, roller_torque, cylinder_pressure };
 
+/// Per command and axle.
+struct AxleCommands {
+  PerAxle<double> dump_valve{}, torque_factor{}, roller_torque{}, cylinder_pressure{};
+  void state(auto& archive) { archive(dump_valve, torque_factor, roller_torque, cylinder_pressure); }
+};
+
 struct CommandField {
+  PerAxle<double> AxleCommands::* of;
   std::string_view name, unit, meaning, allowed;
   double initial;          ///< before the first command
   double lowest, highest;  ///< allowed
@@ -69,14 +76,62 @@ constexpr double unlimited = 1e300;       ///< beyond any torque
 constexpr double highest_pressure = 1e7;  ///< of a brake cylinder [Pa]
 
 inline constexpr CommandField command_fields[] = {
-    {"valve", "1", "command of the dump valve: 0 fill, 1 hold, 2 vent", "0 fill, 1 hold, 2 vent", 0.0, 0.0, 2.0, true},
-    {"torque_factor", "1", "part of the traction demand that is admitted", "0 to 1", 1.0, 0.0, 1.0, false},
-    {"roller_torque", "N m", "torque of the roller's drive, positive drives the wheel forward",
-     "N m, any finite number", 0.0, -unlimited, unlimited, false},
-    {"cylinder_pressure", "Pa", "pressure in the axle's brake cylinder, over the ambient", "0 to 1e7 Pa", 0.0, 0.0,
-     highest_pressure, false},
+    {&AxleCommands::dump_valve, "valve", "1", "command of the dump valve: 0 fill, 1 hold, 2 vent",
+     "0 fill, 1 hold, 2 vent", 0.0, 0.0, 2.0, true},
+    {&AxleCommands::torque_factor, "torque_factor", "1", "part of the traction demand that is admitted", "0 to 1", 1.0,
+     0.0, 1.0, false},
+    {&AxleCommands::roller_torque, "roller_torque", "N m",
+     "torque of the roller's drive, positive drives the wheel forward", "N m, any finite number", 0.0, -unlimited,
+     unlimited, false},
+    {&AxleCommands::cylinder_pressure, "cylinder_pressure", "Pa",
+     "pressure in the axle's brake cylinder, over the ambient", "0 to 1e7 Pa", 0.0, 0.0, highest_pressure, false},
 };
-constexpr std::size_t command_count = std::size(command_fields);
+constexpr CommandField const& field_of(Command command) { return command_fields[at(command)]; }
+
+/// A column of what a controller sees of each axle, and an input of a controller alone.
+struct MeasurementField {
+  std::string_view name, unit, meaning;
+  PerAxle<double> Measurements::* of{};  ///< null: of the train, or of the rig's controller
+  double lowest{-unlimited}, highest{unlimited};
+  bool whole{false};
+};
+
+inline constexpr MeasurementField measurement_fields[] = {
+    {"axle_speed", "rad/s", "measured speed of each axle: for rig_control the rig's sensors, else the vehicle's own",
+     &Measurements::axle_speed},
+    {"roller_speed", "rad/s", "measured speed of each roller axle, positive as under a wheel that rolls forward",
+     &Measurements::roller_speed},
+    {"roller_torque", "N m",
+     "torque of each roller drive since the last sample, as measured; positive drives the wheel forward",
+     &Measurements::roller_torque},
+    {"estimated_force", "N", "our estimate of the contact force on each axle, forward"},
+    {"estimated_torque", "N m", "our estimate of the torque on each axle"},
+    {"virtual_speed", "rad/s", "speed of each axle of the virtual train"},
+    {"feed_forward", "N m", "our feed-forward torque of each roller drive"},
+    {"axle_load", "N", "measured vertical force under each axle", &Measurements::axle_load},
+    {"drive_torque", "N m", "torque of each roller drive now, as measured", &Measurements::drive_torque},
+    {"motor_torque", "N m", "torque of the traction motor of each axle, as its drive reports it",
+     &Measurements::motor_torque},
+    {"brake_torque", "N m", "torque of each axle's friction brake, from cylinder pressure and nominal pad friction",
+     &Measurements::brake_torque},
+    {"sand_flow", "kg/s", "flow of sand in front of each axle, on each rail", &Measurements::sand_flow},
+    {"dump_valve", "1", "command of each axle's dump valve that acts: 0 fill, 1 hold, 2 vent",
+     &Measurements::dump_valve, 0.0, 2.0, true},
+    {"brake_demand", "Pa", "cylinder pressure demanded of each axle", &Measurements::brake_demand, 0.0,
+     highest_pressure},
+    {"track_brake_force", "N", "force of all track brakes against running, the same number for each axle"},
+    {"force_of_others", "N",
+     "force of the simulated axles on the train, mean since the last sample, forward; the same number for each axle"},
+};
+constexpr std::size_t measurement_index(std::string_view name) {
+  auto const found = std::ranges::find(measurement_fields, name, &MeasurementField::name);
+  if (found == std::end(measurement_fields)) throw "there is no such column";
+  return at(found - std::begin(measurement_fields));
+}
+/// Where the number of a column is; the rig's controller has speed sensors of its own.
+constexpr PerAxle<double> Measurements::* place_of(MeasurementField const& field, bool of_rollers) {
+  return field.of == &Measurements::axle_speed && !of_rollers ? &Measurements::vehicle_axle_speed : field.of;
+}
 
 // Commands of one controller between their sample and their acting.
 

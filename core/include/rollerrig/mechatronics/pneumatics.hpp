@@ -20,6 +20,9 @@ namespace rollerrig {
 /// closed: an axle brakes when its slide protection fails.
 enum class DumpValve : int { fill, hold, vent };
 
+/// Commands go through controllers and files as numbers.
+constexpr DumpValve valve_of(double command) { return static_cast<DumpValve>(static_cast<int>(command)); }
+
 /// Of a magnet valve, in steps.
 struct SwitchingSteps {
   int opening{}, closing{};  ///< from a changed command to the valve's moving

@@ -11,7 +11,6 @@
 // Source  Malvezzi, Pugi et al.: the law of the rig under the pure-rolling assumption; docs/theory/rig_control.md.
 #pragma once
 
-#include "rollerrig/contact/adhesion/rail_memory.hpp"
 #include "rollerrig/fields.hpp"
 #include "rollerrig/mechatronics/estimators.hpp"
 #include "rollerrig/mechatronics/measurements.hpp"
@@ -56,11 +55,9 @@ struct RigController {
     StateOf<AnyDriveCommand> drive_command{};
     ContactForceEstimate estimate{};  ///< its torque the one that the virtual train takes
     double feed_forward{};            ///< (D5) [N m]
-    double energy{};       ///< dissipated per area of the virtual rail under the axle, and of its wheels [J/m^2]
-    CleanedWheel wheel{};  ///< the virtual ones
-    double sand{};         ///< mass per length of the virtual rail under the axle [kg/m]
+    RailUnderAxle rail{};             ///< the virtual one
     void state(auto& archive) {
-      archive(estimator, axle_torque, feedback, drive_command, estimate, feed_forward, energy, wheel, sand);
+      archive(estimator, axle_torque, feedback, drive_command, estimate, feed_forward, rail);
     }
   };
   struct State {
@@ -82,9 +79,6 @@ struct RigController {
   /// @returns torque of the drive [N m]
   double torque_for_speed(StateOf<AnyFeedback>& state, double feed_forward, double wanted, double roller_speed,
                           double period) const;
-  StateOf<AnyFeedback> start_feedback() const {
-    return std::visit([]<class Law>(Law const&) { return StateOf<AnyFeedback>{typename Law::State{}}; }, feedback);
-  }
   bool controls_speed() const { return !std::holds_alternative<NoFeedback>(feedback); }
 
  private:
@@ -92,7 +86,6 @@ struct RigController {
   void lock_or_unlock(State& s, int axle, double axle_speed) const;
   /// The torque of an axle that the virtual train takes, from its estimate and what is known of brake and motor.
   double torque_of_axle(AxleState& axle, Measurements const& now, std::size_t k, double period) const;
-  void recover(State& s, Measurements const& now, int axle, double from, double period) const;
 };
 
 }  // namespace rollerrig

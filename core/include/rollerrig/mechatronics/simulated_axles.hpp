@@ -9,12 +9,9 @@
 // Source  the same laws as of the virtual train; docs/theory/virtual_train.md. Energy is counted at the middle of each step, where
 //         the change of 1/2 J_w w^2 is the work of the torques exactly.
 #pragma once
-#include <algorithm>
 #include <cmath>
-#include <span>
 #include <vector>
 
-#include "rollerrig/contact/adhesion/rail_memory.hpp"
 #include "rollerrig/fields.hpp"
 #include "rollerrig/mechatronics/virtual_rail.hpp"
 #include "rollerrig/mechatronics/virtual_train.hpp"
@@ -49,33 +46,26 @@ struct TrainStep {
   double acceleration{};  ///< [m/s^2]
 };
 
-/// What lies on the rails, left there by the axles ahead.
-struct FoundRail {
-  std::span<RailCells> energy{};  ///< of one rail or two; an axle finds their mean and cleans all of them
-  SandedRail* sand{};             ///< null: none
-  double const* sand_flow{};      ///< in front of each axle [kg/s]
-  double friction{1.0};           ///< over what its law says
-};
-
-class SimulatedAxleStates {
- public:
+struct SimulatedAxleStates {
   struct Axle {
     VirtualAxle wheels{};
     double angle{};       ///< turned since the start [rad]
     double slip{};        ///< r w less the train's speed, mean of the last step [m/s]
     double load{};        ///< [N]
-    double energy{};      ///< dissipated per area of the rail under the axle, and what its wheels keep [J/m^2]
     double work{};        ///< of motor and brake on the axle since the start [J]
     double to_train{};    ///< work of the rail's force on the train [J]
     double dissipated{};  ///< by slip [J]
-    double sand{};        ///< mass per length of the rail under the axle [kg/m]
-    CleanedWheel cleaned{};
-    void state(auto& archive) { archive(wheels, angle, slip, load, energy, work, to_train, dissipated, sand, cleaned); }
+    RailUnderAxle rail{};
+    void state(auto& archive) { archive(wheels, angle, slip, load, work, to_train, dissipated, rail); }
   };
 
-  explicit SimulatedAxleStates(SimulatedAxles const& axles, double speed) : axle_(axles.count()) {
-    for (std::size_t i = 0; i < axle_.size(); ++i)
-      axle_[i].wheels = VirtualAxle{speed / axles.wheel_radius}, axle_[i].load = axles.static_load[i];
+  std::vector<Axle> axle;
+  double force{0.0};  ///< (N2), mean of the last step [N]
+  void state(auto& archive) { archive(axle, force); }
+
+  explicit SimulatedAxleStates(SimulatedAxles const& axles, double speed) : axle(axles.count()) {
+    for (std::size_t i = 0; i < axle.size(); ++i)
+      axle[i].wheels.speed = speed / axles.wheel_radius, axle[i].load = axles.static_load[i];
   }
 
   /// One step of length h.
@@ -87,57 +77,29 @@ class SimulatedAxleStates {
   template <class Torque, class Brake>
   void step(SimulatedAxles const& axles, VirtualRail const& rail, TrainStep const& train, double h,
             FoundRail const& found, Torque&& torque, Brake&& brake) {
-    force_ = 0.0;
-    double const ahead = h * train.speed, r = axles.wheel_radius;
-    for (std::size_t i = 0; i < axle_.size(); ++i) {
-      Axle& own = axle_[i];
+    force = 0.0;
+    double const r = axles.wheel_radius;
+    for (std::size_t i = 0; i < axle.size(); ++i) {
+      Axle& own = axle[i];
       double const place = train.distance + axles.position[i];
       own.load = std::fmax(
           0.0, axles.static_load[i] + axles.load_transfer[i] * (train.acceleration + axles.gradient_force));  // (D9)
-      auto const force = [&](double w) {
-        return rail.force(r * w - train.speed, train.speed, own.load, train.time, place, own.energy, own.sand,
+      auto const rail_force = [&](double w) {
+        return rail.force(r * w - train.speed, train.speed, own.load, train.time, place, own.rail.energy, own.rail.sand,
                           found.friction);
       };
       double const driving = torque(i);
-      own.wheels.step({axles.wheelset_inertia, r}, driving, h, force, [&](double w) { return brake(i, w); });
-      double const w = own.wheels.middle_speed(), of_rail = own.wheels.force();
+      own.wheels.step({axles.wheelset_inertia, r}, driving, h, rail_force, [&](double w) { return brake(i, w); });
+      double const w = own.wheels.middle_speed, of_rail = own.wheels.force;
       own.slip = r * w - train.speed;
       own.angle += h * w;
-      own.work += h * (driving + own.wheels.brake_torque()) * w;
+      own.work += h * (driving + own.wheels.brake_torque) * w;
       own.to_train += h * of_rail * train.speed;
       own.dissipated += h * of_rail * own.slip;
-      force_ += of_rail;
-      clean(axles, rail, own, place, ahead, h, train.speed, found.energy);
-      if (found.sand == nullptr) continue;
-      found.sand->run(place, place + ahead, found.sand_flow[i] * h, rail.sand_kept);
-      own.sand = found.sand->at(place + ahead);
+      force += of_rail;
+      rail.pass(own.rail, {place, place + h * train.speed, train.speed, r * w, of_rail, 2.0 * pi * r, h}, found, i);
     }
   }
-
-  std::size_t count() const { return axle_.size(); }
-  Axle const& axle(std::size_t i) const { return axle_[i]; }
-  double force() const { return force_; }  ///< (N2), mean of the last step [N]
-
-  void state(auto& archive) { archive(axle_, force_); }
-
- private:
-  static constexpr double least_speed = 0.1;  ///< below it the dissipated energy is counted as at it [m/s]
-
-  static void clean(SimulatedAxles const& axles, VirtualRail const& rail, Axle& own, double place, double ahead,
-                    double h, double speed, std::span<RailCells> rails) {
-    double const spent = std::fabs(own.wheels.force() * own.slip) / (2.0 * std::max(speed, least_speed) * rail.width);
-    double found = 0.0;
-    for (RailCells& of : rails) {
-      found += of.before(place) / static_cast<double>(rails.size());
-      of.add(place, place + ahead, spent);
-    }
-    own.energy = found + own.cleaned.energy() + 0.5 * spent;  // half of its own is dissipated behind the patch's middle
-    double const rolled = h * std::fabs(axles.wheel_radius * own.wheels.middle_speed());
-    own.cleaned.run(spent, ahead, rolled, 2.0 * pi * axles.wheel_radius, rail.wheel_memory);
-  }
-
-  std::vector<Axle> axle_;
-  double force_{0.0};
 };
 
 }  // namespace rollerrig

@@ -1,14 +1,17 @@
 // mechatronics/virtual_rail.hpp - the degraded rail under one axle of the virtual train: longitudinal contact force over slip.
 //
 //   slip, speed, load, place, energy -> [friction map, the case's creep law] -> force on the axle
+//   force, slip, way -> [rail_memory.hpp] -> energy and sand under the axle
 //
 // The laws are those of the 3-D contact; what is left out is everything sideways: both wheels of an axle roll centred, on
 // an ellipse that grows with the load as Hertz' does.
 #pragma once
 #include <cmath>
+#include <span>
 #include <vector>
 
 #include "rollerrig/contact/adhesion/friction.hpp"
+#include "rollerrig/contact/adhesion/rail_memory.hpp"
 #include "rollerrig/contact/creep/creep_law.hpp"
 
 namespace rollerrig {
@@ -27,6 +30,30 @@ inline EquivalentPatch equivalent_patch(double load, std::vector<double> const& 
   double const aspect = squares / area;
   return {load, std::sqrt(area * aspect), std::sqrt(area / aspect), 0.5 * pi * across};
 }
+
+/// What lies on the rails, left there by the axles ahead.
+struct FoundRail {
+  std::span<RailCells> energy{};  ///< of one rail or two; an axle finds their mean and cleans all of them
+  SandedRail* sand{};             ///< null: none
+  double const* sand_flow{};      ///< in front of each axle [kg/s]
+  double friction{1.0};           ///< over what its law says
+};
+
+/// What an axle finds there, with its own part.
+struct RailUnderAxle {
+  double energy{};  ///< dissipated per area, and what the wheels keep [J/m^2]
+  double sand{};    ///< mass per length [kg/m]
+  CleanedWheel wheels{};
+  void state(auto& archive) { archive(energy, sand, wheels); }
+};
+
+/// An axle over a step.
+struct AxlePassage {
+  double from{}, to{};                  ///< along the rail [m]
+  double train_speed{}, wheel_speed{};  ///< the wheels' at their circumference [m/s]
+  double force{};                       ///< of the rail [N]
+  double circumference{}, period{};     ///< [m], [s]
+};
 
 struct VirtualRail {
   CreepLaw creep{};
@@ -67,6 +94,15 @@ struct VirtualRail {
     CreepQuery<double> const query{creepage, f, adhesion, growth * a, growth * b, log_aspect, 1.0};
     auto const force = friction.map ? creep_force(creep, query, surface) : creep_force(creep, query);
     return 2.0 * force.longitudinal;
+  }
+
+  /// What the wheels ahead and this axle, number i, have left on the rail under it.
+  void pass(RailUnderAxle& under, AxlePassage const& axle, FoundRail const& found, std::size_t i) const {
+    double const power = 0.5 * std::fabs(axle.force * (axle.wheel_speed - axle.train_speed));  // of one wheel
+    under.energy = under.wheels.pass(found.energy, axle.from, axle.to, energy_per_area(power, axle.train_speed, width),
+                                     axle.period * std::fabs(axle.wheel_speed), axle.circumference, wheel_memory);
+    if (found.sand != nullptr)
+      under.sand = found.sand->run(axle.from, axle.to, found.sand_flow[i] * axle.period, sand_kept);
   }
 };
 

@@ -29,10 +29,14 @@ struct SpinningWheels {
   double radius{};   ///< r [m]
 };
 
-class VirtualAxle {
- public:
-  VirtualAxle() = default;
-  explicit VirtualAxle(double speed) : speed_{speed} {}
+struct VirtualAxle {
+  double speed{};         ///< w [rad/s]
+  double middle_speed{};  ///< mean of the last step [rad/s]
+  double rate{};          ///< over the last step [rad/s^2]
+  double force{};         ///< T [N]
+  double brake_torque{};  ///< B [N m]
+  bool locked{};          ///< it keeps its speed, whatever torque acts on it
+  void state(auto& archive) { archive(speed, middle_speed, rate, force, brake_torque, locked); }
 
   /// @param torque  C, constant over the step [N m]
   /// @param rail    rail(w) -> T, forward [N]
@@ -40,51 +44,36 @@ class VirtualAxle {
   template <class Rail, class Brake>
   void step(SpinningWheels const& wheels, double torque, double period, Rail&& rail, Brake&& brake) {
     auto const held = [&](double w) { return rail(w) - brake(w) / wheels.radius; };
-    double const before = speed_, reach = implicit_part(wheels, period, held);
-    rate_ = locked_ ? 0.0 : solved_rate(wheels, torque, reach, held);
-    double const within = speed_ + reach * rate_;
-    force_ = rail(within), brake_ = brake(within);
-    speed_ += period * rate_;
-    middle_ = 0.5 * (before + speed_);
+    double const before = speed, reach = implicit_part(wheels, period, held);
+    rate = locked ? 0.0 : solved_rate(wheels, torque, reach, held);
+    double const within = speed + reach * rate;
+    force = rail(within), brake_torque = brake(within);
+    speed += period * rate;
+    middle_speed = 0.5 * (before + speed);
   }
-
-  /// Until `unlock` it turns at `speed` [rad/s], whatever torque acts on it: locked wheels.
-  void lock(double speed) {
-    locked_ = true;
-    speed_ = speed;
-  }
-  void unlock() { locked_ = false; }
-  bool locked() const { return locked_; }
-
-  double speed() const { return speed_; }          ///< w [rad/s]
-  double middle_speed() const { return middle_; }  ///< mean of the last step [rad/s]
-  double rate() const { return rate_; }            ///< over the last step [rad/s^2]
-  double force() const { return force_; }          ///< T [N]
-  double brake_torque() const { return brake_; }   ///< B [N m]
-  void state(auto& archive) { archive(speed_, middle_, rate_, force_, brake_, locked_); }
 
  private:
   /// theta h: 1/2 h, or (1 - 1/(lambda h)) h for a rate lambda beyond 2/h.
-  template <class Force>
-  double implicit_part(SpinningWheels const& wheels, double period, Force&& force) const {
-    double const w = speed_, dw = 1e-6 * (1.0 + std::fabs(w));
-    double const stiffness = wheels.radius * (force(w + dw) - force(w - dw)) / (2.0 * dw * wheels.inertia);
+  template <class Held>
+  double implicit_part(SpinningWheels const& wheels, double period, Held&& held) const {
+    double const w = speed, dw = 1e-6 * (1.0 + std::fabs(w));
+    double const stiffness = wheels.radius * (held(w + dw) - held(w - dw)) / (2.0 * dw * wheels.inertia);
     return stiffness * period > 2.0 ? period - 1.0 / stiffness : 0.5 * period;
   }
 
   /// Solves J_w a = C - r T(w + reach a) for a: Newton with a numerical slope, halving where it leaves the bracket. T over
   /// slip is steep in the middle and flat outside, where Newton alone oscillates without end.
-  template <class Force>
-  double solved_rate(SpinningWheels const& wheels, double torque, double reach, Force&& force) const {
-    double const J = wheels.inertia, r = wheels.radius, w = speed_;
+  template <class Held>
+  double solved_rate(SpinningWheels const& wheels, double torque, double reach, Held&& held) const {
+    double const J = wheels.inertia, r = wheels.radius, w = speed;
     double low = -std::numeric_limits<double>::infinity();
     double high = std::numeric_limits<double>::infinity();
-    double a = (torque - r * force(w)) / J;
+    double a = (torque - r * held(w)) / J;
     for (int iteration = 0; iteration < 60; ++iteration) {
       double const at = w + reach * a;
-      double const t = force(at);
+      double const t = held(at);
       double const dw = 1e-6 * (1.0 + std::fabs(at));
-      double const slope = (force(at + dw) - t) / dw;
+      double const slope = (held(at + dw) - t) / dw;
       double const residual = J * a - torque + r * t;
       (residual > 0.0 ? high : low) = a;
       // Beyond the peak of adhesion T falls with slip: the step must not change its sign.
@@ -96,9 +85,6 @@ class VirtualAxle {
     }
     return a;
   }
-
-  double speed_{0.0}, middle_{0.0}, rate_{0.0}, force_{0.0}, brake_{0.0};
-  bool locked_{false};
 };
 
 struct VirtualTrain {
@@ -129,11 +115,16 @@ struct VirtualTrain {
   }
 };
 
-class VirtualTrainState {
- public:
+struct VirtualTrainState {
+  double speed{};         ///< v [m/s]
+  double distance{};      ///< [m]
+  double acceleration{};  ///< v' [m/s^2]
+  PerAxle<VirtualAxle> axle{};
+  void state(auto& archive) { archive(speed, distance, acceleration, axle); }
+
   VirtualTrainState() = default;
-  VirtualTrainState(VirtualTrain const& train, double speed) : speed_{speed} {
-    axle_.fill(VirtualAxle{speed / train.wheel_radius});
+  VirtualTrainState(VirtualTrain const& train, double at_speed) : speed{at_speed} {
+    axle.fill({.speed = at_speed / train.wheel_radius});
   }
 
   /// One sample under the torques `axle_torque` [N m], constant over it.
@@ -146,40 +137,22 @@ class VirtualTrainState {
   void step(VirtualTrain const& train, int axles, PerAxle<double> const& axle_torque, PerAxle<double> const* load,
             double retarding, double period, Law&& law) {
     double const half = 0.5 * period;
-    double const speed_middle = std::fmax(0.0, speed_ + half * acceleration_);
-    double const specific_force = acceleration_ + train.gravity * train.gradient;
+    double const speed_middle = std::fmax(0.0, speed + half * acceleration);
+    double const specific_force = acceleration + train.gravity * train.gradient;
     double sum = 0.0;
     for (int i = 0; i < axles; ++i) {
-      auto const k = index(i);
+      auto const k = at(i);
       double const carries =
           load != nullptr ? (*load)[k] : train.static_load[k] + train.load_transfer[k] * specific_force;
       auto const rail = [&](double w) { return law(i, train.wheel_radius * w - speed_middle, speed_middle, carries); };
       auto const no_brake = [](double /*w*/) { return 0.0; };  // it is in the torque
-      axle_[k].step({train.wheelset_inertia, train.wheel_radius}, axle_torque[k], period, rail, no_brake);
-      sum += axle_[k].force();
+      axle[k].step({train.wheelset_inertia, train.wheel_radius}, axle_torque[k], period, rail, no_brake);
+      sum += axle[k].force;
     }
-    acceleration_ = (sum - train.resistance(speed_middle) - retarding) / train.mass - train.gravity * train.gradient;
-    distance_ += period * speed_middle;
-    speed_ = std::fmax(0.0, speed_ + period * acceleration_);
+    acceleration = (sum - train.resistance(speed_middle) - retarding) / train.mass - train.gravity * train.gradient;
+    distance += period * speed_middle;
+    speed = std::fmax(0.0, speed + period * acceleration);
   }
-
-  void lock(int i, double axle_speed) { axle_[index(i)].lock(axle_speed); }
-  void unlock(int i) { axle_[index(i)].unlock(); }
-  bool locked(int i) const { return axle_[index(i)].locked(); }
-
-  double speed() const { return speed_; }                ///< v [m/s]
-  double distance() const { return distance_; }          ///< [m]
-  double acceleration() const { return acceleration_; }  ///< v' [m/s^2]
-  double axle_speed(int i) const { return axle_[index(i)].speed(); }
-  double axle_rate(int i) const { return axle_[index(i)].rate(); }  ///< over the last sample [rad/s^2]
-  double force(int i) const { return axle_[index(i)].force(); }     ///< T_v [N]
-  void state(auto& archive) { archive(speed_, distance_, acceleration_, axle_); }
-
- private:
-  static std::size_t index(int i) { return at(i); }
-
-  double speed_{0.0}, distance_{0.0}, acceleration_{0.0};
-  PerAxle<VirtualAxle> axle_{};
 };
 
 }  // namespace rollerrig

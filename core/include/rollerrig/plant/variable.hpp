@@ -2,7 +2,9 @@
 //
 //   AssembledModel -> [variables] -> index, name, unit of every input and output
 #pragma once
+#include <cmath>
 #include <cstddef>
+#include <limits>
 #include <memory>
 #include <span>
 #include <string>
@@ -31,6 +33,16 @@ struct Variable {
 
   bool allows(double value) const;  ///< finite, in the limits, and whole where that is asked for
 };
+
+/// With the words and limits of a command or a measurement.
+template <class Field>
+Variable variable_of(Field const& field, std::string name, Causality causality, double start) {
+  auto const limit = [](double number) {
+    return std::abs(number) < unlimited ? number : std::copysign(std::numeric_limits<double>::infinity(), number);
+  };
+  return {std::move(name), std::string(field.unit), std::string(field.meaning), causality,  Variability::discrete,
+          start,           limit(field.lowest),     limit(field.highest),       field.whole};
+}
 
 class ContinuousPlant;
 

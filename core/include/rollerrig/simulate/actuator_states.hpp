@@ -13,12 +13,9 @@
 
 namespace rollerrig {
 
-/// What acts on the actuators over a step: per command, per axle.
-using ActingCommands = std::array<PerAxle<double>, command_count>;
-
 /// What a caller asks for from outside, axle by axle; it holds until the caller asks for something else.
 struct CallerDemands {
-  ActingCommands commands{};        ///< where the case has no controller for them, or an external one
+  AxleCommands commands{};          ///< where the case has no controller for them, or an external one
   PerAxle<double> brake_demand{};   ///< cylinder pressure beside the case's own demand [Pa]
   PerAxle<double> motor_torque{};   ///< of the traction motor beside the case's own demand [N m]
   PerAxle<double> speed_control{};  ///< of an external rig controller: 1 where the roller's drive goes to a speed
@@ -55,7 +52,7 @@ class ActuatorStates {
   explicit ActuatorStates(MechatronicSetup const& setup);
 
   /// @param axle_speed, roller_speed  true ones, positive forward [rad/s]
-  void step(MechatronicSetup const& setup, std::int64_t step, ActingCommands const& acting, CallerDemands const& caller,
+  void step(MechatronicSetup const& setup, std::int64_t step, AxleCommands const& acting, CallerDemands const& caller,
             PerAxle<double> const& axle_speed, PerAxle<double> const& roller_speed, double train_speed, Inputs& inputs);
   Axle const& axle(std::size_t i) const { return axle_[i]; }
   BrakeCylinders const& cylinders() const { return cylinders_; }
@@ -66,7 +63,7 @@ class ActuatorStates {
 
  private:
   void step_drive(MechatronicSetup const& setup, std::size_t axle, double command, double roller_speed);
-  void step_electrodynamic(MechatronicSetup const& setup, std::int64_t step, ActingCommands const& acting,
+  void step_electrodynamic(MechatronicSetup const& setup, std::int64_t step, AxleCommands const& acting,
                            PerAxle<double> const& demand, PerAxle<double> const& axle_speed);
   void step_pneumatics(MechatronicSetup const& setup, PerAxle<double> const& valve, PerAxle<double> const& asked,
                        PerAxle<double> const& axle_speed);

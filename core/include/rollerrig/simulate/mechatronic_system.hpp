@@ -23,10 +23,9 @@ namespace rollerrig {
 
 class MechatronicSystem {
  public:
-  /// Columns of record(), per axle and for the train; fields of measurement().
+  /// Columns of record(), per axle and for the train.
   static std::span<Field const> axle_fields();
   static std::span<Field const> train_fields();
-  static std::span<Field const> measurement_fields();
 
   /// Throws std::invalid_argument for more than `most_axles` axles, or a controller without a sample time.
   explicit MechatronicSystem(MechatronicSetup setup);
@@ -54,7 +53,7 @@ class MechatronicSystem {
   /// Whether the caller must answer for some controller, or for that of this name.
   bool has_pending() const;
   bool waits_for(std::string_view controller) const;
-  /// What a controller sees, axle by axle.
+  /// What a controller sees, axle by axle: measurement_fields.
   std::vector<double> measurement(std::string_view controller) const;
   /// Numbers of measurement(), for a caller with room of his own; the controller's place in the setup.
   int measurement_width(std::size_t controller) const;
@@ -74,20 +73,19 @@ class MechatronicSystem {
     archive(measured_, sensors_, actuators_, train_, simulated_, impulse_of_simulated_);
     for (Controller& own : controllers_) {
       archive(own.state, own.commands, own.pending);
-      own.commands.each(
-          [&](PerAxle<double> const& values) { archive.need(command_fields[own.command].allows(values)); });
+      own.commands.each([&](PerAxle<double> const& values) { archive.need(field_of(own.command).allows(values)); });
     }
     archive(caller_, speed_control_, acting_, rail_, wheel_, slides_for_, sanding_, sand_, sanded_, sand_used_,
             track_brake_power_, track_brake_energy_);
-    for (std::size_t c = 0; c < command_count; ++c)
-      archive.need(command_fields[c].allows(caller_.commands[c]) && command_fields[c].allows(acting_[c]));
-    archive.need(command_fields[0].allows(measured_.dump_valve));
+    for (CommandField const& field : command_fields)
+      archive.need(field.allows(caller_.commands.*field.of) && field.allows(acting_.*field.of));
+    archive.need(field_of(Command::dump_valve).allows(measured_.dump_valve));
   }
 
  private:
   struct Controller {
     std::string_view name;
-    std::size_t command;  ///< of ActingCommands
+    Command command;
     StateOf<AnyController> state;
     DelayedCommands commands;
     bool pending{false};
@@ -130,8 +128,7 @@ class MechatronicSystem {
   std::optional<std::size_t> brake_unit_{};  ///< of controllers_
   CallerDemands caller_{};
   PerAxle<StateOf<AnyFeedback>> speed_control_{};  ///< of the drives that the caller asks for a speed
-  ActingCommands acting_{};
-  std::array<bool, command_count> controlled_{};  ///< by a controller of the setup
+  AxleCommands acting_{};
   std::array<RailCells, 2> rail_;                 ///< left, right
   std::array<PerAxle<CleanedWheel>, 2> wheel_{};  ///< left, right
   PerAxle<double> slides_for_{};                  ///< wheel on roller, beyond the protection's limit [s]

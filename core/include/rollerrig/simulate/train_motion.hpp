@@ -10,28 +10,22 @@
 
 namespace rollerrig {
 
-class TrainMotion {
- public:
-  explicit TrainMotion(double speed) : speed_{speed} {}
+struct TrainMotion {
+  double speed;           ///< [m/s]
+  double distance{};      ///< since the start [m]
+  double acceleration{};  ///< [m/s^2]
+  double last{};          ///< V' before its extrapolation [m/s^2]
+  bool first{true};
+  void state(auto& archive) { archive(speed, distance, acceleration, last, first); }
 
   /// V' over the next step.
   ///
   /// @param retarding  force of track brakes [N]
   void accelerate(TravellingFrame const& frame, Dynamics const& plant, Inputs const& inputs, double retarding);
   void advance(double step) {
-    distance_ += step * (speed_ + 0.5 * step * acceleration_);
-    speed_ += step * acceleration_;
+    distance += step * (speed + 0.5 * step * acceleration);
+    speed += step * acceleration;
   }
-
-  double speed() const { return speed_; }                ///< [m/s]
-  double distance() const { return distance_; }          ///< since the start [m]
-  double acceleration() const { return acceleration_; }  ///< [m/s^2]
-
-  void state(auto& archive) { archive(speed_, distance_, acceleration_, last_, first_); }
-
- private:
-  double speed_, distance_{0.0}, acceleration_{0.0}, last_{0.0};
-  bool first_{true};
 };
 
 inline void TrainMotion::accelerate(TravellingFrame const& frame, Dynamics const& plant, Inputs const& inputs,
@@ -39,7 +33,7 @@ inline void TrainMotion::accelerate(TravellingFrame const& frame, Dynamics const
   Model const& model = plant.model();
   auto const& work = plant.work();
   double force = plant.evaluation().longitudinal_force - frame.train_mass * model.gravity * model.resistance.gradient;
-  force -= model.resistance.force(speed_) + retarding;
+  force -= model.resistance.force(speed) + retarding;
   double momentum_rate = 0.0, momentum = 0.0, offset = 0.0, free_mass = 0.0;
   for (std::size_t b = 0; b < model.bodies.size(); ++b) {
     Body const& body = model.bodies[b];
@@ -53,9 +47,9 @@ inline void TrainMotion::accelerate(TravellingFrame const& frame, Dynamics const
   double const wanted = frame.fixed_mass > 0.0 ? (force - momentum_rate) / frame.fixed_mass
                                                : force / frame.train_mass + on_speed * momentum / free_mass +
                                                      on_place * offset / free_mass;
-  acceleration_ = first_ ? wanted : 1.5 * wanted - 0.5 * last_;
-  last_ = wanted;
-  first_ = false;
+  acceleration = first ? wanted : 1.5 * wanted - 0.5 * last;
+  last = wanted;
+  first = false;
 }
 
 }  // namespace rollerrig

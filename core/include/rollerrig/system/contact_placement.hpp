@@ -2,10 +2,15 @@
 //
 //   motion of wheelset and roller, track frame, irregularity -> [placement] -> contact geometry, contact forces
 //
-// Frame b  of geometry/pair.hpp, fixed to the rail or roller where it really lies: displaced by the irregularity and turned
-//          into its direction. The material of a rail stands still in the ground; seen from the wheelset's track frame it
-//          runs backwards with -V and turns with -omega, along the rail's own direction. So the rate of the gap, the lateral
-//          creepage and the work of the rail need no terms of their own.
+// Frames   b  of geometry/pair.hpp, fixed to the rail or roller where it really lies: displaced by the irregularity and turned
+//             into its direction
+//          F  where b would be without displacement, in which the motion of all bodies is known: the wheelset's track frame,
+//             on a rig the world
+//          k  of the roller or elastic rail, at its centre of mass;  r  of the wheelset;  H  the head of the rail, a point
+//          p_AB_C from A to B in components of C, R_AC from C to A; v_C, force_C in components of C
+//          The material of a rail stands still in the ground; seen from F it runs backwards with -V and turns with -omega,
+//          along the rail's own direction. So the rate of the gap, the lateral creepage and the work of the rail need no
+//          terms of their own.
 // Neglected: the curvature of the rail along its length, within the centimetre by which a contact leads or lags.
 // Source: docs/theory/track.md, (W8).
 #pragma once
@@ -18,11 +23,11 @@ namespace rollerrig {
 
 template <Scalar T>
 struct ContactPlacement {
-  RelativePose<T> pose;      ///< of the wheelset, b components
-  ContactMotion<T> motion;   ///< b components
-  Rotation<T> R;             ///< b -> axes of the wheelset's frame; not set where `turned` is false: they are parallel
-  Vec3<T> prescribed_v;      ///< part of motion.v_roller that no state makes: of rails and of steered rollers
-  Vec3<T> prescribed_omega;  ///< the same of motion.omega_roller
+  RelativePose<T> pose;        ///< p_br_b, R_br
+  ContactMotion<T> motion;     ///< b components
+  Rotation<T> R_Fb;            ///< not set where `turned` is false: they are parallel
+  Vec3<T> prescribed_v_b;      ///< part of motion.v_roller that no state makes: of rails and of steered rollers
+  Vec3<T> prescribed_omega_b;  ///< the same of motion.omega_roller
   bool turned{false};
   bool prescribed{false};
 };
@@ -43,51 +48,49 @@ void mirror(ContactPlacement<T>& p) {
   p.pose.R = {mirrored(p.pose.R.ex), mirrored_axial(p.pose.R.ey), mirrored(p.pose.R.ez)};
   p.motion = {mirrored(p.motion.v_wheel), mirrored_axial(p.motion.omega_wheel), mirrored(p.motion.v_roller),
               mirrored_axial(p.motion.omega_roller)};
-  p.prescribed_v = mirrored(p.prescribed_v);
-  p.prescribed_omega = mirrored_axial(p.prescribed_omega);
+  p.prescribed_v_b = mirrored(p.prescribed_v_b);
+  p.prescribed_omega_b = mirrored_axial(p.prescribed_omega_b);
 }
 
-/// What patches do to both bodies: force on the wheel, moment about the wheelset's centre, and the moment that a roller takes
-/// the opposite of.
+/// What patches do to both bodies: force on the wheel, moment about the wheelset's centre, and the moment about the origin of b
+/// that a roller takes the opposite of.
 template <Scalar T>
 struct ContactWrenches {
-  Vec3<T> force{};
-  Vec3<T> on_wheelset{};
-  Vec3<T>
-      on_roller{};  ///< about the crown point; after in_wheelset_frame() about the roller's centre, roller components
+  Vec3<T> force_b{}, on_wheelset_b{}, on_roller_b{};
 
   ContactWrenches& operator+=(ContactWrenches const& o) {
-    force += o.force, on_wheelset += o.on_wheelset, on_roller += o.on_roller;
+    force_b += o.force_b, on_wheelset_b += o.on_wheelset_b, on_roller_b += o.on_roller_b;
     return *this;
   }
 };
 
+/// The same without the mirror; the roller's moment about its own centre of mass.
+template <Scalar T>
+struct BodyWrenches {
+  Vec3<T> force_F, on_wheelset_F, on_roller_b;
+};
+
 /// Of a force and a moment at a point, b components, mirrored like it.
 template <Scalar T>
-ContactWrenches<T> contact_wrenches(RollerEffects const& effects, ContactPlacement<T> const& placed, Vec3<T> const& p,
-                                    Vec3<T> const& force, Vec3<T> const& moment) {
-  return {force, cross(p - placed.pose.o, force) + moment, moment_about_crown(effects, p, force, moment)};
+ContactWrenches<T> contact_wrenches(RollerEffects const& effects, ContactPlacement<T> const& placed, Vec3<T> const& p_b,
+                                    Vec3<T> const& force_b, Vec3<T> const& moment_b) {
+  return {force_b, cross(p_b - placed.pose.o, force_b) + moment_b, moment_about_crown(effects, p_b, force_b, moment_b)};
 }
 
 /// Power of what moves the rail or steers the roller, beside what a state does.
 template <Scalar T>
 T prescribed_power(ContactPlacement<T> const& placed, ContactWrenches<T> const& w) {
   if (!placed.prescribed) return T(0.0);
-  return placed.turned ? dot(w.force, placed.prescribed_v) + dot(w.on_roller, placed.prescribed_omega)
-                       : w.force.x * placed.prescribed_v.x;
+  return placed.turned ? dot(w.force_b, placed.prescribed_v_b) + dot(w.on_roller_b, placed.prescribed_omega_b)
+                       : w.force_b.x * placed.prescribed_v_b.x;
 }
 
-/// The mirror removed, force and moment on the wheelset in the axes of its frame.
 template <Scalar T>
-ContactWrenches<T> in_wheelset_frame(WheelContact const& contact, ContactPlacement<T> const& placed,
-                                     ContactWrenches<T> w) {
-  if (contact.right) w = {mirrored(w.force), mirrored_axial(w.on_wheelset), mirrored_axial(w.on_roller)};
-  w.on_roller += cross(lift<T>(contact.crown_in_roller), w.force);
-  if (placed.turned) {
-    w.force = placed.R * w.force;
-    w.on_wheelset = placed.R * w.on_wheelset;
-  }
-  return w;
+BodyWrenches<T> body_wrenches(WheelContact const& contact, ContactPlacement<T> const& placed, ContactWrenches<T> w) {
+  if (contact.right) w = {mirrored(w.force_b), mirrored_axial(w.on_wheelset_b), mirrored_axial(w.on_roller_b)};
+  Vec3<T> const on_roller_b = w.on_roller_b + cross(lift<T>(contact.crown_in_roller), w.force_b);
+  if (!placed.turned) return {w.force_b, w.on_wheelset_b, on_roller_b};
+  return {placed.R_Fb * w.force_b, placed.R_Fb * w.on_wheelset_b, on_roller_b};
 }
 
 /// The axes of a rail along a direction: x there, y level.
@@ -102,7 +105,7 @@ Rotation<T> axes_along(Vec3<T> const& direction) {
   return {ex, ey, cross(ex, ey)};
 }
 
-/// The head of the undisturbed rail, from the origin of b [m].
+/// p_bH_b: the head is fixed in b [m].
 inline Vec3<double> head_of(WheelContact const& contact) {
   return {0.0, contact.right ? -contact.pair.rail_origin_y : contact.pair.rail_origin_y, 0.0};
 }
@@ -113,8 +116,8 @@ ContactPlacement<T> on_straight_rail(WheelContact const& contact, BodyMotion<T> 
   ContactPlacement<T> p;
   p.pose = {lift<T>(contact.wheelset_from_crown) + wheelset.p, wheelset.R};
   p.prescribed = true;
-  p.prescribed_v = {-speed, T(0.0), T(0.0)};
-  p.motion = {wheelset.v, wheelset.omega, p.prescribed_v, {}};
+  p.prescribed_v_b = {-speed, T(0.0), T(0.0)};
+  p.motion = {wheelset.v, wheelset.omega, p.prescribed_v_b, {}};
   return p;
 }
 
@@ -123,44 +126,44 @@ template <Scalar T>
 ContactPlacement<T> on_rail(WheelContact const& contact, BodyMotion<T> const& wheelset, BodyMotion<T> const* rail,
                             TrackFrame<T> const* frame, RailOffset<T> const& offset, T const& speed) {
   ContactPlacement<T> p;
-  Vec3<T> const head = lift<T>(head_of(contact));
-  Vec3<T> const irregular{T(0.0), offset.y.value, offset.z.value};
+  Vec3<T> const p_bH = lift<T>(head_of(contact)), p_kb_k = lift<T>(contact.crown_in_roller);
+  Vec3<T> p_FH_F = p_bH + Vec3<T>{T(0.0), offset.y.value, offset.z.value};
   // Direction of this rail per metre of the line, and velocity of its material at any place X: -V (along + twist x X).
-  Vec3<T> direction{T(1.0), offset.y.slope, offset.z.slope};
-  if (frame) direction += frame->along - Vec3<T>{T(1.0), T(0.0), T(0.0)} + cross(frame->twist, head + irregular);
-  Rotation<T> along = axes_along(direction);
+  Vec3<T> direction_F{T(1.0), offset.y.slope, offset.z.slope};
+  if (frame) direction_F += frame->along - Vec3<T>{T(1.0), T(0.0), T(0.0)} + cross(frame->twist, p_FH_F);
+  Rotation<T> R_kb = axes_along(direction_F);  // the axes of k are those of F until the rail turns on its springs
   if (offset.rolled) {
     auto const lean = offset.lean();
-    along = {along.ex, along * lean.ey, along * lean.ez};
+    R_kb = {R_kb.ex, R_kb * lean.ey, R_kb * lean.ez};
   }
-  p.R = along;
+  p.R_Fb = R_kb;
   p.turned = true;
-  Vec3<T> displaced = head + irregular;
   if (rail) {  // its head moves with its centre of mass, and on the lever arm from there as it rolls
-    Vec3<T> const arm = lift<T>(contact.crown_in_roller) + head;
-    p.R = {rail->R * along.ex, rail->R * along.ey, rail->R * along.ez};
-    displaced += rail->p + p.R * arm - along * arm;
+    Vec3<T> const p_kH_b = p_kb_k + p_bH;
+    p.R_Fb = {rail->R * R_kb.ex, rail->R * R_kb.ey, rail->R * R_kb.ez};
+    p_FH_F += rail->p + p.R_Fb * p_kH_b - R_kb * p_kH_b;
   }
-  auto const to_b = [&](Vec3<T> const& v) { return p.R.transposed_times(v); };
-  p.pose = {head + to_b(lift<T>(contact.wheelset_from_crown) + wheelset.p - displaced), relative(p.R, wheelset.R)};
-  Vec3<T> material{-speed, T(0.0), T(0.0)};
+  auto const to_b = [&](Vec3<T> const& v_F) { return p.R_Fb.transposed_times(v_F); };
+  Vec3<T> const p_Fr_F = lift<T>(contact.wheelset_from_crown) + wheelset.p;
+  p.pose = {p_bH + to_b(p_Fr_F - p_FH_F), relative(p.R_Fb, wheelset.R)};
+  Vec3<T> material_v_F{-speed, T(0.0), T(0.0)};
   if (frame) {
-    Vec3<T> const origin = displaced - p.R * head;  // of b, from that of F
-    material = -(frame->v + cross(frame->omega, origin));
-    p.prescribed_omega = to_b(-frame->omega);
+    Vec3<T> const p_Fb_F = p_FH_F - p.R_Fb * p_bH;
+    material_v_F = -(frame->v + cross(frame->omega, p_Fb_F));
+    p.prescribed_omega_b = to_b(-frame->omega);
   }
   p.prescribed = true;
-  p.prescribed_v = to_b(material);
+  p.prescribed_v_b = to_b(material_v_F);
   if (offset.rolled) {  // a surface that is twisted along x rises and falls under the wheel, away from its head
-    Vec3<T> const twist{speed * offset.roll.slope, T(0.0), T(0.0)};
-    p.prescribed_omega += twist;
-    p.prescribed_v -= cross(twist, head);
+    Vec3<T> const twist_b{speed * offset.roll.slope, T(0.0), T(0.0)};
+    p.prescribed_omega_b += twist_b;
+    p.prescribed_v_b -= cross(twist_b, p_bH);
   }
-  p.motion = {to_b(wheelset.v), to_b(wheelset.omega), p.prescribed_v, p.prescribed_omega};
+  p.motion = {to_b(wheelset.v), to_b(wheelset.omega), p.prescribed_v_b, p.prescribed_omega_b};
   if (rail) {
-    Vec3<T> const turning = to_b(rail->omega);
-    p.motion.v_roller += to_b(rail->v) + cross(turning, lift<T>(contact.crown_in_roller));
-    p.motion.omega_roller += turning;
+    Vec3<T> const omega_b = to_b(rail->omega);
+    p.motion.v_roller += to_b(rail->v) + cross(omega_b, p_kb_k);
+    p.motion.omega_roller += omega_b;
   }
   return p;
 }
@@ -183,36 +186,38 @@ template <Scalar T>
 ContactPlacement<T> on_roller(WheelContact const& contact, BodyMotion<T> const& wheelset, BodyMotion<T> const& roller,
                               RailOffset<T> const* offset, bool steered, T const& speed) {
   ContactPlacement<T> p;
-  Vec3<T> const c = lift<T>(contact.crown_in_roller);
-  // The crown point moves by (R - 1) c with the roller's turning; written so that a large radius cancels exactly.
-  Vec3<T> const turned = c.x * (roller.R.ex - Vec3<T>{T(1.0), T(0.0), T(0.0)}) +
-                         c.y * (roller.R.ey - Vec3<T>{T(0.0), T(1.0), T(0.0)}) +
-                         c.z * (roller.R.ez - Vec3<T>{T(0.0), T(0.0), T(1.0)});
-  Vec3<T> origin = roller.p + turned;  // of b, from its design position
-  p.R = roller.R;
+  Vec3<T> const p_kb_k = lift<T>(contact.crown_in_roller);
+  // b moves by (R_Fk - 1) p_kb with the roller's turning; written so that a large radius cancels exactly.
+  Vec3<T> const turned_F = p_kb_k.x * (roller.R.ex - Vec3<T>{T(1.0), T(0.0), T(0.0)}) +
+                           p_kb_k.y * (roller.R.ey - Vec3<T>{T(0.0), T(1.0), T(0.0)}) +
+                           p_kb_k.z * (roller.R.ez - Vec3<T>{T(0.0), T(0.0), T(1.0)});
+  Vec3<T> p_Fb_F = roller.p + turned_F;
+  p.R_Fb = roller.R;
   p.turned = true;
-  Vec3<T> given{};  // velocity that the actuators prescribe
+  Vec3<T> actuated_v_F{};  // that the actuators prescribe
   if (offset) {
     p.prescribed = true;
-    origin += Vec3<T>{T(0.0), offset->y.value, offset->z.value};
-    given = {T(0.0), speed * offset->y.slope, speed * offset->z.slope};
+    p_Fb_F += Vec3<T>{T(0.0), offset->y.value, offset->z.value};
+    actuated_v_F = {T(0.0), speed * offset->y.slope, speed * offset->z.slope};
     if (steered) {
       T const slope = offset->y.slope;
-      Rotation<T> const steering = axes_along(Vec3<T>{T(1.0), slope, T(0.0)});
-      Vec3<T> const head = lift<T>(head_of(contact));
-      origin += roller.R * (head - steering * head);  // it turns about its own crown
-      p.R = {roller.R * steering.ex, roller.R * steering.ey, roller.R * steering.ez};
-      p.prescribed_omega.z = speed * offset->y.second / (1.0 + slope * slope);
-      p.prescribed_v = -cross(p.prescribed_omega, head);
+      Rotation<T> const R_kb = axes_along(Vec3<T>{T(1.0), slope, T(0.0)});
+      Vec3<T> const p_bH = lift<T>(head_of(contact));
+      p_Fb_F += roller.R * (p_bH - R_kb * p_bH);  // it turns about its own crown
+      p.R_Fb = {roller.R * R_kb.ex, roller.R * R_kb.ey, roller.R * R_kb.ez};
+      p.prescribed_omega_b.z = speed * offset->y.second / (1.0 + slope * slope);
+      p.prescribed_v_b = -cross(p.prescribed_omega_b, p_bH);
     }
   }
-  auto const to_b = [&](Vec3<T> const& v) { return p.R.transposed_times(v); };
-  p.prescribed_v += to_b(given);
-  p.pose = {to_b(lift<T>(contact.wheelset_from_crown) + wheelset.p - origin), relative(p.R, wheelset.R)};
-  p.motion = {to_b(wheelset.v), to_b(wheelset.omega), to_b(roller.v) + cross(roller.omega_body, c), roller.omega_body};
+  auto const to_b = [&](Vec3<T> const& v_F) { return p.R_Fb.transposed_times(v_F); };
+  p.prescribed_v_b += to_b(actuated_v_F);
+  Vec3<T> const p_Fr_F = lift<T>(contact.wheelset_from_crown) + wheelset.p;
+  p.pose = {to_b(p_Fr_F - p_Fb_F), relative(p.R_Fb, wheelset.R)};
+  p.motion = {to_b(wheelset.v), to_b(wheelset.omega), to_b(roller.v) + cross(roller.omega_body, p_kb_k),
+              roller.omega_body};
   if (offset) {
-    p.motion.v_roller += p.prescribed_v;
-    p.motion.omega_roller += p.prescribed_omega;
+    p.motion.v_roller += p.prescribed_v_b;
+    p.motion.omega_roller += p.prescribed_omega_b;
   }
   return p;
 }
@@ -237,16 +242,15 @@ struct AxleCreep {
 
 /// The part of one patch.
 ///
-/// @param axle  of the wheelset, unit vector
+/// @param axle_F  of the wheelset, unit vector
 template <Scalar T>
-AxleCreep<T> axle_creep(WheelContact const& contact, ContactPlacement<T> const& placed, Vec3<T> const& axle,
+AxleCreep<T> axle_creep(WheelContact const& contact, ContactPlacement<T> const& placed, Vec3<T> const& axle_F,
                         Patch<T> const& patch) {
   Vec3<T> const& n = patch.point.n;
-  auto const w =
-      in_wheelset_frame(contact, placed,
-                        contact_wrenches(contact.laws.roller, placed, patch.point.p,
-                                         patch.force - patch.normal.total() * n, patch.creep.spin_moment * n));
-  return {w.force.x, dot(w.on_wheelset, axle), -w.on_roller.y};
+  auto const w = body_wrenches(contact, placed,
+                               contact_wrenches(contact.laws.roller, placed, patch.point.p,
+                                                patch.force - patch.normal.total() * n, patch.creep.spin_moment * n));
+  return {w.force_F.x, dot(w.on_wheelset_F, axle_F), -w.on_roller_b.y};
 }
 
 /// Takes the mean creep out of the wrenches; returns the power it did, which no longer dissipates [W].

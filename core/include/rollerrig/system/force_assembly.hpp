@@ -39,39 +39,11 @@ class ForceAssembly {
   void see_from_common(std::size_t body) const {
     see_from_common_frame(model_.bodies[body], w_.frame[body], w_.travel.speed, w_.motion[body], w_.common[body]);
   }
-  ContactPlacement<T> placement(std::size_t contact) const;
 
   /// Everything from the motion to the accelerations; of a selection only what it names.
   void accelerate(T const& t, Selection const* selection = nullptr) const;
 
  private:
-  /// Two bodies of the vehicle; a rail and its sleeper lie in one frame.
-  bool curved_motion(int a, int b) const {
-    return w_.curved && a >= 0 && b >= 0 && model_.bodies[at(b)].in_moving_frame;
-  }
-
-  void apply_weight(std::size_t body) const;
-  void apply_loss(std::size_t body) const;
-  void apply_element(std::size_t index) const;
-  void find_patches(T const& t, std::vector<int> const& group, Selection const* selection) const;
-  /// A spot of a roller comes round under each wheel at the same time.
-  T distance_along(WheelContact const& contact) const {
-    return w_.travel.s + (contact.rail ? contact.distance_ahead : 0.0);
-  }
-  WheelRollerPair const& head_under(std::size_t index) const;
-  void move_head(std::size_t index) const;
-  void apply_contact(std::size_t index) const;
-  void apply_contacts(T const& t, Selection const* selection) const;
-  void apply_axle_torques(T const& t) const;
-  void apply_reaction(AxleTorque const& torque, Vec3<T> const& moment) const;
-  void apply_roller_torques(T const& t) const;
-  void apply_brakes(T const& t) const;
-  void apply_track_brakes(T const& t) const;
-  void apply_resistance() const;
-  void apply_inertia(std::size_t body) const;
-  Vec3<T> moving_frame_wrench(std::size_t body) const;
-  void apply_couplings(Selection const* selection) const;
-
   Model const& model_;
   Inputs const& inputs_;
   Evaluation& evaluation_;

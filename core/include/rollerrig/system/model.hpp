@@ -7,6 +7,7 @@
 // Only ModelBuilder makes one. A copy shares the tables, so that it may outlive the original.
 #pragma once
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -37,6 +38,34 @@ struct WheelContact {
   double flange_tip{0.0};  ///< wheel abscissa of the highest point on the flange side [m]; set by ModelBuilder
 
   double roller_radius() const { return crown_in_roller.z; }  ///< at the crown [m]
+};
+
+/// Of a model over full scale; nodes lie along a wheel profile in proportion to it.
+inline constexpr Range contact_size{1e-3, 1e3, "between 0.001 and 1000"};
+
+/// One wheel on one roller or rail. Where they lie follows from the bodies: the crown is at z = 0, below the wheelset's centre.
+struct ContactDescription {
+  int wheelset{0};
+  int roller{ground};  ///< body of the roller or of an elastic rail; ground: a rigid rail
+  double roller_radius{0.0};
+  bool right{false};
+  int wheel_profile{0}, rail_profile{0};
+  double wheel_radius{0.0}, tape_circle_y{0.0}, rail_origin_y{0.0}, size{1.0};
+  ContactLaws laws{};  ///< without the tables that follow from them
+
+  static constexpr auto fields() {
+    using P = ContactDescription;
+    return members(
+        Member{"wheelset", &P::wheelset, an_index}, Member{"roller", &P::roller, index_or_none},
+        Member{"roller_radius", &P::roller_radius, "m", "radius of the roller at the crown; 0: a rail", not_negative},
+        Member{"right", &P::right}, Member{"wheel_profile", &P::wheel_profile, an_index},
+        Member{"rail_profile", &P::rail_profile, an_index},
+        Member{"wheel_radius", &P::wheel_radius, "m", "radius of the wheel at the tape circle", positive},
+        Member{"tape_circle_y", &P::tape_circle_y, "m", "lateral position of the tape circle on the wheelset"},
+        Member{"rail_origin_y", &P::rail_origin_y, "m",
+               "lateral position of the highest point of the left roller or rail"},
+        Member{"size", &P::size, "1", "size over a full-scale wheel and rail", contact_size}, Member{"laws", &P::laws});
+  }
 };
 
 /// Torque about an axle, positive when it drives forward: of a traction motor, or one that a test prescribes.
@@ -145,31 +174,54 @@ struct StateMap {
   int states() const { return coordinates + rates + nodes; }
 };
 
-struct Model {
-  std::vector<Body> bodies;
-  std::vector<ForceElement> elements;
-  std::vector<InnerNode> nodes;  ///< of the elements' laws; set by ModelBuilder
-  std::vector<WheelContact> contacts;
-  std::vector<AxleTorque> axle_torques;
-  std::vector<RollerTorque> roller_torques;
-  std::vector<AxleBrake> brakes;
-  std::vector<BodyTrackBrake> track_brakes;
-  std::vector<RollingConstraint> rolling_constraints;
+/// What a model is made of, in the order of its indices.
+struct ModelParts {
+  double gravity{};
+  std::vector<Body> bodies{};
+  std::vector<ForceElement> elements{};
+  std::vector<UniformSpline> profiles{};
+  std::vector<ContactDescription> described_contacts{};
+  std::vector<AxleTorque> axle_torques{};
+  std::vector<RollerTorque> roller_torques{};
+  std::vector<AxleBrake> brakes{};
+  std::vector<BodyTrackBrake> track_brakes{};
+  std::vector<int> rolling_wheelsets{};  ///< bodies that roll on their rollers without slip
   RunningResistance resistance{};
-  TimeTable speed{};            ///< running speed V(t) [m/s] of speed-controlled rollers (at the crown) and of rails
-  double start{0.0};            ///< arc length of the vehicle's reference point at time 0 [m]
-  Line line{};                  ///< curves and cant; empty: straight and level
-  Irregularity irregularity{};  ///< of the rails, or of what rollers stand for; empty: perfect
-  RailHeads left_heads{}, right_heads{};  ///< of rails or rollers that change; empty: as the contacts have them
-  double gravity{0.0};                    ///< [m/s^2]
-  double contact_loss_limit{0.2};         ///< a wheel may be off its roller for this long [s]
+  TimeTable speed{};  ///< running speed V(t) [m/s] of speed-controlled rollers (at the crown) and of rails
+  Line line{};        ///< curves and cant; empty: straight and level
+  double start{};     ///< arc length of the vehicle's reference point at time 0 [m]
+  std::optional<Irregularity> irregularity{};  ///< of the rails, or of what rollers stand for; absent: perfect
+  RailHeads left_heads{}, right_heads{};       ///< of rails or rollers that change; empty: as the contacts have them
+  double contact_loss_limit{0.2};              ///< a wheel may be off its roller for this long [s]
+
+  static constexpr auto fields() {
+    using P = ModelParts;
+    return members(Member{"gravity", &P::gravity, "m/s^2", "acceleration of free fall"}, Member{"bodies", &P::bodies},
+                   Member{"elements", &P::elements}, Member{"profiles", &P::profiles},
+                   Member{"contacts", &P::described_contacts}, Member{"axle_torques", &P::axle_torques},
+                   Member{"roller_torques", &P::roller_torques}, Member{"brakes", &P::brakes},
+                   Member{"track_brakes", &P::track_brakes},
+                   Member{"rolling_wheelsets", &P::rolling_wheelsets, an_index}, Member{"resistance", &P::resistance},
+                   Member{"speed", &P::speed, "m/s", "running speed over time"}, Member{"line", &P::line},
+                   Member{"start", &P::start, "m", "arc length of the vehicle's reference point at time 0"},
+                   Member{"irregularity", &P::irregularity}, Member{"left_heads", &P::left_heads},
+                   Member{"right_heads", &P::right_heads},
+                   Member{"contact_loss_limit", &P::contact_loss_limit, "s", "duration without contact that ends a run",
+                          positive});
+  }
+};
+
+struct Model : ModelParts {
+  std::vector<WheelContact> contacts;
+  std::vector<RollingConstraint> rolling_constraints;
 
   bool changes_heads() const { return !left_heads.empty() || !right_heads.empty(); }
   /// Whether rails, or the rollers that stand for them, lie elsewhere than the contacts have them, or are others.
-  bool displaces_rails() const { return !irregularity.empty() || (on_rails && line.moves_rails()) || changes_heads(); }
+  bool displaces_rails() const { return irregularity || (on_rails && line.moves_rails()) || changes_heads(); }
 
   // Derived by ModelBuilder.
   StateMap map{};
+  std::vector<InnerNode> nodes;            ///< of the elements' laws
   bool on_adhesion_map{false};             ///< some contact's friction depends on its place
   bool on_rails{false};                    ///< some contact is with a rail: the vehicle's frames move
   double rear{0.0}, front{0.0};            ///< x of the last and the first body from the vehicle's reference point [m]
@@ -178,8 +230,8 @@ struct Model {
   std::size_t rotors{0};                   ///< of the couplings
   Eigen::MatrixXd coupling_matrix;         ///< inverse of G, system/couplings.hpp
   std::vector<int> constraint_of_contact;  ///< rolling constraint of the axle; -1: none
-  std::vector<std::vector<int>> contact_groups;                ///< contacts of the same laws, friction aside
-  std::vector<std::shared_ptr<UniformSpline const>> profiles;  ///< what the contacts point to
+  std::vector<std::vector<int>> contact_groups;               ///< contacts of the same laws, friction aside
+  std::vector<std::shared_ptr<UniformSpline const>> splines;  ///< the profiles, what the contacts point to
 
   /// Throws std::invalid_argument that names the argument where there is no such contact.
   WheelContact const& contact(int index, char const* argument) const {

@@ -30,8 +30,8 @@ struct Region {
   std::array<T, most_parts> cut;  ///< place along the arc behind each part but the last [m]
   T merged{1.0};                  ///< weight of the whole as one patch, the rest goes to its parts (S8)
   // Found:
-  T change;        ///< of the force in the last pass, over the force [-]
-  T force, depth;  ///< sum of the strips' forces [N], depth of the paraboloid that stands for it [m]
+  T change;                                         ///< of the force in the last pass, over the force [-]
+  T depth;                                          ///< of the paraboloid that stands for it [m]
   std::array<StripPatch<T>, most_parts + 1> patch;  ///< the whole, then its parts
   T factor{1.0}, size{1.0};                         ///< what other regions leave of the force, of lengths and pressure
 };
@@ -97,30 +97,6 @@ void find_regions(Batch<T>& batch) {
   }
 }
 
-template <class L, Scalar T>
-void take_patch(RegionPart<L> const& from, int i, StripPatch<T>& to) {
-  auto const get = [i](L const& x) {
-    if constexpr (std::same_as<L, T>)
-      return x;
-    else
-      return lane(x, i);
-  };
-  auto const get3 = [&](Vec3<L> const& v) { return Vec3<T>{get(v.x), get(v.y), get(v.z)}; };
-  to = {T(1.0),
-        get(from.normal),
-        get3(from.direction),
-        get3(from.point),
-        get3(from.moment),
-        get(from.wheel_s),
-        get(from.rail_y),
-        get(from.a),
-        get(from.b),
-        lane(from.approach, i),
-        lane(from.peak_pressure, i),
-        lane(from.length, i),
-        lane(from.width, i)};
-}
-
 /// Shares of the strips in the part between two places along the wheel's arc.
 template <class T, std::size_t n>
 void shares_between(Strips<T, n> const& strips, T const& from, T const& to, StripRow<T, n>& share) {
@@ -173,17 +149,17 @@ void solve_pack(Batch<T>& batch, int first, int count, int passes) {
   share.fill(L(1.0));
   for (std::size_t k = 0; k <= (parts > 1 ? parts : 0); ++k) {
     if (k > 0) shares_between(strips, cut[k - 1], k == parts ? L(1e3) : cut[k], share);
-    RegionPart<L> const part = part_of(tables, strips, places, share);
+    StripPatch<L> const part = part_of(tables, strips, places, share);
     for (int i = 0; i < count; ++i) {
-      auto& region = batch.region[at(first + i)];
-      if (k == 0) {
+      auto const own = [i](auto const& x) {
         if constexpr (std::same_as<L, T>)
-          region.force = part.force, region.depth = strips.depth, region.change = strips.change;
+          return x;
         else
-          region.force = lane(part.force, i), region.depth = lane(strips.depth, i),
-          region.change = lane(strips.change, i);
-      }
-      if (k == 0 || k <= region.parts) take_patch(part, i, region.patch[k]);
+          return lane(x, i);
+      };
+      auto& region = batch.region[at(first + i)];
+      if (k == 0) region.depth = own(strips.depth), region.change = own(strips.change);
+      if (k == 0 || k <= region.parts) region.patch[k] = part.template converted<T>(own);
     }
   }
 }
@@ -196,6 +172,7 @@ StripPatch<T> mixed(StripPatch<T> const& a, StripPatch<T> const& b, T const& s) 
   auto const mix_number = [&](double x, double y) { return x + part * (y - x); };
   Vec3<T> const direction = mix(a.direction, b.direction);
   return {T(1.0),
+          mix(a.force, b.force),
           mix(a.normal, b.normal),
           (1.0 / sqrt(dot(direction, direction))) * direction,
           mix(a.point, b.point),
@@ -231,7 +208,6 @@ void refine(Batch<T>& batch, int index) {
     return;
   }
   T const s = open_part(few.change) * (1.0 - open_part(region.change));
-  region.force = few.force + s * (region.force - few.force);
   for (std::size_t k = 0; k <= (region.parts > 1 ? region.parts : 0); ++k)
     region.patch[k] = mixed(few.patch[k], region.patch[k], s);
   if (strips) {
@@ -277,7 +253,7 @@ void couple(Material const& material, std::span<Region<T>> regions) {
         if (&other == &r || (same_group && (r.joined || other.joined))) continue;
         auto const between = other.patch[0].point - r.patch[0].point;
         T const facing = dot(other.patch[0].direction, r.patch[0].direction);
-        T const force = other.factor * other.force * (same_group ? T(1.0) : other.weight);
+        T const force = other.factor * other.patch[0].force * (same_group ? T(1.0) : other.weight);
         taken += compliance * facing * force / sqrt(dot(between, between));
       }
       T const left = 1.0 - taken / r.depth;

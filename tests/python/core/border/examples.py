@@ -192,7 +192,7 @@ class Examples:
             ),
             _core.PulsePeriod(teeth=100.0, pitch_error=0.01, averaging_time=5e-3, timeout=0.3, clock=1e6),
             _core.PulseFrequency(teeth=100.0, pitch_error=0.01, gate_time=0.1),
-            slide_protection(TableSlideProtection(kind="threshold_table"), 0.46),
+            slide_protection(TableSlideProtection(kind="threshold_table"), 0.46).law,
             _core.BrakeUnit(
                 pneumatics=pneumatics(Brake(demand=((0.0, 0.0), (1.0, 1e5)))), reservoir=[0, 0], relay_valve=[0, 0]
             ),

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <span>
 
 namespace rollerrig {
 
@@ -90,18 +91,29 @@ class SandedRail : public RailCells {
   /// A wheel runs from one arc length to another, a mass of sand in front of it [kg].
   ///
   /// @param kept  of the sand under the wheel that stays on the rail [-]
-  void run(double from, double to, double mass, double kept) {
+  /// @returns mass per length under the wheel at the end [kg/m]
+  double run(double from, double to, double mass, double kept) {
     double const cell = cell_length(), way = to - from;
     if (mass > 0.0) {
       bool const stands = way < shortest;  // then all of it falls on one cell
       add(from + cell, stands ? from + 2.0 * cell : to + cell, mass / (stands ? cell : way));
     }
     if (kept < 1.0) keep(from - cell, to - cell, kept);
+    return at(to);
   }
 
  private:
   static constexpr double shortest = 1e-9;  ///< way of a step [m]
 };
+
+/// Energy per area of the rail that passes at train speed, even if wheels slide [J/m^2].
+///
+/// @param power  dissipated by one wheel [W]
+/// @param width  of the rail over which it is spread [m]
+inline double energy_per_area(double power, double train_speed, double width) {
+  constexpr double least_speed = 0.1;  // below it the energy is counted as at it [m/s]
+  return power / (std::max(train_speed, least_speed) * width);
+}
 
 /// What a wheel's own tread keeps of its cleaning by sliding.
 ///
@@ -114,9 +126,9 @@ class SandedRail : public RailCells {
 ///
 /// with s_w the length rolled, e the energy per area of rail and L the memory. Of a locked wheel s_w does not grow: nothing fades.
 /// Source  ours; docs/theory/adhesion.md.
-class CleanedWheel {
- public:
-  double energy() const { return energy_; }  ///< per area of the tread, its mean [J/m^2]
+struct CleanedWheel {
+  double energy{0.0};  ///< per area of the tread, its mean [J/m^2]
+  void state(auto& archive) { archive(energy); }
 
   /// @param dissipated     per area of the rail, by this wheel [J/m^2]
   /// @param passed         length of the rail that passed [m]
@@ -127,13 +139,23 @@ class CleanedWheel {
     if (!(memory > 0.0)) return;
     double const gain = dissipated * passed / circumference, fade = rolled / memory;
     double const kept = fade > 1e-9 ? -std::expm1(-fade) / fade : 1.0;  // of what comes in evenly over the step
-    energy_ = energy_ * std::exp(-fade) + gain * kept;
+    energy = energy * std::exp(-fade) + gain * kept;
   }
 
-  void state(auto& archive) { archive(energy_); }
-
- private:
-  double energy_{0.0};
+  /// The wheel over a step, that rolls from one arc length to another of a rail, or on several, of which it finds the mean.
+  ///
+  /// @returns energy per area under it: left by those ahead, kept by its tread, and half of its own, since the other half is
+  ///          dissipated behind the patch's middle [J/m^2]
+  double pass(std::span<RailCells> rails, double from, double to, double dissipated, double rolled,
+              double circumference, double memory) {
+    double under = energy + 0.5 * dissipated;
+    for (RailCells& rail : rails) {
+      under += rail.before(from) / static_cast<double>(rails.size());
+      rail.add(from, to, dissipated);
+    }
+    run(dissipated, to - from, rolled, circumference, memory);
+    return under;
+  }
 };
 
 }  // namespace rollerrig

@@ -20,20 +20,30 @@ namespace rollerrig {
 /// Seeds: the pose's translation and rotation. All derivatives of a contact go through them.
 using StripDual = Dual<6>;
 
-/// Elastic part of one patch, frame b. Forces act on the wheel.
-template <Scalar T>
+/// A region of strips, or a part of it, as one patch, frame b. Forces act on the wheel. T: a number, a dual one or lanes.
+template <class T>
 struct StripPatch {
-  T weight;                   ///< blending weight of this reading of the strips, 0 to 1
-  T normal;                   ///< resultant of the pressures [N]
-  Vec3<T> direction;          ///< its direction, out of the roller
-  Vec3<T> point;              ///< centre of the pressures on the roller [m]
-  Vec3<T> moment;             ///< of the pressures about it [N m]: their normals differ
-  T wheel_s, rail_y;          ///< centre of the pressures [m]
-  T a, b;                     ///< ellipse of the same area and the same ratio of the pressures' second moments [m]
-  double approach{0.0};       ///< largest interpenetration [m]
-  double peak_pressure{0.0};  ///< [Pa]
-  double length{0.0};         ///< along the rolling direction [m]
-  double width{0.0};          ///< across it, gaps between loaded strips left out [m]
+  using N = NumberOf<T>;
+  T weight{1.0};         ///< blending weight of this reading of the strips, 0 to 1
+  T force;               ///< sum of the strips' forces, whichever their directions [N]
+  T normal;              ///< resultant of the pressures [N]
+  Vec3<T> direction;     ///< its direction, out of the roller
+  Vec3<T> point;         ///< centre of the pressures on the roller [m]
+  Vec3<T> moment;        ///< of the pressures about it [N m]: their normals differ
+  T wheel_s, rail_y;     ///< centre of the pressures [m]
+  T a, b;                ///< ellipse of the same area and the same ratio of the pressures' second moments [m]
+  N approach{0.0};       ///< largest interpenetration [m]
+  N peak_pressure{0.0};  ///< [Pa]
+  N length{0.0};         ///< along the rolling direction [m]
+  N width{0.0};          ///< across it, gaps between loaded strips left out [m]
+
+  /// Every number through a function.
+  template <class To>
+  StripPatch<To> converted(auto const& to) const {
+    auto const to3 = [&](Vec3<T> const& v) { return Vec3<To>{to(v.x), to(v.y), to(v.z)}; };
+    return {to(weight), to(force), to(normal), to3(direction), to3(point),        to3(moment), to(wheel_s),
+            to(rail_y), to(a),     to(b),      to(approach),   to(peak_pressure), to(length),  to(width)};
+  }
 };
 
 template <Scalar T>
@@ -96,17 +106,16 @@ class SeededPose {
     return out;
   }
   StripSolution<T> chained(StripSolution<StripDual> const& found) const {
-    auto const chain3 = [&](Vec3<StripDual> const& v) { return Vec3<T>{chain(v.x), chain(v.y), chain(v.z)}; };
+    auto const along = [&](auto const& x) {
+      if constexpr (std::same_as<std::remove_cvref_t<decltype(x)>, double>)
+        return x;
+      else
+        return chain(x);
+    };
     StripSolution<T> out;
     out.count = found.count;
     out.refined = found.refined;
-    for (std::size_t k = 0; k < at(found.count); ++k) {
-      auto const& p = found.patch[k];
-      out.patch[k] = {chain(p.weight),  chain(p.normal),  chain3(p.direction), chain3(p.point),
-                      chain3(p.moment), chain(p.wheel_s), chain(p.rail_y),     chain(p.a),
-                      chain(p.b),       p.approach,       p.peak_pressure,     p.length,
-                      p.width};
-    }
+    for (std::size_t k = 0; k < at(found.count); ++k) out.patch[k] = found.patch[k].template converted<T>(along);
     return out;
   }
 

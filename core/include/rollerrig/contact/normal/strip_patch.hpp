@@ -2,27 +2,17 @@
 //
 //   line loads and places of the strips, one region per lane -> [sums (S6), (S7)] -> patch
 #pragma once
+#include "rollerrig/contact/normal/strip_contact.hpp"
 #include "rollerrig/contact/normal/strip_layout.hpp"
 
 namespace rollerrig {
-
-template <class T>
-struct RegionPart {
-  using N = NumberOf<T>;
-  T force;                           ///< sum of the strips' forces, whichever their directions [N]
-  T normal;                          ///< the resultant [N]
-  Vec3<T> direction, point, moment;  ///< its direction, centre on the roller [m], moment about it [N m]
-  T wheel_s, rail_y;                 ///< centre [m]
-  T a, b;                            ///< equivalent ellipse [m]
-  N approach{0.0}, peak_pressure{0.0}, width{0.0}, length{0.0};  ///< [m], [Pa], [m], [m]
-};
 
 namespace strip_detail {
 
 /// Resultant and centre of the pressures. (S6)
 template <class T, std::size_t n>
 void find_resultant(Strips<T, n> const& s, StripPlaces<T, n> const& places, StripRow<T, n> const& share,
-                    RegionPart<T>& out) {
+                    StripPatch<T>& out) {
   using std::sqrt;
   Vec3<T> force{}, centre{}, turning{};
   T sum(1e-60), wheel_s(0.0), rail_y(0.0);
@@ -53,7 +43,7 @@ void find_resultant(Strips<T, n> const& s, StripPlaces<T, n> const& places, Stri
 /// The equivalent ellipse: of the same area, with the ratio of the pressures' second moments along and across rolling. (S7)
 template <class T, std::size_t n>
 void find_ellipse(Strips<T, n> const& s, StripPlaces<T, n> const& places, StripRow<T, n> const& share, T const& exact_a,
-                  T const& exact_b, RegionPart<T>& out) {
+                  T const& exact_b, StripPatch<T>& out) {
   using std::sqrt;
   T sum(1e-60), area(1e-60), x(0.0), y(0.0), xx(0.0), xy(0.0), yy(0.0);
   T lx(0.0), ly(0.0), lxx(0.0), lxy(0.0), lyy(0.0);
@@ -111,7 +101,7 @@ N vertex(N const& low, N const& here, N const& high, N const& left, N const& rig
 /// Largest interpenetration and pressure, and the extent across and along rolling.
 template <class T, std::size_t n>
 void find_extremes(Strips<T, n> const& s, StripPlaces<T, n> const& places, StripRow<T, n> const& share,
-                   RegionPart<T>& out) {
+                   StripPatch<T>& out) {
   using N = NumberOf<T>;
   using std::sqrt;
   std::array<N, n + 2> all, load, square_pressure, h;  // with nothing on either side
@@ -173,9 +163,9 @@ void find_extremes(Strips<T, n> const& s, StripPlaces<T, n> const& places, Strip
 ///
 /// @param share  of each strip in it, 0 to 1
 template <class T, std::size_t n>
-RegionPart<T> part_of(StripTables const& tables, Strips<T, n> const& s, StripPlaces<T, n> const& places,
+StripPatch<T> part_of(StripTables const& tables, Strips<T, n> const& s, StripPlaces<T, n> const& places,
                       StripRow<T, n> const& share) {
-  RegionPart<T> out;
+  StripPatch<T> out;
   strip_detail::find_resultant(s, places, share, out);
   T const exact_a = tables.at(StartFunction::half_length, s.ellipse.place);
   T const exact_b = tables.at(StartFunction::half_width, s.ellipse.place);
