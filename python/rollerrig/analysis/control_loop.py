@@ -164,8 +164,6 @@ def creep_slope(case: Case) -> float:
 
 
 LARGE = 1e9  # torque that no small motion reaches [N m]
-GAINS = {"proportional", "integral", "switching"}
-"""Parameters of feedbacks to which their torque is proportional, a sliding mode's within its boundary layer."""
 
 
 def loop_of(case: Case, creep: float, *, sliding: bool) -> Loop | None:
@@ -181,18 +179,25 @@ def loop_of(case: Case, creep: float, *, sliding: bool) -> Loop | None:
         case.with_changes({"rig_control.load_transfer": "none"})
     )  # it acts on wheels that slip
     law = rig_controller(model)
-    kind: Any = type(law.feedback)
-    without = part_of(kind, law.feedback, **dict.fromkeys(GAINS.intersection(kind.fields), 0.0))
-    own, feed_forward = (
-        linear_controller(model, part_of(_core.RigControl, law, feedback=feedback, largest=LARGE), sliding=sliding)
-        for feedback in (law.feedback, without)
-    )
     gains = (0.0, 0.0)
     if isinstance(control.feedback, ProportionalIntegral):
         gains = feedback_gains(model)
-    elif isinstance(control.feedback, SlidingMode):
+    elif isinstance(control.feedback, SlidingMode):  # within its boundary layer, however thin
         gains = (control.feedback.switching / control.feedback.boundary_layer, 0.0)
+    own, feed_forward = (
+        linear_controller(
+            model, part_of(_core.RigControl, law, feedback=_linear_feedback(*pair), largest=LARGE), sliding=sliding
+        )
+        for pair in (gains, (0.0, 0.0))
+    )
     return _loop(case, creep, control.sample_time, own, own - feed_forward, *gains)
+
+
+def _linear_feedback(proportional: float, integral: float) -> Any:
+    """Gains [N m s/rad, N m/rad] without bandwidth and damping, from which others would follow."""
+    return _core.ProportionalIntegralFeedback(
+        bandwidth=1.0, damping_ratio=1.0, proportional=proportional, integral=integral
+    )
 
 
 def users_loop(case: Case, creep: float) -> Loop | None:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollerrig import _core
+from rollerrig.assembly.laws import part_of
 from rollerrig.assembly.model import AssembledModel
 from rollerrig.cases import rig_of
 from rollerrig.common.arrays import Array
@@ -29,8 +30,10 @@ from rollerrig.simulation.mechatronics import rig_controller
 INPUTS = ("axle_speed", "roller_speed", "roller_torque", "drive_torque", "brake_torque")
 """Measurements that small motions change."""
 
-ACCELERATION, LARGEST_CHANGE, TORQUE_CHANGE = 0.1, 1e-3, 10.0
-"""Changes by which differences are taken: of a speed per sample time [rad/s^2], at most [rad/s], and of torques [N m]."""
+ACCELERATION = 0.02
+"""Of the wheel's rim by the changes of speeds and torques over which differences are taken: far below adhesion [m/s^2]."""
+
+UNMOVED = 1e30  # mass of a train whose acceleration by what creep leaves, nothing but rounding, is no state [kg]
 
 SETTLED = 10  # samples after which a user's controller has begun
 SAMPLES, SECONDS = 250, 0.25  # for which the answer to an impulse is used, whichever is longer
@@ -60,10 +63,11 @@ class _Controller:
         self.plant.start()
         self.index = {variable.name: k for k, variable in enumerate(self.plant.variables)}
         self.inputs = [self.index[f"{axle}.{name}"] for name in INPUTS for axle in self.axles]
-        turn = min(ACCELERATION * sample, LARGEST_CHANGE)
-        roller_torque = law.assumed.roller_inertia * turn / sample  # which changes the roller's speed as much
-        changes = [turn, turn, roller_torque, TORQUE_CHANGE, TORQUE_CHANGE]
-        self.changes = np.repeat(changes, len(self.axles))
+        rate, assumed = ACCELERATION / wheel, law.assumed
+        torques = [
+            inertia * rate for inertia in (assumed.roller_inertia, assumed.roller_inertia, assumed.wheelset_inertia)
+        ]
+        self.changes = np.repeat([rate * sample, rate * sample, *torques], len(self.axles))
 
     def measurements(self, time: float) -> Measurements:
         """What a user's controller is given beside it."""
@@ -76,6 +80,8 @@ class _Controller:
 
 def linear_controller(model: AssembledModel, law: _core.RigControl, *, sliding: bool) -> Array:
     """Matrix of the core's controller with a model's sample time; if `sliding` the creep of its virtual rail has no slope."""
+    if sliding:
+        law = part_of(_core.RigControl, law, train=part_of(_core.VirtualTrain, law.train, mass=UNMOVED))
     own = _Controller(model, law, rig_of(model.case)[1].sample_time)
     if sliding:
         own.plant.set_input(own.index["train.friction_change"], -1.0)

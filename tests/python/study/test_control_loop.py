@@ -134,6 +134,14 @@ def test_the_core_is_given_the_gains_of_the_closed_form() -> None:
     assert found == pytest.approx(gains(0.7 * HZ, 0.7), rel=1e-12)
 
 
+@pytest.mark.parametrize("layer", [0.5, 1e-6])
+def test_a_sliding_mode_is_proportional_within_its_boundary_layer(layer: float) -> None:
+    proportional = loop(feedback={"proportional": 4e3, "integral": 0.0})
+    thin = loop(feedback={"kind": "sliding_mode", "switching": 4e3 * layer, "boundary_layer": layer})
+    limits = [gain_limit(made, rolling_plant(made)) for made in (thin, proportional)]
+    assert limits[0] == pytest.approx(limits[1], rel=1e-9)
+
+
 USERS = """
 import math
 import numpy as np

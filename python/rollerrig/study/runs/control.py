@@ -316,6 +316,7 @@ EXCITED_AT, EXCITED_DURATION = 0.2, 4.0  # [s]
 
 def excited_case(case: Case) -> Case:
     """A short run at speed on a dry virtual rail, lightly excited by the brake or the drive."""
+    step = case.time.sampling_step
     changes: dict[str, object] = {
         "adhesion": {"rail": "dry"},
         "rig_control.feedback.kind": "proportional_integral",
@@ -324,7 +325,7 @@ def excited_case(case: Case) -> Case:
         "slide_protection": None,
         "wheel_slip_control": None,
         "time.duration": EXCITED_DURATION,
-        "time.output_step": max(1e-3, case.time.sampling_step),
+        "time.output_step": step * max(1, round(1e-3 / step)),
     }
     if case.brake is not None:
         changes["brake.demand"] = [[0.0, 0.0], [EXCITED_AT, 0.0], [EXCITED_AT + 0.01, "0.2 bar"]]
