@@ -200,17 +200,16 @@ def _linear_feedback(proportional: float, integral: float) -> Any:
     )
 
 
-def users_loop(case: Case, creep: float) -> Loop | None:
-    """The same of a user's controller, whose virtual wheels roll; None also where the controller is not linear.
+def users_loop(case: Case, creep: float) -> Loop:
+    """The same of a user's controller, whose virtual wheels roll, in a case whose own controller has a loop.
 
     Raises:
         ConfigError: it cannot be used.
+        ControllerError: it has no linear loop; the message says why.
     """
-    if case.rig_control is None or case.rig_control.is_ours or not _measures_motions(case):
-        return None
     sample = users_controllers(case, {})["rig_control"].sample_time
     own = identified_controller(assemble_with_actuators(case), sample)
-    return None if own is None else _loop(case, creep, sample, own, np.zeros_like(own))
+    return _loop(case, creep, sample, own, np.zeros_like(own))
 
 
 def _measures_motions(case: Case) -> bool:

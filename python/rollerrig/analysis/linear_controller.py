@@ -37,7 +37,13 @@ UNMOVED = 1e30  # mass of a train whose acceleration by what creep leaves, nothi
 
 SETTLED = 10  # samples after which a user's controller has begun
 SAMPLES, SECONDS = 250, 0.25  # for which the answer to an impulse is used, whichever is longer
+EVERY = 40  # lags of which every one is used: as long a delay has as many states
 ORDER = 1e-6  # part of the largest singular value below which there is rounding
+OWN_GROWTH = 1e3  # of an answer over its beginning, beyond which all else drowns in it
+SMALL_AND_LARGE = (
+    0.1,
+    300.0,
+)  # changes, over those of the impulses, under which it must be linear: up to some 0.01 rad/s
 LINEAR = 1e-2  # error over the commands, RMS, with which the matrix of a linear controller predicts others
 
 
@@ -88,26 +94,41 @@ def linear_controller(model: AssembledModel, law: _core.RigControl, *, sliding: 
     return np.asarray(own.plant.jacobian(list(zip(own.inputs, own.changes, strict=True))))
 
 
-def identified_controller(model: AssembledModel, sample: float) -> Array | None:
-    """Matrix of the user's controller of a model with its sample time [s], ours beside it; None: it is not linear, or fails.
+def identified_controller(model: AssembledModel, sample: float) -> Array:
+    """Matrix of the user's controller of a model with its sample time [s], ours beside it.
 
     States from the singular values of the answers to impulses, at lags of all time scales: B. L. Ho, R. E. Kalman (1966).
+
+    Raises:
+        ControllerError: it fails, or has no such matrix; the message says why.
     """
     law = rig_controller(model)
     own, last = _Controller(model, law, sample), max(SAMPLES, round(SECONDS / sample))
-    lags = np.unique(np.geomspace(1.0, last, 24).round().astype(int)) - 1
+    lags = np.union1d(np.arange(EVERY), np.geomspace(EVERY, last, 24).astype(int) - 1)  # delays, and slow motions
     impulse, units = np.eye(2 * last + 1, 1), np.eye(len(own.inputs))
-    try:
-        answers = np.stack([_answers(model, law, sample, impulse * unit) for unit in units], axis=2)
-        size = np.linalg.norm(answers, axis=(0, 1))
-        acts = size > ORDER * size.max()
-        alike = size[acts].min(initial=1.0) / np.where(acts, size, math.inf)  # each input as much as any other
-        moves = 0.1 * np.random.default_rng(0).choice([-1.0, 1.0], (SAMPLES, len(units))) * alike
-        found, others = _realised(answers, lags), _answers(model, law, sample, moves)
-    except ControllerError:
-        return None
-    if not np.linalg.norm(_predicted(found, moves) - others) <= LINEAR * np.linalg.norm(others):
-        return None
+    answers = np.stack([_answers(model, law, sample, impulse * unit) for unit in units], axis=2)
+    size = np.linalg.norm(answers, axis=(0, 1))
+    if not size.any():
+        raise ControllerError(
+            "it answers no small change of what it measures: constant commands, a dead band or rounding"
+        )
+    if np.abs(answers[-1]).max() > OWN_GROWTH * np.abs(answers[:EVERY]).max():
+        raise ControllerError(
+            f"its answer to an impulse grows by itself, more than {OWN_GROWTH:g} times in {2 * last} samples"
+        )
+    found = _realised(answers, lags)
+    acts = size > ORDER * size.max()
+    alike = size[acts].min() / np.where(acts, size, math.inf)  # each input as much as any other
+    signs = np.random.default_rng(0).choice([-1.0, 1.0], (SAMPLES, len(units))) * alike
+    for part in SMALL_AND_LARGE:
+        others = _answers(model, law, sample, part * signs)
+        error = np.linalg.norm(_predicted(found, part * signs) - others) / np.linalg.norm(others)
+        if not error <= LINEAR:
+            speed = part * float(alike[0]) * own.changes[0]
+            raise ControllerError(
+                f"its commands are not linear in what it measures: off by {100.0 * error:.3g} % under random changes, of an "
+                f"axle's speed {speed:.2g} rad/s; needed: at most {100.0 * LINEAR:g} %, without switching, steps or dead bands"
+            )
     found[:, -len(units) :] /= own.changes
     return found
 
