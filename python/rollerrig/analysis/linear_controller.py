@@ -124,8 +124,9 @@ def identified_controller(model: AssembledModel, sample: float) -> Array:
         error = np.linalg.norm(_predicted(found, part * signs) - others) / np.linalg.norm(others)
         if not error <= LINEAR:
             raise ControllerError(
-                f"its commands are off by {100.0 * error:.3g} % from linear answers to random changes; needed: at most "
-                f"{100.0 * LINEAR:g} %, without switching, rounding, dead bands, changes with time or delays beyond {EVERY} samples"
+                f"its commands are off by {100.0 * error:.3g} % from linear answers to random changes; needed: "
+                f"at most {100.0 * LINEAR:g} %, without switching, rounding, dead bands, changes with time "
+                f"or delays beyond {EVERY} samples"
             )
     found[:, -len(units) :] /= own.changes
     return found
