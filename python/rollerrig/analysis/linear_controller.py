@@ -30,8 +30,9 @@ from rollerrig.simulation.mechatronics import rig_controller
 INPUTS = ("axle_speed", "roller_speed", "roller_torque", "drive_torque", "brake_torque")
 """Measurements that small motions change."""
 
-ACCELERATION = 0.02
-"""Of the wheel's rim by the changes of speeds and torques over which differences are taken: far below adhesion [m/s^2]."""
+ACCELERATION, LARGEST_CHANGE = 0.02, 4e-5
+"""Of the wheel's rim by the changes of speeds and torques over which differences are taken [m/s^2], and in one sample [m/s]: far
+below adhesion, of which a long sample sees more, and far above rounding."""
 
 UNMOVED = 1e30  # mass of a train whose acceleration by what creep leaves, nothing but rounding, is no state [kg]
 
@@ -69,7 +70,7 @@ class _Controller:
         self.plant.start()
         self.index = {variable.name: k for k, variable in enumerate(self.plant.variables)}
         self.inputs = [self.index[f"{axle}.{name}"] for name in INPUTS for axle in self.axles]
-        rate, assumed = ACCELERATION / wheel, law.assumed
+        rate, assumed = min(ACCELERATION, LARGEST_CHANGE / sample) / wheel, law.assumed
         torques = [
             inertia * rate for inertia in (assumed.roller_inertia, assumed.roller_inertia, assumed.wheelset_inertia)
         ]
