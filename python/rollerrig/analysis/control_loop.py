@@ -164,8 +164,6 @@ def creep_slope(case: Case) -> float:
 
 
 LARGE = 1e9  # torque that no small motion reaches [N m]
-GAINS = {"proportional", "integral", "switching"}
-"""Parameters of feedbacks to which their torque is proportional, a sliding mode's within its boundary layer."""
 
 
 def loop_of(case: Case, creep: float, *, sliding: bool) -> Loop | None:
@@ -181,31 +179,37 @@ def loop_of(case: Case, creep: float, *, sliding: bool) -> Loop | None:
         case.with_changes({"rig_control.load_transfer": "none"})
     )  # it acts on wheels that slip
     law = rig_controller(model)
-    kind: Any = type(law.feedback)
-    without = part_of(kind, law.feedback, **dict.fromkeys(GAINS.intersection(kind.fields), 0.0))
-    own, feed_forward = (
-        linear_controller(model, part_of(_core.RigControl, law, feedback=feedback, largest=LARGE), sliding=sliding)
-        for feedback in (law.feedback, without)
-    )
     gains = (0.0, 0.0)
     if isinstance(control.feedback, ProportionalIntegral):
         gains = feedback_gains(model)
-    elif isinstance(control.feedback, SlidingMode):
+    elif isinstance(control.feedback, SlidingMode):  # within its boundary layer, however thin
         gains = (control.feedback.switching / control.feedback.boundary_layer, 0.0)
+    own, feed_forward = (
+        linear_controller(
+            model, part_of(_core.RigControl, law, feedback=_linear_feedback(*pair), largest=LARGE), sliding=sliding
+        )
+        for pair in (gains, (0.0, 0.0))
+    )
     return _loop(case, creep, control.sample_time, own, own - feed_forward, *gains)
 
 
-def users_loop(case: Case, creep: float) -> Loop | None:
-    """The same of a user's controller, whose virtual wheels roll; None also where the controller is not linear.
+def _linear_feedback(proportional: float, integral: float) -> Any:
+    """Gains [N m s/rad, N m/rad] without bandwidth and damping, from which others would follow."""
+    return _core.ProportionalIntegralFeedback(
+        bandwidth=1.0, damping_ratio=1.0, proportional=proportional, integral=integral
+    )
+
+
+def users_loop(case: Case, creep: float) -> Loop:
+    """The same of a user's controller, whose virtual wheels roll, in a case whose own controller has a loop.
 
     Raises:
         ConfigError: it cannot be used.
+        ControllerError: it has no linear loop; the message says why.
     """
-    if case.rig_control is None or case.rig_control.is_ours or not _measures_motions(case):
-        return None
     sample = users_controllers(case, {})["rig_control"].sample_time
     own = identified_controller(assemble_with_actuators(case), sample)
-    return None if own is None else _loop(case, creep, sample, own, np.zeros_like(own))
+    return _loop(case, creep, sample, own, np.zeros_like(own))
 
 
 def _measures_motions(case: Case) -> bool:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from rollerrig import _core
+from rollerrig.assembly.laws import part_of
 from rollerrig.assembly.model import AssembledModel
 from rollerrig.cases import rig_of
 from rollerrig.common.arrays import Array
@@ -29,12 +30,21 @@ from rollerrig.simulation.mechatronics import rig_controller
 INPUTS = ("axle_speed", "roller_speed", "roller_torque", "drive_torque", "brake_torque")
 """Measurements that small motions change."""
 
-ACCELERATION, LARGEST_CHANGE, TORQUE_CHANGE = 0.1, 1e-3, 10.0
-"""Changes by which differences are taken: of a speed per sample time [rad/s^2], at most [rad/s], and of torques [N m]."""
+ACCELERATION, LARGEST_CHANGE = 0.02, 4e-5
+"""Of the wheel's rim by the changes of speeds and torques over which differences are taken [m/s^2], and in one sample [m/s]: far
+below adhesion, of which a long sample sees more, and far above rounding."""
+
+UNMOVED = 1e30  # mass of a train whose acceleration by what creep leaves, nothing but rounding, is no state [kg]
 
 SETTLED = 10  # samples after which a user's controller has begun
 SAMPLES, SECONDS = 250, 0.25  # for which the answer to an impulse is used, whichever is longer
+EVERY = 40  # lags of which every one is used: as long a delay has as many states
 ORDER = 1e-6  # part of the largest singular value below which there is rounding
+OWN_GROWTH = 1e3  # of an answer over its beginning, beyond which all else drowns in it
+SMALL_AND_LARGE = (
+    0.1,
+    300.0,
+)  # changes, over those of the impulses, under which it must be linear: up to some 0.01 rad/s
 LINEAR = 1e-2  # error over the commands, RMS, with which the matrix of a linear controller predicts others
 
 
@@ -60,10 +70,11 @@ class _Controller:
         self.plant.start()
         self.index = {variable.name: k for k, variable in enumerate(self.plant.variables)}
         self.inputs = [self.index[f"{axle}.{name}"] for name in INPUTS for axle in self.axles]
-        turn = min(ACCELERATION * sample, LARGEST_CHANGE)
-        roller_torque = law.assumed.roller_inertia * turn / sample  # which changes the roller's speed as much
-        changes = [turn, turn, roller_torque, TORQUE_CHANGE, TORQUE_CHANGE]
-        self.changes = np.repeat(changes, len(self.axles))
+        rate, assumed = min(ACCELERATION, LARGEST_CHANGE / sample) / wheel, law.assumed
+        torques = [
+            inertia * rate for inertia in (assumed.roller_inertia, assumed.roller_inertia, assumed.wheelset_inertia)
+        ]
+        self.changes = np.repeat([rate * sample, rate * sample, *torques], len(self.axles))
 
     def measurements(self, time: float) -> Measurements:
         """What a user's controller is given beside it."""
@@ -76,32 +87,48 @@ class _Controller:
 
 def linear_controller(model: AssembledModel, law: _core.RigControl, *, sliding: bool) -> Array:
     """Matrix of the core's controller with a model's sample time; if `sliding` the creep of its virtual rail has no slope."""
+    if sliding:
+        law = part_of(_core.RigControl, law, train=part_of(_core.VirtualTrain, law.train, mass=UNMOVED))
     own = _Controller(model, law, rig_of(model.case)[1].sample_time)
     if sliding:
         own.plant.set_input(own.index["train.friction_change"], -1.0)
     return np.asarray(own.plant.jacobian(list(zip(own.inputs, own.changes, strict=True))))
 
 
-def identified_controller(model: AssembledModel, sample: float) -> Array | None:
-    """Matrix of the user's controller of a model with its sample time [s], ours beside it; None: it is not linear, or fails.
+def identified_controller(model: AssembledModel, sample: float) -> Array:
+    """Matrix of the user's controller of a model with its sample time [s], ours beside it.
 
     States from the singular values of the answers to impulses, at lags of all time scales: B. L. Ho, R. E. Kalman (1966).
+
+    Raises:
+        ControllerError: it fails, or has no such matrix; the message says why.
     """
     law = rig_controller(model)
     own, last = _Controller(model, law, sample), max(SAMPLES, round(SECONDS / sample))
-    lags = np.unique(np.geomspace(1.0, last, 24).round().astype(int)) - 1
+    lags = np.union1d(np.arange(EVERY), np.geomspace(EVERY, last, 24).astype(int) - 1)  # delays, and slow motions
     impulse, units = np.eye(2 * last + 1, 1), np.eye(len(own.inputs))
-    try:
-        answers = np.stack([_answers(model, law, sample, impulse * unit) for unit in units], axis=2)
-        size = np.linalg.norm(answers, axis=(0, 1))
-        acts = size > ORDER * size.max()
-        alike = size[acts].min(initial=1.0) / np.where(acts, size, math.inf)  # each input as much as any other
-        moves = 0.1 * np.random.default_rng(0).choice([-1.0, 1.0], (SAMPLES, len(units))) * alike
-        found, others = _realised(answers, lags), _answers(model, law, sample, moves)
-    except ControllerError:
-        return None
-    if not np.linalg.norm(_predicted(found, moves) - others) <= LINEAR * np.linalg.norm(others):
-        return None
+    answers = np.stack([_answers(model, law, sample, impulse * unit) for unit in units], axis=2)
+    if np.abs(answers[-1]).max() > OWN_GROWTH * np.abs(answers[:last]).max():
+        raise ControllerError(
+            f"its answer to an impulse grows by itself, more than {OWN_GROWTH:g} times in {2 * last} samples"
+        )
+    size = np.linalg.norm(answers, axis=(0, 1))
+    if not size.any():
+        raise ControllerError(
+            "it answers no small change of what it measures: constant commands, a dead band or rounding"
+        )
+    found, acts = _realised(answers, lags), size > ORDER * size.max()
+    alike = size[acts].min() / np.where(acts, size, math.inf)  # each input as much as any other
+    signs = np.random.default_rng(0).choice([-1.0, 1.0], (len(impulse), len(units))) * alike
+    for part in SMALL_AND_LARGE:
+        others = _answers(model, law, sample, part * signs)
+        error = np.linalg.norm(_predicted(found, part * signs) - others) / np.linalg.norm(others)
+        if not error <= LINEAR:
+            raise ControllerError(
+                f"its commands are off by {100.0 * error:.3g} % from linear answers to random changes; needed: "
+                f"at most {100.0 * LINEAR:g} %, without switching, rounding, dead bands, changes with time "
+                f"or delays beyond {EVERY} samples"
+            )
     found[:, -len(units) :] /= own.changes
     return found
 

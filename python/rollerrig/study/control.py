@@ -26,7 +26,7 @@ from rollerrig.study.frame import Outcome, Study
 from rollerrig.study.jobs import Done, Progress, Round, job
 from rollerrig.study.options import Option, Processes, command
 from rollerrig.study.quantities import Numbers, Quantities
-from rollerrig.study.report import Block, Picture, Section, Table
+from rollerrig.study.report import Block, Picture, Section, Table, Text
 from rollerrig.study.runs import control as runs
 from rollerrig.study.runs.adhesion import track_case
 from rollerrig.study.runs.control import FAMILIES, MEASURED, RIPPLE_LIMIT, TRACKING_LIMIT, Family, Result, run_variant
@@ -161,7 +161,9 @@ def loop_blocks(loop: Numbers, points: list[dict[str, float]]) -> list[Block]:
         "Growth rate and frequency of the least damped motion above 10 Hz over the gains: computed with and without the vehicle, "
         f"and measured in lightly excited runs on a dry rail. A failure is the size alone: {runs.RIPPLE_CRITERION}."
     )
-    return [table, Picture("loop_growth", picture, caption)]
+    cause = (loop["users"] or {}).get("no_loop")
+    told = [Text(f"The loop that the user's controller closes has no growth rate: {cause}.")] if cause else []
+    return [table, *told, Picture("loop_growth", picture, caption)]
 
 
 @dataclass(frozen=True)
@@ -172,7 +174,7 @@ class Found:
     results: list[Result]
     courses: dict[str, xr.Dataset]
     loop: list[dict[str, float]]
-    users: dict[str, float] | None  # the point of a user's controller
+    users: dict[str, Any] | None  # the point of a user's controller
 
 
 @dataclass(frozen=True)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ from rollerrig import load_case
 from rollerrig.analysis.control_loop import Loop, Wheel, creep_slope, loop_of, margins, users_loop, wheel_of
 from rollerrig.analysis.loop_stability import (
     ABOVE,
+    Plant,
     gain_limit,
     growth,
     measured_growth,
@@ -22,8 +24,9 @@ from rollerrig.analysis.loop_stability import (
 )
 from rollerrig.assembly.actuators import assemble_with_actuators
 from rollerrig.config import Case
+from rollerrig.simulation.controllers import ControllerError
 from rollerrig.simulation.mechatronics import feedback_gains
-from rollerrig.study.runs.control import excited_case, loop_jobs
+from rollerrig.study.runs.control import SLOW_GROWTH, excited_case, loop_jobs
 
 WHEEL = Wheel(wheelset_inertia=112.0, roller_inertia=705.0, wheel_radius=0.46, roller_radius=0.725)
 ROLLING = 1e9  # creep so stiff that wheel and roller are one [N s/m]
@@ -134,6 +137,14 @@ def test_the_core_is_given_the_gains_of_the_closed_form() -> None:
     assert found == pytest.approx(gains(0.7 * HZ, 0.7), rel=1e-12)
 
 
+@pytest.mark.parametrize("layer", [0.5, 1e-6])
+def test_a_sliding_mode_is_proportional_within_its_boundary_layer(layer: float) -> None:
+    proportional = loop(feedback={"proportional": 4e3, "integral": 0.0})
+    thin = loop(feedback={"kind": "sliding_mode", "switching": 4e3 * layer, "boundary_layer": layer})
+    limits = [gain_limit(made, rolling_plant(made)) for made in (thin, proportional)]
+    assert limits[0] == pytest.approx(limits[1], rel=1e-9)
+
+
 USERS = """
 import math
 import numpy as np
@@ -150,6 +161,14 @@ class Ours:
         error = measurements["virtual_speed"] - measurements["axle_speed"]
         return {{"roller_torque": measurements["feed_forward"] + self.feedback(error)}}
 
+class Delayed(Ours):
+    def __init__(self):
+        self.waiting = [0.0] * 10
+
+    def feedback(self, error):
+        self.waiting.append(super().feedback(error))
+        return self.waiting.pop(0)
+
 class Switching(Ours):
     def feedback(self, error):
         return 500.0 * np.sign(error)
@@ -161,30 +180,103 @@ class Alternating(Ours):
         self.count += 1
         return self.count % 2 * 2e4 * error
 
+class Later(Ours):
+    count = 0
+
+    def feedback(self, error):
+        self.count += 1
+        return super().feedback(error) * (self.count < 300)
+
+class DeadBand(Ours):
+    def feedback(self, error):
+        return super().feedback(np.sign(error) * np.maximum(np.abs(error) - 2e-3, 0.0))
+
+class Rounding(Ours):
+    def step(self, measurements):
+        return {{"roller_torque": super().feedback(np.round(measurements["axle_speed"], 1))}}
+
+class Growing(Ours):
+    own = 0.0
+
+    def feedback(self, error):
+        self.own = -1.2 * self.own + error
+        return {proportional} * error + self.own
+
 class Failing(Ours):
     def feedback(self, error):
         return math.nan * error
+
+class SlowlyUnstable(Ours):
+    def feedback(self, error):
+        self.sum = 1.01 * self.sum + self.sample_time * error
+        return {proportional} * error + {integral} * self.sum
 """
 
 
-def test_a_users_controller_has_the_motions_of_ours_with_the_same_law(tmp_path: Path) -> None:
-    case = excited_case(load_case("adhesion_brake"))
-    ours, vehicle = loop_of(case, 1e6, sliding=False), vehicle_plant(case)
-    assert ours is not None
-    ours = ours.scaled(20.0)
-    file = tmp_path / "users.py"
+def users(folder: Path, name: str, ours: Loop) -> Loop:
+    """The loop of a class above, with the gains of ours."""
+    file = folder / "users.py"
     file.write_text(USERS.format(proportional=ours.proportional, integral=ours.integral))
-    found = users_loop(case.with_changes({"rig_control.user": f"{file}:Ours"}), 1e6)
-    assert found is not None
+    return users_loop(
+        excited_case(load_case("adhesion_brake")).with_changes({"rig_control.user": f"{file}:{name}"}), 1e6
+    )
+
+
+def built_in(**changes: object) -> tuple[Loop, Plant]:
+    case = excited_case(load_case("adhesion_brake"))
+    made = loop_of(
+        case.with_changes({f"rig_control.{key}": value for key, value in changes.items()}), 1e6, sliding=False
+    )
+    assert made is not None
+    return made.scaled(20.0), vehicle_plant(case)
+
+
+def test_a_users_controller_has_the_motions_of_ours_with_the_same_law(tmp_path: Path) -> None:
+    ours, vehicle = built_in()
+    found = users(tmp_path, "Ours", ours)
     assert growth(found, vehicle, ABOVE) == pytest.approx(growth(ours, vehicle, ABOVE), rel=1e-4)
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["Switching", "Alternating", "Failing"])
-def test_what_is_not_linear_has_no_motions(name: str, tmp_path: Path) -> None:
-    (tmp_path / "users.py").write_text(USERS.format(proportional=4e3, integral=1e4))
-    changes = {"rig_control.user": f"{tmp_path / 'users.py'}:{name}"}
-    assert users_loop(excited_case(load_case("adhesion_brake")).with_changes(changes), 1e6) is None
+def test_a_users_controller_may_delay_its_feedback(tmp_path: Path) -> None:
+    """All of the command by 10 samples, but for the feed-forward, which only decides how slow motions follow."""
+    ours, vehicle = built_in()
+    found = users(tmp_path, "Delayed", ours)
+    n, inputs = len(ours.controller) - ours.axles, ours.controller.shape[1] - len(ours.controller) + ours.axles
+    states = n + 10 * ours.axles  # those of ours, then the commands of the feedback that wait, the oldest first
+    matrix = np.zeros((states + ours.axles, states + inputs))
+    old = np.r_[0:n, states : states + inputs]
+    matrix[:n, old] = ours.controller[:n]
+    matrix[states - ours.axles : states, old] = ours.feedback[n:]
+    matrix[n : states - ours.axles, n + ours.axles : states] = np.eye(states - n - ours.axles)
+    matrix[states:, old] = ours.controller[n:] - ours.feedback[n:]
+    matrix[states:, n : n + ours.axles] += np.eye(ours.axles)
+    delayed = replace(ours, controller=matrix)
+    assert growth(found, vehicle, ABOVE) == pytest.approx(growth(delayed, vehicle, ABOVE), rel=1e-3)
+
+
+@pytest.mark.slow
+def test_a_users_controller_that_grows_slowly_is_not_called_stable(tmp_path: Path) -> None:
+    ours, vehicle = built_in()
+    assert growth(users(tmp_path, "SlowlyUnstable", ours), vehicle)[0] > SLOW_GROWTH
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("name", "why"),
+    [
+        ("Switching", "from linear answers"),
+        ("Alternating", "from linear answers"),
+        ("Later", "from linear answers"),
+        ("DeadBand", "from linear answers"),
+        ("Rounding", "answers no small change"),
+        ("Growing", "grows by itself"),
+        ("Failing", r"t = 0 s, rig_control, controller Failing: roller_torque = \[nan, nan\]"),
+    ],
+)
+def test_what_is_not_linear_has_no_motions(name: str, why: str, tmp_path: Path) -> None:
+    with pytest.raises(ControllerError, match=why):
+        users(tmp_path, name, built_in()[0])
 
 
 def test_a_users_controller_is_not_ours() -> None:

@@ -25,6 +25,7 @@ from rollerrig.config import Case
 from rollerrig.config.schema import rig_control as schema
 from rollerrig.results.dataset import COMPLETED
 from rollerrig.similitude.scale_case import factors_of, scaled_table
+from rollerrig.simulation.controllers import ControllerError
 from rollerrig.simulation.mechatronics import feedback_gains
 from rollerrig.study.jobs import Progress, Round, job, whole_run
 
@@ -311,11 +312,14 @@ MEASURED = {"tracking": ("tracking_rms", TRACKING_LIMIT), "ripple": ("ripple_nm"
 FACTORS = tuple(float(f) for f in np.geomspace(1.0, 256.0, 25))
 """On the gains of the PI controller, in the runs that measure its stability."""
 
+SLOW_GROWTH = 1.0  # rate from which a slow motion grows, beyond what answers of a quarter of a second tell of it [1/s]
+
 EXCITED_AT, EXCITED_DURATION = 0.2, 4.0  # [s]
 
 
 def excited_case(case: Case) -> Case:
     """A short run at speed on a dry virtual rail, lightly excited by the brake or the drive."""
+    step = case.time.sampling_step
     changes: dict[str, object] = {
         "adhesion": {"rail": "dry"},
         "rig_control.feedback.kind": "proportional_integral",
@@ -324,7 +328,7 @@ def excited_case(case: Case) -> Case:
         "slide_protection": None,
         "wheel_slip_control": None,
         "time.duration": EXCITED_DURATION,
-        "time.output_step": max(1e-3, case.time.sampling_step),
+        "time.output_step": step * max(1, round(1e-3 / step)),
     }
     if case.brake is not None:
         changes["brake.demand"] = [[0.0, 0.0], [EXCITED_AT, 0.0], [EXCITED_AT + 0.01, "0.2 bar"]]
@@ -366,15 +370,20 @@ def loop_point(factor: float, case: Case, loop: Loop, progress: Progress | None 
     return {"factor": factor, **point, "unstable": float(unstable)}
 
 
-def users_point(case: Case, creep: float, progress: Progress | None = None) -> dict[str, float]:
-    """The same of a user's controller; NaN: it is not linear."""
-    loop = users_loop(case, creep)
-    if loop is None:
-        return dict.fromkeys(("vehicle_rate", "vehicle_hz", "measured_rate"), math.nan)
-    return loop_point(1.0, case, loop, progress)
+def users_point(case: Case, creep: float, progress: Progress | None = None) -> dict[str, Any]:
+    """The same of a user's controller, of a slow motion that grows instead of the least damped one; or why it has none."""
+    try:
+        loop = users_loop(case, creep)
+    except ControllerError as error:
+        return {**dict.fromkeys(("vehicle_rate", "vehicle_hz", "measured_rate"), math.nan), "no_loop": str(error)}
+    point = loop_point(1.0, case, loop, progress)
+    rate, frequency = loop_stability.growth(loop, loop_stability.vehicle_plant(case))
+    if not point["vehicle_rate"] > 0.0 and rate > SLOW_GROWTH:
+        point |= {"vehicle_rate": rate, "vehicle_hz": frequency}
+    return {**point, "no_loop": ""}
 
 
-def loop_numbers(case: Case, points: list[dict[str, float]], users: dict[str, float] | None) -> dict[str, Any] | None:
+def loop_numbers(case: Case, points: list[dict[str, float]], users: dict[str, Any] | None) -> dict[str, Any] | None:
     """Margins and gain limits of the PI loop as shipped, beside the points over its gains and that of a user's controller."""
     excited = excited_case(case)
     creep = creep_slope(excited)
