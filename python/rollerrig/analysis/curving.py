@@ -195,6 +195,10 @@ def curving(
     case = as_case(case)
     bare, height = in_curves(case, cant)
     radii, deficiencies = sorted(set(radii), reverse=True), sorted(set(deficiencies))
+    if radii and radii[-1] <= 0.0:
+        raise ConfigError.of(
+            case.name, "radii", f"{radii[-1]:g} m", "allowed: above 0; `direction` says where a curve leads"
+        )
     speeds = np.array([[curving_speed(bare, r, height, d) for d in deficiencies] for r in radii])
     failure = np.full(speeds.shape, "", dtype=object)
     found: dict[tuple[int, int], SteadyState] = {}

@@ -127,7 +127,7 @@ def hunting_run(job: tuple[Case, float, HuntingSettings], progress: Progress | N
         if progress is not None:
             progress(at / longest, f"{3.6 * speed:.0f} km/h, t = {at:.1f} s")  # Ctrl-C arrives here
 
-    looks = [settings.duration * (k + 1) / EARLY_LOOKS for k in range(EARLY_LOOKS)]
+    looks = np.linspace(0.0, settings.duration, EARLY_LOOKS + 1)[1:].tolist()
     for until in (*looks, *np.arange(settings.duration + PIECE, longest, PIECE).tolist(), longest):
         room_left = times[filled:], rows[filled:]
         code, more = march(simulation, until, *room_left, slice_length=settings.output_step, begin_at=at, report=report)

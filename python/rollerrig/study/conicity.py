@@ -217,9 +217,17 @@ def conicity(
         Mapping[str, float] | None,
         Option("gauge", quantity="Track.gauge", default="1435mm", meaning="distance between the gauge sides."),
         Option(
-            "gauge_depth", quantity="Track.gauge_depth", default="14mm", meaning="its depth below the highest point."
+            "gauge_depth",
+            quantity="Track.gauge_depth",
+            default="14mm",
+            meaning="depth of the gauge below the highest point.",
         ),
-        Option("back_to_back", quantity="Wheel.back_to_back", default="1360mm", meaning="between the flange backs."),
+        Option(
+            "back_to_back",
+            quantity="Wheel.back_to_back",
+            default="1360mm",
+            meaning="distance between the flange backs.",
+        ),
         Option("radius", quantity="Wheel.radius", default="460mm", meaning="wheel radius at the tape circle."),
     ] = None,
     roller_radius: Annotated[

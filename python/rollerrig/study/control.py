@@ -357,7 +357,7 @@ def control(
     Args:
         case: case on rollers with [rig_control]: a name of the catalogue or a TOML file.
         duration: length of each run [s]: until adhesion has broken away and recovered.
-        families: what is varied, by name; none: everything.
+        families: what is varied, by name; everything if absent.
         controller: your own controller to compare: 'file.py:Class' or 'module:Class', or an FMU.
         loop: also find the gains at which the loop becomes unstable, computed and measured.
         processes: runs at a time; more than 1 asks a script for `if __name__ == "__main__":`.

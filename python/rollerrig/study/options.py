@@ -93,10 +93,11 @@ def command(function: F) -> F:
     return function
 
 
-def head(text: str) -> Callable[..., Any]:
-    """A function without its body, from its text down to the end of the docstring."""
+def head(module: str, text: str) -> Callable[..., Any]:
+    """A function of a module without its body, from its text down to the end of the docstring."""
     names: dict[str, Any] = dict(NAMES)
-    exec(f"from __future__ import annotations\n{text}", names)
+    # an error in it names the module; python -OO, too, keeps its docstring
+    exec(compile(f"from __future__ import annotations\n{text}", module, "exec", optimize=0), names)
     found: Callable[..., Any] = names[re.findall(r"def (\w+)", text)[0]]
     return found
 

@@ -155,5 +155,5 @@ def replay(case: Case | str, log: xr.Dataset | str, *, progress: Progress | None
         StartError: the case finds no equilibrium to start from.
     """
     whole = as_case(case)
-    measured = read_rig_log(log, whole) if isinstance(log, str) else log
+    measured = log if isinstance(log, xr.Dataset) else read_rig_log(log, whole)
     return ReplayStudy(whole, measured).outcome(progress=progress)

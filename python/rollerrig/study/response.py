@@ -253,7 +253,7 @@ def response(
         case: case: a name of the catalogue or a TOML file.
         inputs: commands of the bench, as `linearize` takes them.
         outputs: outputs of the bench.
-        speeds_kmh: speeds [km/h]; none: that of the case.
+        speeds_kmh: speeds [km/h]; that of the case if absent.
         frequencies: lowest and highest [Hz].
         points: frequencies of the linear bench.
         measured: frequencies at which the nonlinear bench is driven with a sine; 0: none.

@@ -328,7 +328,7 @@ def scale(
         length: length at full scale over that of the model; 5, 5, 4 by default.
         time: time at full scale over that of the model.
         density: density at full scale over that of the model.
-        keep: what the model does not scale: gravity, material, clock, drives; none: ideal similitude.
+        keep: what the model does not scale: gravity, material, clock, drives; 'none': ideal similitude.
         changes: what the model has of its own, at its own scale, by dotted key of its case.
         run: also run the test at full scale and on the model, mapped back.
         error_budget: of the runs: also the ideal model, and each violation alone.

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import rollerrig as rr
-from rollerrig.analysis.hunting import HuntingSettings, hunting_case
+from rollerrig.analysis.hunting import HuntingSettings, hunting_case, hunting_run
 
 TIGHT = {
     "time.method": "rodas4",
@@ -52,3 +52,10 @@ def test_many_hunting_runs_are_those_of_the_slow_method() -> None:
     errors = np.array([error for error, _ in found])
     assert errors.max() < 2e-3, max(found)
     assert np.median(errors) < 1e-4
+
+
+def test_what_decays_ends_at_the_least_length() -> None:
+    """Twelfths of 1.4 s do not add up to it in round-off."""
+    run = hunting_run((rr.load_case("wheelset_rollers"), 100.0 / 3.6, HuntingSettings(duration=1.4)))
+    assert run.decision == "decays"
+    assert float(run.motion["time"][-1]) == pytest.approx(1.4, rel=1e-9)

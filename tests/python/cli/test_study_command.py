@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import inspect
 import re
+import subprocess
+import sys
 from importlib import import_module
 from typing import Any
 
@@ -17,7 +19,7 @@ from rollerrig.cli.study_command import _options, _shown, _value
 from rollerrig.study import heads
 from rollerrig.study.options import UNITS, Option, Parameter, head, parameters
 
-STUDIES = {name: parameters(head(one.text)) for name, one in heads().items()}
+STUDIES = {name: parameters(head(*one)) for name, one in heads().items()}
 EVERY = [(name, one) for name, found in STUDIES.items() for one in found]
 GROUP = typer.main.get_command(build_app())
 
@@ -49,11 +51,11 @@ def test_help_has_the_meaning_of_every_argument_and_no_unit_of_the_other_side(na
 @pytest.mark.parametrize("name", STUDIES)
 def test_the_head_that_is_read_is_that_of_the_function(name: str) -> None:
     function = getattr(import_module(f"rollerrig.{heads()[name].module}"), name)
-    own, read = (inspect.signature(one).parameters for one in (function, head(heads()[name].text)))
+    own, read = (inspect.signature(one).parameters for one in (function, head(*heads()[name])))
     assert {key: one.replace(annotation="") for key, one in own.items()} == {
         key: one.replace(annotation="") for key, one in read.items()
     }
-    assert inspect.getdoc(function) == inspect.getdoc(head(heads()[name].text))
+    assert inspect.getdoc(function) == inspect.getdoc(head(*heads()[name]))
     assert [str(one.annotation) for one in own.values() if "Option" in str(one.annotation)] == []
 
 
@@ -82,3 +84,9 @@ def test_numbers_of_a_list_keep_their_range() -> None:
     done = called("compare", "manchester_vehicle_1", "--radii-m", "0.01", "--out", "x")
     assert done.exit_code == 2
     assert "must lie between 0.05 and 1e+06" in " ".join(re.sub("[│╭╮╰╯─]", " ", done.output).split())
+
+
+def test_help_is_there_where_docstrings_are_stripped() -> None:
+    command = [sys.executable, "-OO", "-c", "from rollerrig.cli import main; main()", "scale", "--help"]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert "A scaled rig by similitude" in done.stdout, done.stderr

@@ -81,7 +81,11 @@ def test_nothing_but_refused_curves_is_an_error() -> None:
 
 @pytest.mark.parametrize(
     ("words", "message"),
-    [(("--radii-m", "5"), "from 20 to"), (("--deficiencies-mm", "-60..150"), "is not a number")],
+    [
+        (("--radii-m", "5"), "from 20 to"),
+        (("--radii-m", "0,300"), "radii: 0 m; allowed: above 0"),
+        (("--deficiencies-mm", "-60..150"), "is not a number"),
+    ],
 )
 def test_what_is_no_curve_is_refused(words: tuple[str, ...], message: str, tmp_path: Path) -> None:
     done = called("curving", WAGON, *words, "--out", tmp_path / "out")

@@ -354,6 +354,11 @@ def test_columns_of_matlab(case: Case, run: xr.Dataset, found: xr.Dataset, tmp_p
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="the server is written for Linux")
+def test_a_log_may_be_a_path(tmp_path: Path) -> None:
+    with pytest.raises(FileNotFoundError):
+        replay_log("adhesion_brake", tmp_path / "none.csv")  # type: ignore[arg-type]
+
+
 def test_what_the_server_records_is_a_log(tmp_path: Path) -> None:
     changes = {**SHORT, "time.duration": "0.7 s"}
     (tmp_path / "case.toml").write_text(load_case("adhesion_brake").with_changes(changes).to_toml())

@@ -115,7 +115,7 @@ class ReservoirAir(Table):
     opening_time: DeadTime = optional(
         0.02, "dead time of a dump valve's magnet valves, a multiple of time.sampling_step"
     )
-    closing_time: DeadTime = optional(0.02, "time for closing")
+    closing_time: DeadTime = optional(0.02, "dead time for closing, likewise")
     least_pulse: DeadTime = optional(0.02, "least length of a magnet valve's command: a shorter one is prolonged")
     reservoir_volume: Volume = optional(0.1, "volume of each auxiliary reservoir")
     axles_per_reservoir: Annotated[StrictInt, Field(ge=1, le=MOST_AXLES)] | None = optional(

@@ -159,7 +159,7 @@ class Element(Table):
     points: tuple[Vector, Vector] | None = optional(
         None, "design positions of the end on a and the end on b, where they differ; the force acts at b's"
     )
-    carries_load: StrictBool = optional(False, "vertical preload that is solved from the static equilibrium")
+    carries_load: StrictBool = optional(False, "whether its vertical preload is solved from the static equilibrium")
     clamped: StrictBool = optional(
         False,
         "a loaded spring clamped at both ends, its `point` at mid-height: half of the force acts in the axes of "

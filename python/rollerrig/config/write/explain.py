@@ -203,7 +203,7 @@ def _keys_in(field: FieldInfo) -> Iterator[tuple[str, str]]:
 
 
 def _summary(table: type[BaseModel]) -> str:
-    return (table.__doc__ or "").strip().splitlines()[0]
+    return (table.__doc__ or "").strip().partition("\n")[0]
 
 
 def _users(place: KeyPlace) -> str:
