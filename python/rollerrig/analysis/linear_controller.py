@@ -31,8 +31,8 @@ INPUTS = ("axle_speed", "roller_speed", "roller_torque", "drive_torque", "brake_
 """Measurements that small motions change."""
 
 ACCELERATION, LARGEST_CHANGE = 0.02, 4e-5
-"""Of the wheel's rim by the changes of speeds and torques over which differences are taken [m/s^2], and in one sample [m/s]: far
-below adhesion, of which a long sample sees more, and far above rounding."""
+"""Acceleration of the wheel's rim by the changes of speeds and torques over which differences are taken [m/s^2], and in one
+sample [m/s]: far below adhesion, of which a long sample sees more, and far above rounding."""
 
 UNMOVED = 1e30  # mass of a train whose acceleration by what creep leaves, nothing but rounding, is no state [kg]
 
