@@ -59,19 +59,20 @@ def ramp_over_speed(
 
 @into_axes
 def hunting_over_time(runs: Sequence[tuple[float, xr.Dataset]], body: str, title: str = "") -> Figure:
-    """Lateral displacement over time at constant speeds, one panel per speed.
+    """Lateral displacement over time at constant speeds, one panel per speed, as long as the longest run.
 
     Args:
         runs: speed [km/h] and the run's Dataset.
         body: whose displacement.
         title: of the figure.
     """
-    height = 0.7 + 1.25 * len(runs)
+    height, end = 0.7 + 1.25 * len(runs), max(float(run["time"][-1]) for _, run in runs)
     with panels(["[mm]"] * len(runs), "time [s]", height, legend=False, sharey=True) as (figure, found):
         for axes, (speed, run) in zip(found, runs, strict=True):
-            line(axes, run["time"], 1e3 * run["lateral"].sel(body=body), rasterized=False)
+            lateral = 1e3 * run["lateral"].sel(body=body).to_numpy()
+            line(axes, np.append(run["time"], end), np.append(lateral, math.nan), rasterized=False)
             axes.set_title(f"{speed:.0f} km/h", loc="right", fontsize=8, weight="bold", pad=2)
-            axes.set_xlim(0.0, float(run["time"][-1]))
+            axes.set_xlim(0.0, end)
         found[0].set_title(title, loc="left")
         figure.supylabel(f"lateral displacement of {body.replace('_', ' ')}", fontsize=9)
         return figure

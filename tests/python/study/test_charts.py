@@ -10,9 +10,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+import xarray as xr
 from matplotlib.figure import Figure
 
 from browser import Opened, chromium
+from rollerrig.plot import hunting_over_time
 from rollerrig.plot.style import figure_bytes, watermark
 from rollerrig.study.charts import chart_of, extremes
 from rollerrig.study.report import Mark, Page, Picture, Section, Table, render
@@ -72,6 +74,22 @@ def test_a_history_becomes_a_chart_with_all_that_is_drawn() -> None:
     along = column(chart, lower["curves"][0]["x"])
     assert np.isnan(gap[(along > 4.01) & (along < 4.99)]).all()
     assert np.isfinite(gap[(along < 3.99) | (along > 5.01)]).all()
+
+
+def test_runs_of_different_length_are_drawn_over_the_time_of_the_longest() -> None:
+    runs = [
+        (
+            100.0,
+            xr.Dataset({"lateral": (("time", "body"), np.cos(time)[:, None])}, {"time": time, "body": ["front_frame"]}),
+        )
+        for time in (TIME, TIME[:5001])
+    ]
+    figure = hunting_over_time(runs, "front_frame")
+    assert [axes.get_xlim() for axes in figure.axes] == [(0.0, 10.0)] * 2
+    chart = chart_of(figure, "hunting")
+    assert chart is not None
+    assert [column(chart, f"x{panel}.0")[-1] for panel in (0, 1)] == [10.0, 10.0]
+    assert np.isnan(column(chart, "y1.0.0")[-1])
 
 
 def test_the_only_sample_of_a_peak_is_kept() -> None:
