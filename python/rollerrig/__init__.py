@@ -87,7 +87,7 @@ def _homes() -> dict[str, str]:
 
     imports = re.compile(r"^    from rollerrig\.(\S+) import (\w+) as", re.MULTILINE)
     listed = {name: module for module, name in imports.findall(Path(__file__).read_text(encoding="utf-8"))}
-    return {name: one.module for name, one in heads().items()} | listed
+    return {name: module for name, (module, _) in heads().items()} | listed
 
 
 def __getattr__(name: str) -> Any:

@@ -192,9 +192,8 @@ class Row:
     section: str  # name of the section, or WHOLE_RUN where a run has several
     unit: str  # of the statistics and the limit
     filter: str  # what was done to the signal before
-    statistics: dict[
-        str, float
-    ]  # by STATISTICS; NaN where none exists, as the quasi-static value of what is not constant
+    # by STATISTICS; NaN where none exists, as the quasi-static value of what is not constant
+    statistics: dict[str, float]
     limit: float = math.nan  # of the quantity's magnitude; NaN if there is none
 
     @property

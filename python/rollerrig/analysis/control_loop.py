@@ -9,7 +9,6 @@ Small motion about steady running: no limits, constant friction. Equations: docs
 
 import math
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -175,29 +174,23 @@ def loop_of(case: Case, creep: float, *, sliding: bool) -> Loop | None:
     control = case.rig_control
     if control is None or not control.is_ours or not _measures_motions(case):
         return None
-    model = assemble_with_actuators(
-        case.with_changes({"rig_control.load_transfer": "none"})
-    )  # it acts on wheels that slip
+    unmoved = {"rig_control.load_transfer": "none"}  # which acts where wheels slip
+    model = assemble_with_actuators(case.with_changes(unmoved))
     law = rig_controller(model)
     gains = (0.0, 0.0)
     if isinstance(control.feedback, ProportionalIntegral):
         gains = feedback_gains(model)
     elif isinstance(control.feedback, SlidingMode):  # within its boundary layer, however thin
         gains = (control.feedback.switching / control.feedback.boundary_layer, 0.0)
-    own, feed_forward = (
-        linear_controller(
-            model, part_of(_core.RigControl, law, feedback=_linear_feedback(*pair), largest=LARGE), sliding=sliding
-        )
-        for pair in (gains, (0.0, 0.0))
-    )
-    return _loop(case, creep, control.sample_time, own, own - feed_forward, *gains)
 
+    def with_gains(proportional: float, integral: float) -> Array:
+        of_none = {"bandwidth": 1.0, "damping_ratio": 1.0}  # from which other gains would follow
+        feedback = _core.ProportionalIntegralFeedback(**of_none, proportional=proportional, integral=integral)
+        unlimited = part_of(_core.RigControl, law, feedback=feedback, largest=LARGE)
+        return linear_controller(model, unlimited, sliding=sliding)
 
-def _linear_feedback(proportional: float, integral: float) -> Any:
-    """Gains [N m s/rad, N m/rad] without bandwidth and damping, from which others would follow."""
-    return _core.ProportionalIntegralFeedback(
-        bandwidth=1.0, damping_ratio=1.0, proportional=proportional, integral=integral
-    )
+    own = with_gains(*gains)
+    return _loop(case, creep, control.sample_time, own, own - with_gains(0.0, 0.0), *gains)
 
 
 def users_loop(case: Case, creep: float) -> Loop:

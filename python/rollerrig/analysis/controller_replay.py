@@ -278,9 +278,8 @@ def _check_signs(found: xr.Dataset, radius: float) -> None:
     """Refuse with a ResultsError torques that contradict each other by more than a sensor is wrong: a sign, or a unit."""
     period = float(found["time"][1] - found["time"][0])
     own, expected = (means(found[name].to_numpy(), period) for name in ("torque", "torque_expected"))
-    largest = np.sqrt(
-        np.maximum((own**2).mean(axis=0), (expected**2).mean(axis=0))
-    )  # either may be the one that is wrong
+    # either may be the one that is wrong
+    largest = np.sqrt(np.maximum((own**2).mean(axis=0), (expected**2).mean(axis=0)))
     least = np.maximum(LEAST_TORQUE * radius * found["axle_load"].to_numpy(), found.attrs["torque_noise"])
     for axle, factor, shows in zip(found["axle"].to_numpy(), torque_ratio(own, expected), largest > least, strict=True):
         if shows and not 0.2 < factor < 5.0:

@@ -41,10 +41,7 @@ SAMPLES, SECONDS = 250, 0.25  # for which the answer to an impulse is used, whic
 EVERY = 40  # lags of which every one is used: as long a delay has as many states
 ORDER = 1e-6  # part of the largest singular value below which there is rounding
 OWN_GROWTH = 1e3  # of an answer over its beginning, beyond which all else drowns in it
-SMALL_AND_LARGE = (
-    0.1,
-    300.0,
-)  # changes, over those of the impulses, under which it must be linear: up to some 0.01 rad/s
+SMALL_AND_LARGE = 0.1, 300.0  # changes over those of the impulses under which it must be linear: up to some 0.01 rad/s
 LINEAR = 1e-2  # error over the commands, RMS, with which the matrix of a linear controller predicts others
 
 
@@ -71,10 +68,8 @@ class _Controller:
         self.index = {variable.name: k for k, variable in enumerate(self.plant.variables)}
         self.inputs = [self.index[f"{axle}.{name}"] for name in INPUTS for axle in self.axles]
         rate, assumed = min(ACCELERATION, LARGEST_CHANGE / sample) / wheel, law.assumed
-        torques = [
-            inertia * rate for inertia in (assumed.roller_inertia, assumed.roller_inertia, assumed.wheelset_inertia)
-        ]
-        self.changes = np.repeat([rate * sample, rate * sample, *torques], len(self.axles))
+        of_roller, of_wheelset = rate * assumed.roller_inertia, rate * assumed.wheelset_inertia
+        self.changes = np.repeat([rate * sample] * 2 + [of_roller] * 2 + [of_wheelset], len(self.axles))  # of INPUTS
 
     def measurements(self, time: float) -> Measurements:
         """What a user's controller is given beside it."""

@@ -29,14 +29,12 @@ ITERATIONS = 60
 class Springs(NamedTuple):
     """What holds the frame of a bogie, from the case."""
 
-    restraints: (
-        Array  # height [m] and longitudinal stiffness [N/m] of each element between frame and car body, shape (2, n)
-    )
+    # height [m] and longitudinal stiffness [N/m] of each element between frame and car body, shape (2, n)
+    restraints: Array
     pitch: float  # stiffness of these elements in pitch [N m/rad]
     load_height: float  # at which the load of the secondary springs acts on the frame [m]
-    clamped: (
-        float  # share of that load on springs clamped at both ends, which lean by half of the frame's pitch and shift
-    )
+    # share of that load on springs clamped at both ends, which lean by half of the frame's pitch and shift
+    clamped: float
     primary: tuple[float, float]  # longitudinal and vertical stiffness of one axle's suspension [N/m]
     primary_height: float  # of its springs [m]
 

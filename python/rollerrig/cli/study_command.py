@@ -29,7 +29,7 @@ Given = dict[str, Any]
 
 def study_command(name: str) -> Callable[..., None]:
     """The command of a function of `rollerrig.study.heads`, which is loaded when the command runs."""
-    declared = head(*heads()[name])
+    declared = head(name)
     arguments = parameters(declared)
     first, others = ([one for one in arguments if bool(one.options) == named] for named in (False, True))
     of_case = bool(first) and first[0].kind == "Case | str"
@@ -56,7 +56,7 @@ def study_command(name: str) -> Callable[..., None]:
 
         token = RUNNER.set(runner)
         try:
-            getattr(import_module(f"rollerrig.{heads()[name].module}"), name)(**values)
+            getattr(import_module(f"rollerrig.{heads()[name][0]}"), name)(**values)
         finally:
             RUNNER.reset(token)
 

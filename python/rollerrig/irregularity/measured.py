@@ -107,9 +107,8 @@ def measured_irregularity(
     coefficients = {}
     for rail in RAILS:
         values = scale * CubicSpline(track.distance, track.rails[rail])(np.clip(s + start, first, last))
-        weights = quasi_interpolant(
-            np.roll(values, 1), values, np.roll(values, -1)
-        )  # local: the wrap has no effect elsewhere
+        # local: the wrap has no effect elsewhere
+        weights = quasi_interpolant(np.roll(values, 1), values, np.roll(values, -1))
         coefficients[rail] = periodic_spline(weights, step)
     return RailIrregularity(step, coefficients, fade_in)
 

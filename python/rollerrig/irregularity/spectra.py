@@ -58,9 +58,8 @@ def track_spectrum(component: Component, level: Level, omega: ArrayLike) -> Arra
     match component:
         case "alignment" | "vertical":
             return np.asarray(factors[component] * mean_of_rails)
-        case (
-            "cross_level"
-        ):  # published as that of the angle, A / b^2 times the shape; a height over 2 b is (2 b)^2 of it
+        case "cross_level":
+            # published as that of the angle, A / b^2 times the shape; a height over 2 b is (2 b)^2 of it
             return np.asarray((2 * HALF_BASE) ** 2 * factors["vertical"] / HALF_BASE**2 * between_rails)
         case "gauge":
             return np.asarray(factors["gauge"] * between_rails)

@@ -207,9 +207,8 @@ def gauge_point(table: ProfileTable, depth: float = 14e-3) -> float:
     if not depth > 0:
         raise ProfileError(f"{table.name}: gauge depth: {depth * 1e3:.6g} mm; it must be positive")
     y, z = table.outline.T
-    reach = (
-        -depth + depth / 1400
-    )  # a file may end right at the gauge point: 10 um in 14 mm are made up by extrapolation
+    # a file may end right at the gauge point: 10 um in 14 mm are made up by extrapolation
+    reach = -depth + depth / 1400
     descending = np.flatnonzero((z[:-1] < reach) & (z[1:] >= -depth) & (y[1:] < 0))
     if len(descending) == 0:
         deepest = -np.min(z[y < 0], initial=0.0)

@@ -68,9 +68,8 @@ class Quantity:
         """A value, or a mean with its interval, as tables show it; a dash where there is none."""
         if value is None:
             return "–"
-        if isinstance(
-            value, Mapping
-        ):  # of an ensemble: mean, and both ends of its interval where they are known and differ
+        if isinstance(value, Mapping):
+            # of an ensemble: mean, and both ends of its interval where they are known and differ
             mean, low, high = (self.cell(value[end]) for end in ("mean", "low", "high"))
             return mean if "–" in (mean, low, high) or low == high else f"{mean} ({low} … {high})"
         if isinstance(value, bool | np.bool_):

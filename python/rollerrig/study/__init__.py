@@ -10,16 +10,9 @@ import re
 from functools import cache
 from importlib import import_module
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 _HEAD = re.compile(r'^@command\n(def (\w+)\(.*?""".*?"""\n)', re.MULTILINE | re.DOTALL)
-
-
-class Head(NamedTuple):
-    """The module of a function, and its text down to the end of the docstring."""
-
-    module: str
-    text: str
 
 
 def _files() -> list[Path]:
@@ -27,10 +20,10 @@ def _files() -> list[Path]:
 
 
 @cache
-def heads() -> dict[str, Head]:
-    """The functions under `@command` by name, in alphabetical order."""
+def heads() -> dict[str, tuple[str, str]]:
+    """Functions under `@command` in alphabetical order: name -> its module, and its text down to the end of the docstring."""
     texts = {path.stem: path.read_text(encoding="utf-8") for path in _files()}
-    found = {name: Head(f"study.{stem}", head) for stem, text in texts.items() for head, name in _HEAD.findall(text)}
+    found = {name: (f"study.{stem}", head) for stem, text in texts.items() for head, name in _HEAD.findall(text)}
     return dict(sorted(found.items()))
 
 

@@ -150,18 +150,16 @@ def family_picture(case: Case, family: Family, results: Sequence[Result]) -> Pic
 
 def loop_blocks(loop: Numbers, points: list[dict[str, float]]) -> list[Block]:
     """Margins and limits of the gains, and figure, of the report."""
-    names = [q.key for q in QUANTITIES.below("loop") if q.label and (loop["users"] or "users" not in q.key)]
-    table = QUANTITIES.list_table(
-        {"": {**loop, **(loop["users"] or {})}},
-        names,
-        "The feedback in closed form, and from which factor on its gains on it is unstable.",
-    )
+    users = loop["users"] or {}
+    names = [q.key for q in QUANTITIES.below("loop") if q.label and (users or "users" not in q.key)]
+    title = "The feedback in closed form, and from which factor on its gains on it is unstable."
+    table = QUANTITIES.list_table({"": {**loop, **users}}, names, title)
     picture = figures.loop_growth({key: [point[key] for point in points] for key in points[0]})
     caption = (
         "Growth rate and frequency of the least damped motion above 10 Hz over the gains: computed with and without the vehicle, "
         f"and measured in lightly excited runs on a dry rail. A failure is the size alone: {runs.RIPPLE_CRITERION}."
     )
-    cause = (loop["users"] or {}).get("no_loop")
+    cause = users.get("no_loop")
     told = [Text(f"The loop that the user's controller closes has no growth rate: {cause}.")] if cause else []
     return [table, *told, Picture("loop_growth", picture, caption)]
 

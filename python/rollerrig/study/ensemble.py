@@ -128,9 +128,8 @@ class Estimate:
     mean: float
     standard_error: float
     freedom: float  # degrees of freedom of the error; 0: unknown
-    systematic: float = (
-        0.0  # by how much the mean may be off beside that, however many tests are made: step and samples
-    )
+    # by how much the mean may be off beside that, however many tests are made: step and samples
+    systematic: float = 0.0
 
     @property
     def interval(self) -> Interval:

@@ -130,9 +130,8 @@ class Found:
 
     runs: dict[str, xr.Dataset]  # by key of LABELS
     repeated: dict[str, list[dict[str, Any]]]  # numbers of the nearly same runs, by key of REPEATED
-    guidance: dict[
-        str, lateral_guidance.Guidance
-    ]  # by key of GUIDED, of runs whose wheels slid while they moved sideways
+    # by key of GUIDED, of runs whose wheels slid while they moved sideways
+    guidance: dict[str, lateral_guidance.Guidance]
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from typing import Annotated, Any, TypeVar, get_args, get_origin, get_type_hints
 
 from rollerrig.analysis import SPEEDS_KMH
+from rollerrig.study import heads
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -93,12 +94,13 @@ def command(function: F) -> F:
     return function
 
 
-def head(module: str, text: str) -> Callable[..., Any]:
-    """A function of a module without its body, from its text down to the end of the docstring."""
+def head(name: str) -> Callable[..., Any]:
+    """The function of a command without its body."""
+    module, text = heads()[name]
     names: dict[str, Any] = dict(NAMES)
     # an error in it names the module; python -OO, too, keeps its docstring
     exec(compile(f"from __future__ import annotations\n{text}", module, "exec", optimize=0), names)
-    found: Callable[..., Any] = names[re.findall(r"def (\w+)", text)[0]]
+    found: Callable[..., Any] = names[name]
     return found
 
 

@@ -7,6 +7,7 @@ stop over each other; case.toml with that rail, for the rig and for every other 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 from typing import Annotated, Any
 
 import numpy as np
@@ -156,7 +157,7 @@ def _doubts(numbers: Numbers) -> Iterator[str]:
 @command
 def reconstruct(
     case: Case | str,
-    log: StopLog | str,
+    log: StopLog | str | Path,
     *,
     piece_m: Annotated[float, Option(least=0.5, most=1000.0)] = 10.0,
     progress: Progress | None = None,
@@ -177,5 +178,5 @@ def reconstruct(
         StartError: the case finds no equilibrium to start from.
     """
     whole = as_case(case)
-    stop = read_stop(log, whole) if isinstance(log, str) else log
+    stop = log if isinstance(log, StopLog) else read_stop(log, whole)
     return ReconstructionStudy(whole, stop, piece_m).outcome(progress=progress)

@@ -5,6 +5,7 @@ Case, log of a rig -> [replay] -> estimates, bands, virtual train -> errors agai
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -138,7 +139,7 @@ class ReplayStudy(Study[xr.Dataset]):
 
 
 @command
-def replay(case: Case | str, log: xr.Dataset | str, *, progress: Progress | None = None) -> Outcome[xr.Dataset]:
+def replay(case: Case | str, log: xr.Dataset | str | Path, *, progress: Progress | None = None) -> Outcome[xr.Dataset]:
     """The rig's estimators and virtual train on the log of a rig: estimated forces with their errors, where they are wrong.
 
     Args:

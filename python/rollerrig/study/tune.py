@@ -46,13 +46,11 @@ HIGHEST = 1e3  # factor on the gains up to which a margin is looked for
 class Point:
     """A candidate, or the case as shipped."""
 
-    values: Sequence[
-        float | None
-    ]  # at the free keys, in their units; None: the case leaves it to what follows from others
+    # at the free keys, in their units; None: the case leaves it to what follows from others
+    values: Sequence[float | None]
     place: Sequence[float]  # in the unit cube of the ranges; empty of the case as shipped
-    gain_margin: (
-        float  # factor on the gains from which vehicle and loop are unstable; 0: as it is, inf: not up to HIGHEST
-    )
+    # factor on the gains from which vehicle and loop are unstable; 0: as it is, inf: not up to HIGHEST
+    gain_margin: float
     phase_margin_deg: float  # of the feedback of one axle alone; inf: it does not cross over
     runs: Sequence[Mapping[str, Any]] = ()  # numbers of its runs, one of each draw
 

@@ -233,9 +233,7 @@ def test_a_motion_that_grows_persists_once_its_time_is_over() -> None:
 
 @pytest.mark.parametrize("rate", np.linspace(-0.004, -0.001, 25))
 def test_a_slow_decay_is_no_limit_cycle_whatever_the_round_off(rate: float) -> None:
-    falls = 2e-3 * np.exp(
-        rate * np.arange(6.0)
-    )  # all windows within 1 %, each less than the one before by the same part
+    falls = 2e-3 * np.exp(rate * np.arange(6.0))  # within 1 %, each less than the one before by the same part
     assert decide(falls, 1.0) == decide(falls, 1.0, ended=True) == "open"
 
 

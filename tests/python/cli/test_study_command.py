@@ -19,7 +19,7 @@ from rollerrig.cli.study_command import _options, _shown, _value
 from rollerrig.study import heads
 from rollerrig.study.options import UNITS, Option, Parameter, head, parameters
 
-STUDIES = {name: parameters(head(*one)) for name, one in heads().items()}
+STUDIES = {name: parameters(head(name)) for name in heads()}
 EVERY = [(name, one) for name, found in STUDIES.items() for one in found]
 GROUP = typer.main.get_command(build_app())
 
@@ -50,12 +50,12 @@ def test_help_has_the_meaning_of_every_argument_and_no_unit_of_the_other_side(na
 
 @pytest.mark.parametrize("name", STUDIES)
 def test_the_head_that_is_read_is_that_of_the_function(name: str) -> None:
-    function = getattr(import_module(f"rollerrig.{heads()[name].module}"), name)
-    own, read = (inspect.signature(one).parameters for one in (function, head(*heads()[name])))
+    function = getattr(import_module(f"rollerrig.{heads()[name][0]}"), name)
+    own, read = (inspect.signature(one).parameters for one in (function, head(name)))
     assert {key: one.replace(annotation="") for key, one in own.items()} == {
         key: one.replace(annotation="") for key, one in read.items()
     }
-    assert inspect.getdoc(function) == inspect.getdoc(head(*heads()[name]))
+    assert inspect.getdoc(function) == inspect.getdoc(head(name))
     assert [str(one.annotation) for one in own.values() if "Option" in str(one.annotation)] == []
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +14,7 @@ from scipy.io import savemat
 
 from called import called
 from reported import unexplained, unreported
-from rollerrig import ConfigError, ResultsError, load_case, simulate
+from rollerrig import ConfigError, ResultsError, load_case, reconstruct, simulate
 from rollerrig import replay as replay_log
 from rollerrig.analysis.controller_replay import episodes, replay
 from rollerrig.analysis.rig_log import check_case, read_rig_log
@@ -353,12 +354,13 @@ def test_columns_of_matlab(case: Case, run: xr.Dataset, found: xr.Dataset, tmp_p
     assert largest(again["force"] - found["force"]) < 1e-7
 
 
-@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="the server is written for Linux")
-def test_a_log_may_be_a_path(tmp_path: Path) -> None:
+@pytest.mark.parametrize("study", [replay_log, reconstruct])
+def test_a_log_may_be_a_path(study: Callable[..., object], tmp_path: Path) -> None:
     with pytest.raises(FileNotFoundError):
-        replay_log("adhesion_brake", tmp_path / "none.csv")  # type: ignore[arg-type]
+        study("adhesion_brake", tmp_path / "none.csv")
 
 
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="the server is written for Linux")
 def test_what_the_server_records_is_a_log(tmp_path: Path) -> None:
     changes = {**SHORT, "time.duration": "0.7 s"}
     (tmp_path / "case.toml").write_text(load_case("adhesion_brake").with_changes(changes).to_toml())

@@ -120,9 +120,8 @@ def _factor_by_pint(unit: str, si_unit: str) -> Fraction | None:
     registry = _registry()
     try:
         factor = registry.Quantity(1.0, registry.parse_units(unit)).to(registry.parse_units(si_unit)).magnitude
-    except (
-        Exception
-    ):  # PintError, DimensionalityError (a TypeError), tokenizer and syntax errors: all mean "no such unit"
+    # PintError, DimensionalityError (a TypeError), tokenizer and syntax errors: all mean "no such unit"
+    except Exception:
         return None
     near = Fraction(factor).limit_denominator(10**9)
     return near if float(near) == factor else Fraction(factor)

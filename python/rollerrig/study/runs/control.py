@@ -49,9 +49,8 @@ class Family:
     vary: Vary | None = None  # changes of a case for one value; None: the key
     own: float = math.nan  # value of a case that has no such key; NaN: it does not stand on the axis
     scale: Literal["log", "linear"] = "log"
-    user: bool = (
-        False  # whether a user's own controller is run here too; not where the axis is a property of the built-in one
-    )
+    # whether a user's own controller is run here too; not where the axis is a property of the built-in one
+    user: bool = False
 
     def base(self, case: Case) -> float | None:
         """Value of the case as it is, where it stands on the axis."""
