@@ -16,6 +16,7 @@ constexpr double largest_change = 9.0;  ///< of friction
 constexpr double most_samples = 1e7;    ///< in one step of a tool: hours
 constexpr double round_off = 1e-6;      ///< of a sample time, in periods: tools add up their steps
 constexpr double least_change = 1e-6;   ///< of a number that is varied, over it: differences then have ten digits
+constexpr double unreached = 1e-14;     ///< change of a number, over it, that is rounding
 constexpr int trial_samples = 3;        ///< in which states show how far inputs bring them
 
 struct TrainInput {
@@ -199,8 +200,6 @@ ControllerPlant::Jacobian ControllerPlant::jacobian(std::span<std::pair<int, dou
   auto const before = std::tuple(state_, value_, samples_);
   StateNumbers numbers;
   numbers(state_);
-  std::vector<double> start, reached(numbers.places.size());
-  for (double const* place : numbers.places) start.push_back(*place);
   auto const varied = [&](double& number, double by, int samples, auto const& look) {
     for (number += by; samples > 0; --samples) {
       sample();
@@ -208,17 +207,31 @@ ControllerPlant::Jacobian ControllerPlant::jacobian(std::span<std::pair<int, dou
     }
     std::tie(state_, value_, samples_) = before;
   };
-  for (auto const& [index, by] : moves)
-    varied(value_[at(index)], by, trial_samples, [&] {
-      for (std::size_t k = 0; k < start.size(); ++k)
-        reached[k] = std::fmax(reached[k], std::fabs(*numbers.places[k] - start[k]));
-    });
+  auto const path = [&](double& number, double by) {
+    std::vector<double> found;
+    auto const note = [&] {
+      for (double const* place : numbers.places) found.push_back(*place);
+    };
+    note();
+    varied(number, by, trial_samples, note);
+    return found;
+  };
+  std::size_t const states = numbers.places.size();
+  std::vector<double> size(states), reached(states);
+  std::vector<double> const unmoved = path(value_.front(), 0.0);
+  for (std::size_t k = 0; k < unmoved.size(); ++k)
+    size[k % states] = std::fmax(size[k % states], std::fabs(unmoved[k]));
+  for (auto const& [index, by] : moves) {
+    std::vector<double> const moved = path(value_[at(index)], by);
+    for (std::size_t k = 0; k < moved.size(); ++k)
+      reached[k % states] = std::fmax(reached[k % states], std::fabs(moved[k] - unmoved[k]));
+  }
 
   std::vector<std::pair<double*, double>> columns;
   std::vector<double const*> rows;
-  for (std::size_t k = 0; k < start.size(); ++k)
-    if (reached[k] > 0.0) {
-      columns.emplace_back(numbers.places[k], std::fmax(reached[k], least_change * std::fabs(start[k])));
+  for (std::size_t k = 0; k < states; ++k)
+    if (reached[k] > unreached * size[k]) {
+      columns.emplace_back(numbers.places[k], std::fmax(reached[k], least_change * size[k]));
       rows.push_back(numbers.places[k]);
     }
   for (auto const& [index, by] : moves) columns.emplace_back(&value_[at(index)], by);

@@ -281,28 +281,51 @@ TEST_CASE(
   }
 }
 
-TEST_CASE(
-    "small motions of the controller alone: torque of a drive, filtered, through (D3) and (D5) on a rail that gives "
-    "nothing") {
-  double const period = 1e-3, speed = 30.0, low_pass = 1.0 - std::exp(-125.0 * period);
+/// Of two axles that roll at 30 m/s, sampled every millisecond.
+ControllerPlant small_motions() {
+  double const speed = 30.0;
   ControllerPlant plant({.name = "small",
-                         .step = period,
+                         .step = 1e-3,
                          .controller = {.controller = controller_of_two_axles(FilteredDerivative{125.0}, 1e9, 1.0)},
                          .axles = {"axle_1", "axle_2"},
                          .train_speed = speed,
                          .axle_speed = {speed / r, speed / r},
                          .roller_speed = {speed / R, speed / R}});
   plant.start(1.0);
-  auto const index = [&](char const* name) {
-    auto const all = plant.variables();
-    return static_cast<int>(std::ranges::find(all, name, &Variable::name) - all.begin());
-  };
-  REQUIRE(plant.set_input(index("train.friction_change"), -1.0));
-  std::array const moves{std::pair{index("axle_1.roller_torque"), 100.0}};
+  return plant;
+}
+
+int index_of(ControllerPlant const& plant, char const* name) {
+  auto const all = plant.variables();
+  return static_cast<int>(std::ranges::find(all, name, &Variable::name) - all.begin());
+}
+
+TEST_CASE(
+    "small motions of the controller alone: torque of a drive, filtered, through (D3) and (D5) on a rail that gives "
+    "nothing") {
+  double const low_pass = 1.0 - std::exp(-125.0 * 1e-3);
+  ControllerPlant plant = small_motions();
+  REQUIRE(plant.set_input(index_of(plant, "train.friction_change"), -1.0));
+  std::array const moves{std::pair{index_of(plant, "axle_1.roller_torque"), 100.0}};
   auto const [rows, columns, matrix] = plant.jacobian(moves);
   CHECK(rows - 2 == columns - 1);
   double const* command = &matrix[(rows - 2) * columns];
   CHECK(command[columns - 1] == doctest::Approx(-low_pass * J_r * (r / R) * (r / R) / J_w).epsilon(1e-9));
   CHECK(command[2 * columns - 1] == 0.0);  // of the other axle
   CHECK(plant.jacobian(moves).matrix == matrix);
+}
+
+TEST_CASE("small motions of the controller are those about the motion of its train, however fast that brakes") {
+  auto const found = [](double track_brake_force, double move) {
+    ControllerPlant plant = small_motions();
+    REQUIRE(plant.set_input(index_of(plant, "train.track_brake_force"), track_brake_force));
+    std::array const moves{std::pair{index_of(plant, "axle_1.roller_torque"), move}};
+    return plant.jacobian(moves);
+  };
+  auto const steady = found(0.0, 1.0), braking = found(50e3, 1.0);
+  REQUIRE(braking.rows == steady.rows);
+  REQUIRE(braking.columns == steady.columns);
+  for (std::size_t k = (steady.rows - 2) * steady.columns; k < steady.matrix.size(); ++k)  // the commands
+    CHECK(braking.matrix[k] == doctest::Approx(steady.matrix[k]).epsilon(1e-6));
+  CHECK(found(0.0, 1e-6).rows < steady.rows);  // of such a torque the train feels some rounding
 }

@@ -51,8 +51,8 @@ class ControllerPlant : public AnyPlant {
     std::size_t rows{}, columns{};
     std::vector<double> matrix{};
   };
-  /// By central differences about the present. States are the numbers that a sample changes, each varied as far as the inputs
-  /// bring it.
+  /// By central differences about the present. States are the numbers that the inputs bring elsewhere than a few samples do without
+  /// them, more than by rounding; each is varied as far as they bring it.
   ///
   /// @param moves  inputs that vary, by index, and how far: within what is linear
   Jacobian jacobian(std::span<std::pair<int, double> const> moves);
