@@ -19,7 +19,7 @@ Source: O. Polach, On non-linear methods of bogie stability assessment, Proc. IM
 """
 
 import math
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -140,28 +140,6 @@ def bracket(runs: Iterable[HuntingRun], disturbance: float) -> CriticalSpeedByDi
     persists = min((run.speed for run in ordered if run.persists), default=math.nan)
     decays = max((run.speed for run in ordered if run.decays and not run.speed > persists), default=math.nan)
     return CriticalSpeedByDisturbance(decays, persists, disturbance, ordered)
-
-
-def rounds_by_disturbance(
-    speeds_kmh: Mapping[str, Sequence[float]],
-    width_kmh: float,
-    runs: Mapping[str, list[HuntingRun]],
-    disturbance: float,
-) -> Iterator[list[tuple[str, float]]]:
-    """Rounds of runs that narrow critical speeds by disturbance down: label and speed [m/s] of each run.
-
-    Args:
-        speeds_kmh: label -> speeds of the first round [km/h].
-        width_kmh: to which the brackets are narrowed down [km/h].
-        runs: label -> finished runs; the caller adds those of a round before it asks for the next one.
-        disturbance: lateral offset of the leading wheelset [m].
-    """
-    first = [(label, v / 3.6) for label, speeds in speeds_kmh.items() for v in speeds]
-    yield sorted(first, key=lambda run: -run[1])  # the fastest take longest: no process shall wait for them at the end
-    while wanted := [
-        (label, v) for label in runs for v in bracket(runs[label], disturbance).further_speeds(width_kmh / 3.6)
-    ]:
-        yield wanted
 
 
 RADII = (0.46, 0.725, 1.0, 2.0, 5.0, 10.0)  # radii of the rollers in the table [m]

@@ -42,7 +42,7 @@ from rollerrig.plot.modes import hunting_frequencies
 from rollerrig.study import critical_speeds as speeds
 from rollerrig.study.assessment import Interval, change_in_words
 from rollerrig.study.frame import Outcome, Study
-from rollerrig.study.jobs import Done, Progress, Round, job, whole_modes, whole_run
+from rollerrig.study.jobs import Chains, Done, Progress, Round, job, whole_modes, whole_run
 from rollerrig.study.options import Option, Processes, command
 from rollerrig.study.quantities import Numbers
 from rollerrig.study.report import Block, Picture, Section, Table, Text
@@ -224,7 +224,7 @@ class CompareStudy(Study[Results]):
     command = "compare"
     writes = ("modes.csv", "runs.csv", "wheels.csv", "critical_speeds.csv", "roller_effects.csv", "disturbed_*.nc")
     formats = ("svg", "png")
-    round_ends = (0.25, 0.8)
+    round_ends = (0.25, 0.9)
 
     @property
     def title(self) -> str:
@@ -244,7 +244,7 @@ class CompareStudy(Study[Results]):
     def cases(self) -> Mapping[str, Case]:
         return self.supports
 
-    def rounds(self, done: Done) -> Iterator[Round]:
+    def rounds(self, done: Done) -> Iterator[Round | Chains]:
         jobs = {}
         for label, case in self.supports.items():
             jobs[f"modes {label}"] = job(whole_modes, case, self.speeds_kmh)
@@ -253,7 +253,7 @@ class CompareStudy(Study[Results]):
             jobs[f"linear critical speed {label}"] = job(scan_linear, case, RANGE_KMH)
         yield {**jobs, **speeds.roller_jobs(self.rig, self.parts, self.radii)}
         started = dict.fromkeys(self.supports, run_speeds(self.speeds_kmh))
-        yield from speeds.disturbance_rounds(self.supports, started, self.bracket_kmh, self.hunting, done)
+        yield speeds.disturbance_chains(self.supports, started, self.bracket_kmh, self.hunting)
         kmh = self._disturbed_kmh(done)
         settings = HuntingSettings(self.hunting.disturbance, DISTURBED_DURATION, 2e-3, 1e-5, 1e-8)
         yield {f"disturbed {label}": job(disturbed, case, kmh / 3.6, settings) for label, case in self.supports.items()}

@@ -5,7 +5,7 @@ critical speeds -> [critical_speeds] -> jobs, numbers, CSV rows, tables, sentenc
 
 import itertools
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from matplotlib.figure import Figure
@@ -23,7 +23,7 @@ from rollerrig.analysis.critical_speed import (
 from rollerrig.analysis.hunting import HuntingRun, HuntingSettings, hunting_run
 from rollerrig.config import Case
 from rollerrig.plot.compare import critical_over_radius, effect_bars
-from rollerrig.study.jobs import Done, Job, Round, job
+from rollerrig.study.jobs import Chain, Chains, Done, Job, Round, job
 from rollerrig.study.report import Table
 
 EFFECT_LABELS = {
@@ -39,19 +39,36 @@ def words(name: str) -> str:
     return name.replace("_", " ")
 
 
-def disturbance_rounds(
+def disturbance_chains(
     cases: Mapping[str, Case],
     speeds_kmh: Mapping[str, Sequence[float]],
     width_kmh: float,
     settings: HuntingSettings,
-    done: Done,
-) -> Iterator[Round]:
-    """Rounds of runs from a disturbance, until each critical speed is bracketed to a width."""
-    runs: dict[str, list[HuntingRun]] = {label: [] for label in cases}
-    for wanted in critical_speed.rounds_by_disturbance(speeds_kmh, width_kmh, runs, settings.disturbance):
-        yield {_run_name(label, v): job(hunting_run, (cases[label], v, settings)) for label, v in wanted}
-        for label, speed in wanted:
-            runs[label].append(done[_run_name(label, speed)])
+) -> Chains:
+    """Runs from a disturbance, first at these speeds [km/h] of each label, until its critical speed is bracketed to a width."""
+
+    def chain(label: str) -> Chain:
+        def following(done: Done) -> Round:
+            runs: list[HuntingRun] = []
+            wanted = sorted((v / 3.6 for v in speeds_kmh[label]), reverse=True)  # the fastest take longest
+            while wanted:
+                names = {_run_name(label, v): job(hunting_run, (cases[label], v, settings)) for v in wanted}
+                if missing := {name: one for name, one in names.items() if name not in done}:
+                    return missing
+                runs += [done[name] for name in names]
+                wanted = critical_speed.bracket(runs, settings.disturbance).further_speeds(width_kmh / 3.6)
+            return {}
+
+        return following
+
+    expected = sum(len(speeds) + 2 * narrowings(speeds, width_kmh, 3) for speeds in speeds_kmh.values())
+    return Chains(tuple(map(chain, cases)), expected)
+
+
+def narrowings(speeds_kmh: Sequence[float], width_kmh: float, parts: int) -> int:
+    """How often the widest step between rising speeds must be divided into parts until it is no wider than a width [km/h]."""
+    widest = max((b - a for a, b in itertools.pairwise(speeds_kmh)), default=width_kmh)
+    return math.ceil(math.log(max(1.0, widest / width_kmh), parts) - 1e-9)
 
 
 def brackets(labels: Sequence[str], settings: HuntingSettings, done: Done) -> dict[str, CriticalSpeedByDisturbance]:

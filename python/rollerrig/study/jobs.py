@@ -3,7 +3,7 @@
 rounds of jobs -> [run_rounds] -> results by name; with a checkpoint also after kill -9
 
 Later rounds may depend on the results of earlier ones: a study yields a round at a time and finds its results in `done`. Within a
-round, jobs that each need the one before them are a chain; several chains run side by side.
+round, jobs that need others before them are a chain; several chains run side by side, and none waits for another.
 """
 
 import time
@@ -28,8 +28,8 @@ from rollerrig.study.workers import run_jobs
 Done = dict[str, Any]
 """Name of a job -> its result."""
 Round = Mapping[str, Job]
-Chain = Callable[[Done], tuple[str, Job] | None]
-"""Results so far -> name of the next job of a chain and the job; None: it is at its end."""
+Chain = Callable[[Done], Round]
+"""Results so far -> the next jobs of a chain, also those at work, whichever of them end first; none: it is at its end."""
 
 FIRST_ROUND = 0.75
 """Fraction of the whole at which the first of several rounds ends."""
@@ -42,7 +42,7 @@ def job(function: Callable[..., Any], *arguments: Any) -> Job:
 
 @dataclass(frozen=True)
 class Chains:
-    """Jobs of which each needs the results of those before it, in several chains side by side.
+    """Jobs that need the results of those before them, in several chains side by side.
 
     Attributes:
         chains: asked for their next job after each of their own.
@@ -145,9 +145,9 @@ def _run_round(
     started, finished = set[str](), 0
 
     def following() -> dict[str, Job]:
-        """Next jobs of the chains that are not at work yet."""
-        found = dict(filter(None, (chain(done) for chain in chains)))
-        new = {name: one for name, one in found.items() if name not in started}
+        """Next jobs of the chains that are neither done nor at work."""
+        found = [one for chain in chains for one in chain(done).items()]
+        new = {name: one for name, one in found if name not in started and name not in done}
         started.update(new)
         return new
 
@@ -190,8 +190,8 @@ def _names(work: Round | Chains, done: Done) -> list[str]:
     found: Done = {}
     for chain in work.chains:
         past: Done = {}
-        while (following := chain(past)) is not None and following[0] in done:
-            past[following[0]] = done[following[0]]
+        while more := {name: done[name] for name in chain(past) if name in done and name not in past}:
+            past |= more
         found |= past
     return list(found)
 

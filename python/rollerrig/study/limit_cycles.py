@@ -23,8 +23,8 @@ from rollerrig.common.arrays import Array
 from rollerrig.config import Case
 from rollerrig.plot import limit_cycle_diagram
 from rollerrig.results.dataset import variable
-from rollerrig.study.critical_speeds import brackets, disturbance_rounds, ended_early
-from rollerrig.study.jobs import Chain, Chains, Done, Job, Progress, Round, job, kept_rounds
+from rollerrig.study.critical_speeds import brackets, disturbance_chains, ended_early, narrowings
+from rollerrig.study.jobs import Chain, Chains, Done, Progress, Round, job, kept_rounds
 from rollerrig.study.quantities import Quantities
 from rollerrig.study.report import Block, Picture, Text
 
@@ -56,15 +56,14 @@ def cycle_chains(case: Case, speeds_kmh: Sequence[float], settings: LimitCycleSe
     def chain(sweep: Sweep) -> Chain:
         offset = settings.perturbation if sweep == "up" else settings.disturbance
 
-        def following(done: Done) -> tuple[str, Job] | None:
+        def following(done: Done) -> Round:
             _, missing = _branch(sweep, speeds_kmh, settings, done)
-            return (missing[0], job(settling_run, case, settings, offset, *missing[1:])) if missing else None
+            return {missing[0]: job(settling_run, case, settings, offset, *missing[1:])} if missing else {}
 
         return following
 
-    widest = max((b - a for a, b in zip(speeds_kmh, speeds_kmh[1:], strict=False)), default=0.0)
-    halvings = math.ceil(math.log2(max(1.0, widest / settings.tolerance_kmh)))
-    return Chains((chain("down"), chain("up")), 2 * len(speeds_kmh) + halvings)
+    expected = 2 * len(speeds_kmh) + narrowings(speeds_kmh, settings.tolerance_kmh, 2)
+    return Chains((chain("down"), chain("up")), expected)
 
 
 def cycle_diagram(
@@ -230,11 +229,11 @@ def critical_speed(
     speeds = [float(v) for v in speeds_kmh]
     runs, cycles = HuntingSettings(), LimitCycleSettings(tolerance_kmh=bracket_kmh)
 
-    def rounds(done: Done) -> Iterator[Round | Chains]:
+    def rounds(_done: Done) -> Iterator[Round | Chains]:
         if "linear" in asked:
             yield {_LINEAR: job(onset_from, chosen, speeds)}
         if "disturbance" in asked:
-            yield from disturbance_rounds({"": chosen}, {"": speeds}, bracket_kmh, runs, done)
+            yield disturbance_chains({"": chosen}, {"": speeds}, bracket_kmh, runs)
         if "continuation" in asked:
             yield cycle_chains(chosen, speeds, cycles)
 

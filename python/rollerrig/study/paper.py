@@ -24,7 +24,7 @@ from rollerrig.plot.modes import hunting_frequencies
 from rollerrig.study import critical_speeds as speeds
 from rollerrig.study.assessment import check_table, counts_text
 from rollerrig.study.frame import Outcome, Study, dataset_rows
-from rollerrig.study.jobs import Done, Progress, Round
+from rollerrig.study.jobs import Chains, Done, Progress, Round
 from rollerrig.study.options import Processes, command
 from rollerrig.study.quantities import Numbers
 from rollerrig.study.report import VIEW, Block, Mark, Picture, Section, Table, Text
@@ -47,7 +47,7 @@ class PaperStudy(Study[Results]):
     command = "paper"
     writes = ("data/*.nc", "data/*.csv", VIEW)
     formats = ("svg", "png")
-    round_ends = (0.2, 0.8)
+    round_ends = (0.07, 1.0)
     assumes = (TEXT["limitation"],)
 
     heading = "Malvezzi, Meli and Pugi (2010): critical speed and traction of a bogie on a roller rig"
@@ -59,8 +59,8 @@ class PaperStudy(Study[Results]):
     def cases(self) -> Mapping[str, Case]:
         return {"figure 7 (steel)": computed.rig_case("steel"), "figure 8": computed.traction_case()}
 
-    def rounds(self, done: Done) -> Iterator[Round]:
-        return computed.rounds(self.chosen, done)
+    def rounds(self, done: Done) -> Iterator[Round | Chains]:
+        return computed.rounds(self.chosen)
 
     def collect(self, done: Done) -> Results | None:
         return computed.results_of(self.chosen, done)

@@ -22,7 +22,8 @@ from rollerrig.analysis.limit_cycle import (
 )
 from rollerrig.analysis.limit_cycle_runs import LimitCycleSettings, limit_cycle_table
 from rollerrig.config import Case, load_case
-from rollerrig.study.critical_speeds import brackets, disturbance_rounds
+from rollerrig.study.critical_speeds import brackets, disturbance_chains
+from rollerrig.study.jobs import run_rounds
 from rollerrig.study.limit_cycles import continuation_sentences, limit_cycles
 
 ONSET, WIDTH = 50.0, 20.0
@@ -267,9 +268,9 @@ def test_the_bogie_on_rollers_hunts_below_its_linear_critical_speed(found) -> No
 def test_critical_speeds_by_the_three_definitions_are_in_order(bogie, found) -> None:
     """fold <= by disturbance <= linear, within the widths to which they were found."""
     width = QUICK.tolerance_kmh / 3.6
-    runs, done = HuntingSettings(duration=4.0), {}
-    for jobs in disturbance_rounds({"": bogie}, {"": [150.0, 190.0]}, 10.0, runs, done):
-        done.update({name: one.call(lambda _fraction, _text: None) for name, one in jobs.items()})
+    runs = HuntingSettings(duration=4.0)
+    chains = disturbance_chains({"": bogie}, {"": [150.0, 190.0]}, 10.0, runs)
+    done, _ = run_rounds(lambda _done: iter([chains]), None, (1.0,), 1, None)
     by = brackets([""], runs, done)[""]
     linear = linear_critical_speed(bogie, [200 / 3.6, 300 / 3.6])
     assert linear is not None

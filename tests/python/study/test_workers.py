@@ -16,7 +16,7 @@ from typing import Any
 import pytest
 
 from rollerrig.simulation.run import Progress
-from rollerrig.study.jobs import Chains, Done, run_rounds, whole_run
+from rollerrig.study.jobs import Chains, Done, Round, run_rounds, whole_run
 from rollerrig.study.workers import Job, WorkerError, run_jobs
 
 BOUND = 10.0
@@ -69,11 +69,11 @@ def test_an_interrupt_within_a_job_keeps_what_is_done() -> None:
 @pytest.mark.slow
 def test_chains_run_side_by_side_and_a_job_brings_the_one_that_follows_it() -> None:
     def chain(start: int) -> Any:
-        def following(done: Done) -> tuple[str, Job] | None:
+        def following(done: Done) -> Round:
             number = start
             while f"{number}" in done:
                 number = done[f"{number}"]
-            return (f"{number}", Job(square, (number,))) if number < 100 else None
+            return {f"{number}": Job(square, (number,))} if number < 100 else {}
 
         return following
 
@@ -81,6 +81,35 @@ def test_chains_run_side_by_side_and_a_job_brings_the_one_that_follows_it() -> N
     for processes in (1, 2):
         found, _ = run_rounds(lambda _: iter([Chains((chain(2), chain(3)), 6)]), None, (1.0,), processes, None)
         assert list(found.items()) == list(expected.items()), "one chain after the other"
+
+
+def late(number: int) -> int:
+    """The lower its number the later a job ends."""
+    time.sleep(0.3 / number)
+    return number
+
+
+@pytest.mark.slow
+def test_a_chain_of_rounds_waits_for_its_own_jobs_alone() -> None:
+    """Names and order of the jobs are those of one process, whichever job ends first."""
+
+    def chain(name: str, first: int) -> Any:
+        def following(done: Done) -> Round:
+            for row in ([first, first + 1, first + 2], [10 * first]):
+                wanted = {f"{name}{number}": Job(late, (number,)) for number in row}
+                if missing := {key: one for key, one in wanted.items() if key not in done}:
+                    return missing
+            return {}
+
+        return following
+
+    orders = []
+    for processes in (1, 2, 4):
+        chains = Chains((chain("a", 1), chain("b", 4)), 8)
+        found, _ = run_rounds(lambda _, chains=chains: iter([chains]), None, (1.0,), processes, None)  # type: ignore[misc]
+        orders.append(list(found.items()))
+    expected = [("a", 1), ("a", 2), ("a", 3), ("a", 10), ("b", 4), ("b", 5), ("b", 6), ("b", 40)]
+    assert orders == [[(f"{name}{number}", number) for name, number in expected]] * 3
 
 
 def fails(name: str) -> None:

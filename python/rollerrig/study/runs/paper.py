@@ -24,7 +24,7 @@ from rollerrig.config import Case, load_case
 from rollerrig.study import critical_speeds as speeds
 from rollerrig.study.assessment import Check, Interval, counts
 from rollerrig.study.frame import dataset_rows
-from rollerrig.study.jobs import Done, Job, Round, job, whole_modes, whole_run
+from rollerrig.study.jobs import Chains, Done, Job, Round, job, whole_modes, whole_run
 from rollerrig.study.report import Mark
 
 MATERIALS = ("steel", "paper")  # names in the catalogue; `paper` has the G = 10 GPa of the paper
@@ -112,7 +112,7 @@ def _label(contact: str, material: str, variant: str) -> str:
     return f"{variant} {material}" if contact == OWN else f"{contact} {variant} {material}"
 
 
-def rounds(plan: PaperPlan, done: Done) -> Iterator[Round]:
+def rounds(plan: PaperPlan) -> Iterator[Round | Chains]:
     """All jobs: what is linear first, then ramps and runs."""
     linear: dict[str, Job] = {}
     further: dict[str, Job] = {}
@@ -129,9 +129,8 @@ def rounds(plan: PaperPlan, done: Done) -> Iterator[Round]:
     yield linear
     cases = {_label(*key): case_of(key[2], key[1], key[0]) for key in RUNS}
     begun = {_label(*key): plan.runs_kmh[key[1]] for key in RUNS}
-    for more in speeds.disturbance_rounds(cases, begun, plan.bracket_kmh, plan.hunting, done):
-        yield {**further, **more}
-        further = {}
+    runs = speeds.disturbance_chains(cases, begun, plan.bracket_kmh, plan.hunting)
+    yield Chains((lambda _done: further, *runs.chains), len(further) + runs.expected)
 
 
 Place = tuple[str, str, str]  # contact, material, variant
