@@ -49,11 +49,10 @@ void RigController::step(State& s, Measurements const& now, double period, PerAx
   for (int i = 0; i < now.under_test; ++i) {  // front to back: the leading axle cleans for the following ones
     AxleState& axle = s.axle[at(i)];
     VirtualAxle const& wheels = s.train.axle[at(i)];
-    double const ahead = train.position[at(i)];
-    rail.pass(
-        axle.rail,
-        {from + ahead, s.train.distance + ahead, s.train.speed, r * wheels.speed, wheels.force, 2.0 * pi * r, period},
-        found, at(i));
+    rail.pass(axle.rail,
+              {from + train.position[at(i)], s.train.distance - from, s.train.speed, r * wheels.speed, wheels.force,
+               2.0 * pi * r, period},
+              found, at(i));
     axle.feed_forward = assumed.roller_inertia * r / assumed.roller_radius * wheels.rate -
                         assumed.roller_radius * wheels.force;  // (D5)
     double wanted = axle.feed_forward;
