@@ -242,7 +242,7 @@ struct WheelSlideProtection {
     bool const overruled = all.off || axle.vents_for > longest_vent;
     axle.grips_for = one.grips(axle.seen, reference) ? axle.grips_for + period : 0.0;
     if (overruled || axle.grips_for > regained_after) axle.seen.slid = false;
-    DumpValve const wanted = one.decide(own, axle.seen, reference, period);
+    DumpValve const wanted = one.decide(own, axle.seen, reference, period);  // while overruled, too: its pulses go on
     DumpValve const valve = overruled ? DumpValve::fill : wanted;
     bool const vents = valve == DumpValve::vent;
     axle.vents_for = vents ? axle.vents_for + period : 0.0;
