@@ -35,7 +35,7 @@ void RigController::step(State& s, Measurements const& now, double period, PerAx
     };
     s.axle[k].estimate = visit_with_state(estimate, estimator, s.axle[k].estimator);
     torques[k] = s.axle[k].estimate.torque = torque_of_axle(s.axle[k], now, k, period);
-    lock_or_unlock(s, static_cast<int>(k), now.axle_speed[k]);
+    lock_or_unlock(s.train.axle[k], s.train.speed, now.axle_speed[k]);
   }
   double const from = s.train.distance;
   auto const rail_force = [&](int i, double slip, double speed, double load) {
@@ -49,11 +49,10 @@ void RigController::step(State& s, Measurements const& now, double period, PerAx
   for (int i = 0; i < now.under_test; ++i) {  // front to back: the leading axle cleans for the following ones
     AxleState& axle = s.axle[at(i)];
     VirtualAxle const& wheels = s.train.axle[at(i)];
-    double const ahead = train.position[at(i)];
-    rail.pass(
-        axle.rail,
-        {from + ahead, s.train.distance + ahead, s.train.speed, r * wheels.speed, wheels.force, 2.0 * pi * r, period},
-        found, at(i));
+    rail.pass(axle.rail,
+              {from + train.position[at(i)], s.train.distance - from, s.train.speed, r * wheels.speed, wheels.force,
+               2.0 * pi * r, period},
+              found, at(i));
     axle.feed_forward = assumed.roller_inertia * r / assumed.roller_radius * wheels.rate -
                         assumed.roller_radius * wheels.force;  // (D5)
     double wanted = axle.feed_forward;
@@ -95,10 +94,9 @@ double RigController::torque_of_axle(AxleState& axle, Measurements const& now, s
 
 /// The brake of a locked wheel holds against whatever the roller exerts: what is estimated of its torque is the reaction to the
 /// drive's own, delayed by the estimator, and through (D3) it would return to the drive with the gain J_r (r/R)^2 / J_w.
-void RigController::lock_or_unlock(State& s, int i, double axle_speed) const {
+void RigController::lock_or_unlock(VirtualAxle& axle, double train_speed, double axle_speed) const {
   double const rolling = train.wheel_radius * axle_speed;
-  bool const stands = std::fabs(rolling) < locked_speed && s.train.speed - rolling > locked_speed;
-  VirtualAxle& axle = s.train.axle[at(i)];
+  bool const stands = std::fabs(rolling) < locked_speed && train_speed - rolling > locked_speed;
   axle.locked = stands && (axle.locked || train.wheel_radius * std::fabs(axle.speed) < locked_speed);
   if (axle.locked) axle.speed = axle_speed;
 }

@@ -268,8 +268,8 @@ void MechatronicSystem::dissipate(Dynamics const& plant, Inputs& inputs) {
       double const own = width > 0.0 ? energy_per_area(power, train_.speed, width) : 0.0;
       double const radius = model.contacts[at(c)].pair.wheel_radius;
       double const rolled = setup_.step * std::fabs(radius * plant.work().motion[at(parts.wheelset)].rate[coord_pitch]);
-      double const under = wheel_[side][i].pass({&rail_[side], 1}, from, from + step_length, own, rolled,
-                                                2.0 * pi * radius, setup_.wheel_memory);
+      double const under = wheel_[side][i].pass({&rail_[side], 1}, from, step_length, own, rolled, 2.0 * pi * radius,
+                                                setup_.wheel_memory);
       inputs.dissipated_energy[at(c)] += energy_relaxation * (under - inputs.dissipated_energy[at(c)]);
     }
   }

@@ -17,7 +17,7 @@ from rollerrig.assembly.actuators import friction_brake
 from rollerrig.cases import rig_of, wheelsets
 from rollerrig.common.arrays import Array
 from rollerrig.config import Case, ConfigError
-from rollerrig.config.schema.rig_control import BandwidthEstimator
+from rollerrig.config.schema.rig_control import ESTIMATORS, BandwidthEstimator
 from rollerrig.results import variable
 from rollerrig.results.logs import Log, column_of, log_quantity, read_log, time_problem
 from rollerrig.results.run_info import ResultsError
@@ -50,7 +50,7 @@ def check_case(case: Case) -> None:
         allowed = "allowed: our own controller, whose estimator and virtual train are known"
         raise ConfigError.of(case.name, "rig_control", "a controller of your own", allowed)
     if not isinstance(control.estimator, BandwidthEstimator):
-        allowed = "allowed: observer, filtered_derivative, kalman: no log has what really acts"
+        allowed = f"allowed: {', '.join(kind for kind in ESTIMATORS if kind != 'exact')}: no log has what really acts"
         raise ConfigError.of(case.name, "rig_control.estimator.kind", repr(control.estimator.kind), allowed)
     if control.estimator.torque != "measured":
         raise ConfigError.of(case.name, "rig_control.estimator.torque", "'commanded'", "allowed: 'measured'")

@@ -175,7 +175,7 @@ class TuneStudy(Study[Tuned]):
     def __post_init__(self) -> None:
         """Refuse with a ConfigError a controller without a linear loop, and keys and ranges that do not fit."""
         if loop_of(self.test, 1.0, sliding=False) is None:
-            kinds = "estimator observer, filtered_derivative or kalman, no [sensors.roller_torque], no rotors"
+            kinds = "an estimator other than exact, no [sensors.roller_torque], no rotors"
             raise ConfigError.of(self.case.name, "rig_control", "no linear loop", f"needed for the margins: {kinds}")
         check_ensemble(self.test)
         assert self.axes

@@ -106,6 +106,15 @@ TEST_CASE("energy of a simulated axle closes, and its slip never gives any") {
   }
 }
 
+TEST_CASE("what treads keep does not depend on how far the train has come") {
+  Train here(1), far(1);
+  here.rail.wheel_memory = far.rail.wheel_memory = 100.0;
+  far.distance = 1e6;
+  here.run(4.0), far.run(4.0);
+  CHECK(here.states.axle[0].rail.wheels.energy > 0.0);
+  CHECK(far.states.axle[0].rail.wheels.energy == here.states.axle[0].rail.wheels.energy);
+}
+
 TEST_CASE("pads hold a locked wheel of a running train without ringing") {
   Train train(1);
   train.run(8.0);

@@ -10,7 +10,7 @@ from rollerrig.catalog import catalog_text
 from rollerrig.config import ConfigError, Contact, load_any, load_case, load_vehicle
 from rollerrig.config.errors import show_value
 from rollerrig.config.schema.actuators import Brake
-from rollerrig.config.schema.rig_control import KalmanFilter, NoFeedback
+from rollerrig.config.schema.rig_control import ESTIMATORS, KalmanFilter, NoFeedback
 
 from .conftest import MistakesOf, spoil
 
@@ -349,10 +349,9 @@ def test_an_example_fits_its_key(tmp_path: Path) -> None:
     ("changes", "line"),
     [
         ({"rig_control.estimator": "kalmann"},
-         "rig_control.estimator: 'kalmann'; allowed: observer, filtered_derivative, kalman, exact; did you mean 'kalman'?"),
+         f"rig_control.estimator: 'kalmann'; allowed: {', '.join(ESTIMATORS)}; did you mean 'kalman'?"),
         ({"rig_control.estimator": {"kind": "Luenberger"}},
-         "rig_control.estimator.kind: 'Luenberger'; allowed: observer, filtered_derivative, kalman, exact; did you mean "
-         "'observer'?"),
+         f"rig_control.estimator.kind: 'Luenberger'; allowed: {', '.join(ESTIMATORS)}; did you mean 'observer'?"),
         ({"rig_control.estimator": {"speed_noise": 1e-3}},
          "rig_control.estimator.speed_noise: unknown key (= 0.001); allowed: torque, bandwidth, kind, damping_ratio"),
         ({"rig_control.estimator": {"kind": "exact", "bandwidth": 20}},

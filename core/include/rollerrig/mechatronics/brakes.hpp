@@ -193,7 +193,7 @@ struct ElectrodynamicBrake {
     if (reaction() == OnSlide::keep) return;
     bool const vents = valve == DumpValve::vent;
     bool const stays_off = reaction() == OnSlide::switch_off && asked > 0.0;
-    s.off = (s.off && stays_off) || (vents && stays_off);
+    s.off = stays_off && (s.off || vents);
     if (vents || s.off) s.factor = std::fmax(0.0, s.factor - reduction_rate * h);
     if (valve == DumpValve::fill && !s.off) s.factor = std::fmin(1.0, s.factor + restoring_rate * h);
   }

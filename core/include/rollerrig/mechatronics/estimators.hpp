@@ -5,18 +5,15 @@
 #include <array>
 #include <cmath>
 #include <optional>
-#include <variant>
 
 #include "rollerrig/fields.hpp"
 
 namespace rollerrig {
 
-/// What an estimator of the contact force sees of one axle, and what it returns.
-///
-/// Signs   roller speed W is positive when the roller turns as under a wheel that rolls forward; its drive's torque U and the
-///         force T on the wheel are positive forward; so is the torque C on the axle.
-///
-///     J_r W' = U + R T        (D1)     J_w w' = C - r T        (D2)
+//     J_r W' = U + R T        (D1)     J_w w' = C - r T        (D2)
+// Signs   roller speed W is positive when the roller turns as under a wheel that rolls forward; its drive's torque U and the
+//         force T on the wheel are positive forward; so is the torque C on the axle.
+
 /// Wheel and roller as the controller assumes them; they may differ from the rig's.
 struct AssumedParameters {
   double roller_inertia{}, roller_radius{}, wheelset_inertia{}, wheel_radius{};
@@ -199,7 +196,7 @@ struct DisturbanceObserver {
   }
 };
 
-using AnyEstimator = std::variant<DisturbanceObserver, FilteredDerivative, KalmanFilter, ExactForces>;
+using AnyEstimator = OneOf<DisturbanceObserver, FilteredDerivative, KalmanFilter, ExactForces>;
 
 /// Bandwidth and delay that an estimate really has.
 struct EstimatorResponse {

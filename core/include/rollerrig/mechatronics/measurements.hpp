@@ -15,8 +15,7 @@
 
 namespace rollerrig {
 
-/// How many axles sensors, controllers and actuators have room for.
-/// Of the vehicle under test; a model with more of them is refused.
+/// How many axles of a train sensors, controllers and actuators have room for; more are refused.
 constexpr int most_axles = 32;
 
 template <class V>
@@ -133,8 +132,7 @@ constexpr PerAxle<double> Measurements::* place_of(MeasurementField const& field
   return field.of == &Measurements::axle_speed && !of_rollers ? &Measurements::vehicle_axle_speed : field.of;
 }
 
-// Commands of one controller between their sample and their acting.
-
+/// Commands of one controller between their sample and their acting.
 class DelayedCommands {
  public:
   /// @param initial  acts before the first command

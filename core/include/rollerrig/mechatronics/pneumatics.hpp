@@ -107,11 +107,9 @@ T orifice_flow(T const& ratio, double critical) {
   return select(ratio > laminar, subsonic(T(laminar)) * left / (1.0 - laminar), inside);
 }
 
-/// The pressure that a brake's control valve asks for, and the cylinders behind it.
-///
-///   demand -> [control valve: limited in rate] -> pressure asked for -> law of the air -> cylinder pressure
-///
-/// Pressures are over the ambient [Pa], but for ratios. Air is counted as a volume at the ambient pressure [m^3].
+//   demand -> [control valve: limited in rate] -> pressure asked for -> law of the air -> cylinder pressure
+// Pressures are over the ambient [Pa], but for ratios. Air is counted as a volume at the ambient pressure [m^3].
+
 /// Of one axle.
 struct Cylinder {
   double control{};       ///< pressure asked for [Pa]
@@ -132,7 +130,7 @@ struct Cylinder {
   }
 };
 
-/// What feeds all cylinders.
+/// What feeds the cylinders of one reservoir.
 struct AirSupply {
   double reservoir{};  ///< its pressure [Pa]
   double drawn{};      ///< from the main pipe since the start [m^3]
@@ -189,7 +187,7 @@ struct CylinderPipe {
                "sonic conductance of a relay valve that is wide open, C", not_negative});
   }
 
-  double volume() const { return 0.25 * 3.14159265358979323846 * diameter * diameter * length; }
+  double volume() const { return 0.25 * pi * diameter * diameter * length; }
   Orifice tube() const {
     double const square = diameter * diameter;
     double const conductance = 0.029 * square / std::sqrt(length / std::pow(diameter, 1.25) + 510.0);

@@ -83,7 +83,7 @@ struct RigController {
 
  private:
   /// Whether the wheel is locked, and with it that of the virtual train, (D15).
-  void lock_or_unlock(State& s, int axle, double axle_speed) const;
+  void lock_or_unlock(VirtualAxle& axle, double train_speed, double axle_speed) const;
   /// The torque of an axle that the virtual train takes, from its estimate and what is known of brake and motor.
   double torque_of_axle(AxleState& axle, Measurements const& now, std::size_t k, double period) const;
 };

@@ -11,7 +11,6 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <variant>
 
 #include "rollerrig/fields.hpp"
 #include "rollerrig/mechatronics/estimators.hpp"
@@ -101,7 +100,7 @@ struct SlidingMode {
   }
 };
 
-using AnyFeedback = std::variant<ProportionalIntegral, SlidingMode, NoFeedback>;
+using AnyFeedback = OneOf<ProportionalIntegral, SlidingMode, NoFeedback>;
 
 /// What the controller knows of one axle's torque at a sample.
 struct TorqueSample {
@@ -181,7 +180,7 @@ struct ExtrapolatedTorque {
   }
 };
 
-using AnyAxleTorque = std::variant<EstimatedTorque, KnownTorque, ExtrapolatedTorque>;
+using AnyAxleTorque = OneOf<EstimatedTorque, KnownTorque, ExtrapolatedTorque>;
 
 /// The torque that a roller's drive is to exert, and what it exerts.
 struct WantedTorque {
@@ -245,6 +244,6 @@ struct TorqueLoop {
   }
 };
 
-using AnyDriveCommand = std::variant<DirectCommand, LeadCommand, TorqueLoop>;
+using AnyDriveCommand = OneOf<DirectCommand, LeadCommand, TorqueLoop>;
 
 }  // namespace rollerrig

@@ -4,7 +4,6 @@
 //
 // To add a start: a struct here, its line in AnySandingStart, its table in python/rollerrig/config/schema/brakes.py.
 #pragma once
-#include <cmath>
 #include <variant>
 
 #include "rollerrig/fields.hpp"

@@ -40,13 +40,13 @@ struct AxleTurn {
   void state(auto& archive) { archive(time, angle, speed); }
 };
 
-/// Incremental encoder: speed from the counts of the last few samples.
-///
-///   true angle at the sampling instant -> [counts] -> their difference over the window -> speed
 /// Samples over which an encoder's counts may be differenced.
 inline constexpr int longest_window = 16;
 inline constexpr Range window_range{0.0, longest_window, "0 to 16 samples"};
 
+/// Incremental encoder: speed from the counts of the last few samples.
+///
+///   true angle at the sampling instant -> [counts] -> their difference over the window -> speed
 struct Encoder {
   static constexpr char const* name = "encoder";
 
@@ -89,7 +89,7 @@ struct Encoder {
     double const shift = jitter > 0.0 ? jitter * normal_number(stream, s.samples) : 0.0;
     ++s.samples;
     double const count = std::floor((now.angle - s.offset) / (2.0 * pi) * counts + shift);
-    int const over = window < 1 ? 1 : window > longest_window ? longest_window : window;
+    int const over = std::clamp(window, 1, longest_window);
     if (s.filled >= 1) {
       int const back = s.filled < over ? s.filled : over;
       double const before = s.counts[at((s.head + longest_window + 1 - back) % (longest_window + 1))];
@@ -275,10 +275,9 @@ struct PulseFrequency {
   PhonicWheel wheel() const { return {teeth, pitch_error}; }
 };
 
-/// What a controller gets to see of forces and torques: filtered, noisy, or as a mean.
+/// A force or torque transducer: first-order lag, then noise, resolution and range of its reading.
 ///
 ///   true force at each step -> [transducer] -> reading at the sampling instant
-/// A force or torque transducer: first-order lag, then noise, resolution and range of its reading.
 struct ForceSensor {
   std::optional<double> bandwidth{};
   double noise{}, resolution{};

@@ -97,7 +97,7 @@ struct SimulatedAxleStates {
       own.to_train += h * of_rail * train.speed;
       own.dissipated += h * of_rail * own.slip;
       force += of_rail;
-      rail.pass(own.rail, {place, place + h * train.speed, train.speed, r * w, of_rail, 2.0 * pi * r, h}, found, i);
+      rail.pass(own.rail, {place, h * train.speed, train.speed, r * w, of_rail, 2.0 * pi * r, h}, found, i);
     }
   }
 };

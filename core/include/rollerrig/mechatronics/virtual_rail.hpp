@@ -49,7 +49,7 @@ struct RailUnderAxle {
 
 /// An axle over a step.
 struct AxlePassage {
-  double from{}, to{};                  ///< along the rail [m]
+  double from{}, passed{};              ///< place along the rail, length of it that passes [m]
   double train_speed{}, wheel_speed{};  ///< the wheels' at their circumference [m/s]
   double force{};                       ///< of the rail [N]
   double circumference{}, period{};     ///< [m], [s]
@@ -99,10 +99,11 @@ struct VirtualRail {
   /// What the wheels ahead and this axle, number i, have left on the rail under it.
   void pass(RailUnderAxle& under, AxlePassage const& axle, FoundRail const& found, std::size_t i) const {
     double const power = 0.5 * std::fabs(axle.force * (axle.wheel_speed - axle.train_speed));  // of one wheel
-    under.energy = under.wheels.pass(found.energy, axle.from, axle.to, energy_per_area(power, axle.train_speed, width),
-                                     axle.period * std::fabs(axle.wheel_speed), axle.circumference, wheel_memory);
+    under.energy =
+        under.wheels.pass(found.energy, axle.from, axle.passed, energy_per_area(power, axle.train_speed, width),
+                          axle.period * std::fabs(axle.wheel_speed), axle.circumference, wheel_memory);
     if (found.sand != nullptr)
-      under.sand = found.sand->run(axle.from, axle.to, found.sand_flow[i] * axle.period, sand_kept);
+      under.sand = found.sand->run(axle.from, axle.from + axle.passed, found.sand_flow[i] * axle.period, sand_kept);
   }
 };
 

@@ -6,7 +6,6 @@
 // in python/rollerrig/config/schema/actuators.py.
 #pragma once
 #include <cmath>
-#include <variant>
 #include <vector>
 
 #include "rollerrig/fields.hpp"
@@ -19,15 +18,15 @@ namespace rollerrig {
 /// What every law of slide protection knows of an axle.
 struct BrakedAxle {
   double speed{}, acceleration{};  ///< at the wheel's circumference, the second one filtered [m/s], [m/s^2]
-  bool recovers{false};            ///< it gains speed
-  bool released{false};            ///< for the reference speed
   bool slid{false};                ///< and has not gripped for long since
-  void state(auto& archive) { archive(speed, acceleration, recovers, released, slid); }
+  void state(auto& archive) { archive(speed, acceleration, slid); }
+
+  // Found anew at each sample.
+  bool recovers{false};  ///< it gains speed
+  bool released{false};  ///< for the reference speed
 };
 
 /// Our law of slide protection: two slips, a deceleration, pulses.
-///
-///   axle speeds (sampled) -> reference speed, slip, deceleration -> [criteria] -> dump valve of each axle: fill, hold, vent
 ///
 /// Written after the published principles of EN 15595 and UIC 541-05. It is not a certified device.
 struct SlipAndDeceleration {
@@ -207,9 +206,10 @@ struct WheelSlideProtection {
   void step(State& s, Measurements const& now, double period, PerAxle<double>& valve) const {
     observe(s, now, period);
     for (int i = 0; i < now.axles; ++i) {
-      s.axle[at(i)].seen.released = s.reference.releases(i);
-      auto const of_law = [&](auto const& one, auto& state) { return decide(one, state, s, s.axle[at(i)], period); };
-      valve[at(i)] = static_cast<double>(visit_with_state(of_law, law, s.axle[at(i)].law));
+      AxleState& axle = s.axle[at(i)];
+      axle.seen.released = s.reference.releases(i);
+      auto const of_law = [&](auto const& one, auto& state) { return decide(one, state, s, axle, period); };
+      valve[at(i)] = static_cast<double>(visit_with_state(of_law, law, axle.law));
     }
   }
 
@@ -242,7 +242,7 @@ struct WheelSlideProtection {
     bool const overruled = all.off || axle.vents_for > longest_vent;
     axle.grips_for = one.grips(axle.seen, reference) ? axle.grips_for + period : 0.0;
     if (overruled || axle.grips_for > regained_after) axle.seen.slid = false;
-    DumpValve const wanted = one.decide(own, axle.seen, reference, period);
+    DumpValve const wanted = one.decide(own, axle.seen, reference, period);  // while overruled, too: its pulses go on
     DumpValve const valve = overruled ? DumpValve::fill : wanted;
     bool const vents = valve == DumpValve::vent;
     axle.vents_for = vents ? axle.vents_for + period : 0.0;

@@ -5,7 +5,6 @@
 // The torque is that of traction, or of an electrodynamic brake: braking is traction with all speeds negative. Which of them it is
 // says the sign of the motors' torque.
 #pragma once
-#include <algorithm>
 #include <cmath>
 
 #include "rollerrig/fields.hpp"

@@ -142,18 +142,19 @@ struct CleanedWheel {
     energy = energy * std::exp(-fade) + gain * kept;
   }
 
-  /// The wheel over a step, that rolls from one arc length to another of a rail, or on several, of which it finds the mean.
+  /// The wheel over a step, that begins at an arc length of a rail, or of several, of which it finds the mean.
   ///
+  /// @param passed  length of the rail that passes, not the difference of places that may be far out [m]
   /// @returns energy per area under it: left by those ahead, kept by its tread, and half of its own, since the other half is
   ///          dissipated behind the patch's middle [J/m^2]
-  double pass(std::span<RailCells> rails, double from, double to, double dissipated, double rolled,
+  double pass(std::span<RailCells> rails, double from, double passed, double dissipated, double rolled,
               double circumference, double memory) {
     double under = energy + 0.5 * dissipated;
     for (RailCells& rail : rails) {
       under += rail.before(from) / static_cast<double>(rails.size());
-      rail.add(from, to, dissipated);
+      rail.add(from, from + passed, dissipated);
     }
-    run(dissipated, to - from, rolled, circumference, memory);
+    run(dissipated, passed, rolled, circumference, memory);
     return under;
   }
 };
