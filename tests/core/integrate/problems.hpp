@@ -1,15 +1,54 @@
 // Problems with exact or published solutions, shared by the tests of the integrators.
 #pragma once
 #include <cmath>
+#include <functional>
 #include <vector>
 
 #include "rollerrig/integrate/integrator.hpp"
 
 namespace rollerrig::test {
 
-using integrate::Integrator;
 using integrate::Method;
 using integrate::Options;
+
+/// Any system, by reference, as one type: the methods are compiled once, in problems.cpp. What a system lacks does nothing.
+struct AnySystem {
+  std::function<Sizes()> sizes;
+  std::function<Status(double, double const*, double*, double*)> derivative;
+  std::function<Status(double, double const*, JacobianData&)> jacobian = [](auto&&...) { return Status::not_finite; };
+  std::function<Status(double, double const*)> accept = [](auto...) { return Status::ok; };
+  std::function<int()> kinematic_states = [] { return 0; };
+  std::function<int(int)> velocity_column;
+  std::function<StiffModes()> stiff_modes = [] { return StiffModes(); };
+  std::function<bool(StiffModes const&, StiffModes&)> renew_stiff_modes = [](auto&...) { return false; };
+
+  template <DifferentialEquation S>
+  AnySystem(S& s) : sizes{[&s] { return s.sizes(); }}, derivative{[&s](auto... a) { return s.derivative(a...); }} {
+    if constexpr (HasJacobian<S>) jacobian = [&s](double t, auto x, auto& j) { return s.jacobian(t, x, j); };
+    if constexpr (HasAccept<S>) accept = [&s](double t, auto x) { return s.accept(t, x); };
+    if constexpr (HasKinematicStates<S>) {
+      kinematic_states = [&s] { return s.kinematic_states(); };
+      velocity_column = [&s](int i) { return s.velocity_column(i); };
+    }
+    if constexpr (HasStiffModes<S>) {
+      stiff_modes = [&s] { return s.stiff_modes(); };
+      renew_stiff_modes = [&s](auto& now, auto& next) { return s.renew_stiff_modes(now, next); };
+    }
+  }
+};
+
+class Integrator : AnySystem, public integrate::Integrator<AnySystem> {
+ public:
+  using Observer = std::function<void(double, double const*, double const*)>;
+  using StoppingObserver = std::function<bool(double, double const*, double const*)>;
+
+  Integrator(AnySystem system, Options options);
+  ~Integrator();
+  Status start(double t0, double const* x0);
+  Status advance(double t_stop, Observer const& observer = [](auto...) {});
+  Status advance(double t_stop, StoppingObserver const& observer);
+  void sample(double t, double* x, double* z);
+};
 
 /// x = (cos t, sin 2t) solves a nonlinear, non-autonomous, coupled system; z accumulates t x0^2 + x1.
 /// `stiffness` [1/s] is the rate at which x0 is pulled to its solution: the idea of Prothero and Robinson (1974).
@@ -67,6 +106,21 @@ struct Oscillator {
     return Status::ok;
   }
   double energy(double const* x) const { return (x[1] * x[1] + omega * omega * x[0] * x[0]) / 2; }
+};
+
+/// x' = (real + i imaginary) x as two real states.
+struct Spiral {
+  double real, imaginary;
+  Sizes sizes() const { return {2, 0}; }
+  Status derivative(double, double const* x, double* x_dot, double*) const {
+    x_dot[0] = real * x[0] - imaginary * x[1];
+    x_dot[1] = imaginary * x[0] + real * x[1];
+    return Status::ok;
+  }
+  Status jacobian(double, double const*, JacobianData& j) const {
+    j.a << real, -imaginary, imaginary, real;
+    return Status::ok;
+  }
 };
 
 /// eps x'' = (1 - x^2) x' - x.  For eps = 1e-6 and x = (2, 0) the solution at t = 2 is published:

@@ -115,7 +115,7 @@ TEST_CASE("a wheelset that runs on rollers, its contact search and its recorder 
     Options o = fixed(method, needs_step(method) ? 1e-4 : 0.0, 0.2);
     o.output_step = 7e-4;
     Integrator integrator(dynamics, o);
-    auto const observe = [&](double t, double const* x, double const* z) {
+    Integrator::Observer const observe = [&](double t, double const* x, double const* z) {
       recorder.record(observed, t, x, z, row.data());
     };
 

@@ -121,19 +121,6 @@ TEST_CASE("exponential_adams solves a linear system exactly at any step: stiff d
 
 TEST_CASE(
     "exponential_adams wipes out an infinitely fast decay and amplifies no oscillation, however coarse the step") {
-  struct Spiral {
-    double real, imaginary;
-    Sizes sizes() const { return {2, 0}; }
-    Status derivative(double, double const* x, double* x_dot, double*) const {
-      x_dot[0] = real * x[0] - imaginary * x[1];
-      x_dot[1] = imaginary * x[0] + real * x[1];
-      return Status::ok;
-    }
-    Status jacobian(double, double const*, JacobianData& j) const {
-      j.a << real, -imaginary, imaginary, real;
-      return Status::ok;
-    }
-  };
   auto const left = [](double real, double imaginary) {
     Spiral problem{real, imaginary};
     Integrator integrator(problem, without_control(1, 20));

@@ -183,7 +183,7 @@ TEST_CASE("an interrupted run goes on where it stopped, to the same bits") {
 
   interrupted.start(0, problem.start().data());
   int outputs = 0;
-  auto const stop_every_hundred = [&](double, double const*, double const*) { return ++outputs % 100 != 0; };
+  Integrator::StoppingObserver const stop_every_hundred = [&](auto...) { return ++outputs % 100 != 0; };
   int interruptions = 0;
   while (interrupted.advance(3, stop_every_hundred) == Status::interrupted) ++interruptions;
   CHECK(outputs == 301);

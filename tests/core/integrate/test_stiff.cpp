@@ -8,21 +8,6 @@ using namespace rollerrig::test;
 
 namespace {
 
-/// x' = (real + i imaginary) x as two real states.
-struct Spiral {
-  double real, imaginary;
-  Sizes sizes() const { return {2, 0}; }
-  Status derivative(double, double const* x, double* x_dot, double*) const {
-    x_dot[0] = real * x[0] - imaginary * x[1];
-    x_dot[1] = imaginary * x[0] + real * x[1];
-    return Status::ok;
-  }
-  Status jacobian(double, double const*, JacobianData& j) const {
-    j.a << real, -imaginary, imaginary, real;
-    return Status::ok;
-  }
-};
-
 /// Modulus of the stability function of rodas4 at a + i b.
 double amplification(double a, double b) {
   Spiral problem{a, b};
