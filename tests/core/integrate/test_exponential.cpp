@@ -142,9 +142,9 @@ TEST_CASE("amplification of one step: R(z) of rk4, and exact decay of the expone
   Eigen::MatrixXd a(3, 3);
   a << 0, 1, 0, -1e4, -2, 0, 0, 0, -4000;
   double const h = 2e-3;
-  Eigen::MatrixXd const z = h * a;
-  Eigen::MatrixXd const one = Eigen::MatrixXd::Identity(3, 3);
-  Eigen::MatrixXd const polynomial = one + z * (one + z / 2 * (one + z / 3 * (one + z / 4)));
+  Eigen::Matrix3d const z = h * a;
+  Eigen::Matrix3d const one = Eigen::Matrix3d::Identity();
+  Eigen::Matrix3d const polynomial = one + z * (one + z / 2 * (one + z / 3 * (one + z / 4)));
   Eigen::MatrixXd const classical = amplification(LinearSystem{a}, Method::rk4, h);
   CHECK((classical - polynomial).cwiseAbs().maxCoeff() < 1e-13 * polynomial.cwiseAbs().maxCoeff());
   CHECK(std::abs(classical(2, 2)) > 1);

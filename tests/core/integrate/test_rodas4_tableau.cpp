@@ -3,7 +3,6 @@
 // Source  Hairer, Wanner, Solving ODEs II (1996), IV.7 table 7.1 and (7.15); VI.4 table 4.1 for index-1 equations.
 #include <doctest/doctest.h>
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
@@ -31,10 +30,13 @@ struct Textbook {
         c(i, j) = tableau::c[i][j];
       }
     }
-    gamma = (Matrix6::Identity() / tableau::gamma - c).inverse();  // (7.24)
+    auto const inverse = [](Matrix6 const& lower) -> Matrix6 {
+      return lower.triangularView<Eigen::Lower>().solve(Matrix6::Identity());
+    };
+    gamma = inverse(Matrix6::Identity() / tableau::gamma - c);  // (7.24)
     alpha = a * gamma;
     beta = alpha + gamma;
-    omega = beta.inverse();
+    omega = inverse(beta);
     alpha_sum = alpha.rowwise().sum();
     beta_sum = beta.rowwise().sum();
     gamma_sum = gamma.rowwise().sum();

@@ -7,7 +7,7 @@
 #pragma once
 #include <algorithm>
 
-#include "rollerrig/integrate/exponential_runge_kutta_4.hpp"
+#include "rollerrig/integrate/differential_equation.hpp"
 
 namespace rollerrig::integrate {
 
@@ -32,22 +32,6 @@ struct LinearSystem {
 };
 
 /// G of one step [s] of rk4 or exponential_rk4, (n, n).
-inline Eigen::MatrixXd amplification(LinearSystem system, Method method, double step) {
-  need(method == Method::rk4 || method == Method::exponential_rk4, "method must be rk4 or exponential_rk4");
-  need(step > 0 && std::isfinite(step), "step must be positive and finite");
-  Evaluator f(system);
-  ExponentialRungeKutta4 one(f, method == Method::exponential_rk4);
-  auto const n = system.a.rows();
-  Eigen::MatrixXd g(n, n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    Vector const unit = Vector::Unit(n + system.quadratures, i);
-    Vector end = unit;
-    one.restart();
-    one.prepare(f, 0.0, unit);
-    one.attempt(f, {0.0, step, step}, unit, end);
-    g.col(i) = end.head(n);
-  }
-  return g;
-}
+Eigen::MatrixXd amplification(LinearSystem system, Method method, double step);
 
 }  // namespace rollerrig::integrate
