@@ -1,5 +1,7 @@
 // Problems with exact or published solutions, shared by the tests of the integrators.
 #pragma once
+#include <doctest/doctest.h>
+
 #include <cmath>
 #include <functional>
 #include <vector>
@@ -11,7 +13,8 @@ namespace rollerrig::test {
 using integrate::Method;
 using integrate::Options;
 
-/// Any system, by reference, as one type: the methods are compiled once, in problems.cpp. What a system lacks does nothing.
+/// Any system, by reference, as one type: the integrator and its methods take longest to compile, problems.cpp does it once.
+/// What a system lacks has no effect here.
 struct AnySystem {
   std::function<Sizes()> sizes;
   std::function<Status(double, double const*, double*, double*)> derivative;
@@ -37,14 +40,16 @@ struct AnySystem {
   }
 };
 
+/// integrate::Integrator of any system. An observer that may stop the run is given as a StoppingObserver.
 class Integrator : AnySystem, public integrate::Integrator<AnySystem> {
  public:
   using Observer = std::function<void(double, double const*, double const*)>;
   using StoppingObserver = std::function<bool(double, double const*, double const*)>;
 
   Integrator(AnySystem system, Options options);
+  Integrator(Integrator const&) = delete;
   ~Integrator();
-  Status start(double t0, double const* x0);
+  Status start(double t0, std::vector<double> const& x0);
   Status advance(double t_stop, Observer const& observer = [](auto...) {});
   Status advance(double t_stop, StoppingObserver const& observer);
   void sample(double t, double* x, double* z);
@@ -80,6 +85,7 @@ struct ExactOscillation {
   static std::vector<double> start() { return {1, 0}; }
   static double x0(double t) { return std::cos(t); }
   static double x1(double t) { return std::sin(2 * t); }
+  static std::vector<double> exact(double t) { return {x0(t), x1(t)}; }
 
   /// Integral of t cos^2 t + sin 2t from 0.
   static double z(double t) {
@@ -143,9 +149,8 @@ struct VanDerPol {
 };
 
 /// One state whose rate is a function of time and state; the Jacobian is given as numbers.
-template <class Rate>
 struct Scalar1 {
-  Rate rate;  // (t, x) -> x'
+  std::function<double(double, double)> rate;  // (t, x) -> x'
   double dfdx = 0;
   double dfdt = 0;
 
@@ -259,6 +264,45 @@ struct ExactSlip {
     return belt / 2 * (t * std::sin(t) + std::cos(t) - 1) + 2.0 / 3.0 * (1 - std::pow(std::cos(t), 3));
   }
 };
+
+struct Errors {
+  std::vector<double> state, quadrature, between;  // at the end, at the end, largest on a fine output grid
+  double evaluations = 0;                          // per step, of the finest
+};
+
+/// Over 2 s, in 2^coarsest to 2^finest steps.
+///
+/// @param tolerance  of the coarsest steps; a 32nd of it with each halving, as the error of a step; 0: as the method has it
+template <class Problem>
+Errors errors_of_halved_steps(Problem problem, Method method, int coarsest, int finest, double tolerance = 0) {
+  Errors errors;
+  double const end = 2;
+  for (int k = coarsest; k <= finest; ++k) {
+    Options o = fixed(method, end / (1 << k), end);
+    if (tolerance > 0)
+      o.absolute_tolerance = {std::ldexp(tolerance, -5 * (k - coarsest))}, o.relative_tolerance = 1e-16;
+    o.output_step = o.step / 3.7;  // never at the ends of steps
+    Integrator integrator(problem, o);
+    REQUIRE(integrator.start(0, problem.start()) == Status::ok);
+    auto const largest = [&](double t, double const* x) {
+      auto const exact = problem.exact(t);
+      double e = 0;
+      for (std::size_t i = 0; i < exact.size(); ++i) e = std::max(e, std::abs(x[i] - exact[i]));
+      return e;
+    };
+    double between = 0;
+    auto const compare = [&](double t, double const* x, double const*) { between = std::max(between, largest(t, x)); };
+    REQUIRE(integrator.advance(end, compare) == Status::ok);
+    REQUIRE(integrator.time() == end);
+    errors.state.push_back(largest(end, integrator.states()));
+    errors.quadrature.push_back(std::abs(integrator.quadratures()[0] - problem.z(end)));
+    errors.between.push_back(between);
+    auto const& statistics = integrator.statistics();
+    CHECK(statistics.rejected_steps == 0);
+    errors.evaluations = static_cast<double>(statistics.derivative_calls) / static_cast<double>(statistics.steps);
+  }
+  return errors;
+}
 
 /// Order seen when the step is halved from one entry to the next.
 inline double slope(std::vector<double> const& errors) {

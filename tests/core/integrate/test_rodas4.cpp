@@ -86,8 +86,7 @@ double order_4_defect(Vector6 const& b) {
 double amplification(double a, double b) {
   Spiral problem{a, b};
   Integrator integrator(problem, fixed(Method::rodas4, 1, 1));
-  double const x0[] = {1, 0};
-  integrator.start(0, x0);
+  integrator.start(0, {1, 0});
   REQUIRE(integrator.advance(1) == Status::ok);
   return std::hypot(integrator.states()[0], integrator.states()[1]);
 }
@@ -150,10 +149,9 @@ TEST_CASE("rodas4 amplifies no oscillation, however coarse the step") {
 
 TEST_CASE("rodas4 reproduces the published van der Pol solution within the tolerance") {
   VanDerPol problem{.epsilon = 1e-6};
-  double const start[] = {2, 0};
   for (double tolerance : {1e-4, 1e-6, 1e-8}) {
     Integrator integrator(problem, adaptive(Method::rodas4, tolerance, 2));
-    integrator.start(0, start);
+    integrator.start(0, {2, 0});
     REQUIRE(integrator.advance(2) == Status::ok);
     // The limit cycle is attracting: errors of the steps do not pile up.
     CHECK(integrator.states()[0] == doctest::Approx(VanDerPol::published_x0).epsilon(tolerance));
@@ -164,9 +162,8 @@ TEST_CASE("rodas4 reproduces the published van der Pol solution within the toler
 TEST_CASE("the cost of the published van der Pol problem is what it was") {
   // Counts, not time.  Another compiler may round a step's error to the other side of 1: 3 % margin.
   VanDerPol problem{.epsilon = 1e-6};
-  double const start[] = {2, 0};
   Integrator integrator(problem, adaptive(Method::rodas4, 1e-4, 2));
-  integrator.start(0, start);
+  integrator.start(0, {2, 0});
   REQUIRE(integrator.advance(2) == Status::ok);
   auto const& s = integrator.statistics();
   CHECK(s.steps == doctest::Approx(311).epsilon(0.03));
@@ -181,11 +178,10 @@ TEST_CASE("the cost of the published van der Pol problem is what it was") {
 TEST_CASE("declaring kinematic states changes the cost of a step but not its result") {
   Oscillator plain{.omega = 3, .declare_kinematic = false};
   Oscillator structured{.omega = 3, .declare_kinematic = true};
-  double const start[] = {1, -0.5};
   Integrator a(plain, fixed(Method::rodas4, 0.05, 10));
   Integrator b(structured, fixed(Method::rodas4, 0.05, 10));
-  a.start(0, start);
-  b.start(0, start);
+  a.start(0, {1, -0.5});
+  b.start(0, {1, -0.5});
   REQUIRE(a.advance(10) == Status::ok);
   REQUIRE(b.advance(10) == Status::ok);
   // Exact elimination: only the round-off of 200 steps differs.

@@ -84,7 +84,7 @@ TEST_CASE("free bodies fly straight on and keep their angular momentum while the
   options.output_step = 2.6;
   options.breakpoints = {2.0};
   test::Integrator integrator(d, options);
-  integrator.start(0.0, x.data());
+  integrator.start(0.0, x);
   REQUIRE(integrator.advance(2.6) == Status::ok);
   std::vector<double> const end(integrator.states(), integrator.states() + x.size());
   for (int b = 0; b < 3; ++b) {
