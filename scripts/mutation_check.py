@@ -115,7 +115,7 @@ MUTANTS = (
            "(k1_ + 2 * k2_ + k3_ + 2 * k4_)", ("integrate/test_order_of_accuracy.cpp",)),
     Mutant("RODAS4: a coefficient of the right-hand side", "include/rollerrig/integrate/rodas4.hpp",
            "-9.594562251023355",
-           "-9.594562261023355", ("integrate/test_rodas4_tableau.cpp",)),
+           "-9.594562261023355", ("integrate/test_rodas4.cpp",)),
     Mutant("stiff modes: phi_2 of the exponential method", "include/rollerrig/integrate/exponential_runge_kutta_4.hpp",
            "phi2 = 0.5 + z * phi3;",
            "phi2 = 0.5 + 2.0 * z * phi3;", ("integrate/test_exponential.cpp",)),

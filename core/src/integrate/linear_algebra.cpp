@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "rollerrig/integrate/amplification.hpp"
+#include "rollerrig/integrate/exponential_runge_kutta_4.hpp"
 #include "rollerrig/integrate/rodas4.hpp"
 #include "rollerrig/scalar.hpp"
 
@@ -90,6 +92,24 @@ void ShiftedSolver::solve(Eigen::VectorXd& r) {
     r.tail(z_).noalias() += j_->g * r.head(q_ + v_);
     r.tail(z_) *= inverse_shift_;
   }
+}
+
+Eigen::MatrixXd amplification(LinearSystem system, Method method, double step) {
+  need(method == Method::rk4 || method == Method::exponential_rk4, "method must be rk4 or exponential_rk4");
+  need(step > 0 && std::isfinite(step), "step must be positive and finite");
+  Evaluator f(system);
+  ExponentialRungeKutta4 one(f, method == Method::exponential_rk4);
+  auto const n = system.a.rows();
+  Eigen::MatrixXd g(n, n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    Vector const unit = Vector::Unit(n + system.quadratures, i);
+    Vector end = unit;
+    one.restart();
+    one.prepare(f, 0.0, unit);
+    one.attempt(f, {0.0, step, step}, unit, end);
+    g.col(i) = end.head(n);
+  }
+  return g;
 }
 
 }  // namespace rollerrig::integrate

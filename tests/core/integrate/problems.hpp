@@ -1,15 +1,59 @@
 // Problems with exact or published solutions, shared by the tests of the integrators.
 #pragma once
+#include <doctest/doctest.h>
+
 #include <cmath>
+#include <functional>
 #include <vector>
 
 #include "rollerrig/integrate/integrator.hpp"
 
 namespace rollerrig::test {
 
-using integrate::Integrator;
 using integrate::Method;
 using integrate::Options;
+
+/// Any system, by reference, as one type: the integrator and its methods take longest to compile, problems.cpp does it once.
+/// What a system lacks has no effect here.
+struct AnySystem {
+  std::function<Sizes()> sizes;
+  std::function<Status(double, double const*, double*, double*)> derivative;
+  std::function<Status(double, double const*, JacobianData&)> jacobian = [](auto&&...) { return Status::not_finite; };
+  std::function<Status(double, double const*)> accept = [](auto...) { return Status::ok; };
+  std::function<int()> kinematic_states = [] { return 0; };
+  std::function<int(int)> velocity_column;
+  std::function<StiffModes()> stiff_modes = [] { return StiffModes(); };
+  std::function<bool(StiffModes const&, StiffModes&)> renew_stiff_modes = [](auto&...) { return false; };
+
+  template <DifferentialEquation S>
+  AnySystem(S& s) : sizes{[&s] { return s.sizes(); }}, derivative{[&s](auto... a) { return s.derivative(a...); }} {
+    if constexpr (HasJacobian<S>) jacobian = [&s](double t, auto x, auto& j) { return s.jacobian(t, x, j); };
+    if constexpr (HasAccept<S>) accept = [&s](double t, auto x) { return s.accept(t, x); };
+    if constexpr (HasKinematicStates<S>) {
+      kinematic_states = [&s] { return s.kinematic_states(); };
+      velocity_column = [&s](int i) { return s.velocity_column(i); };
+    }
+    if constexpr (HasStiffModes<S>) {
+      stiff_modes = [&s] { return s.stiff_modes(); };
+      renew_stiff_modes = [&s](auto& now, auto& next) { return s.renew_stiff_modes(now, next); };
+    }
+  }
+};
+
+/// integrate::Integrator of any system. An observer that may stop the run is given as a StoppingObserver.
+class Integrator : AnySystem, public integrate::Integrator<AnySystem> {
+ public:
+  using Observer = std::function<void(double, double const*, double const*)>;
+  using StoppingObserver = std::function<bool(double, double const*, double const*)>;
+
+  Integrator(AnySystem system, Options options);
+  Integrator(Integrator const&) = delete;
+  ~Integrator();
+  Status start(double t0, std::vector<double> const& x0);
+  Status advance(double t_stop, Observer const& observer = [](auto...) {});
+  Status advance(double t_stop, StoppingObserver const& observer);
+  void sample(double t, double* x, double* z);
+};
 
 /// x = (cos t, sin 2t) solves a nonlinear, non-autonomous, coupled system; z accumulates t x0^2 + x1.
 /// `stiffness` [1/s] is the rate at which x0 is pulled to its solution: the idea of Prothero and Robinson (1974).
@@ -41,6 +85,7 @@ struct ExactOscillation {
   static std::vector<double> start() { return {1, 0}; }
   static double x0(double t) { return std::cos(t); }
   static double x1(double t) { return std::sin(2 * t); }
+  static std::vector<double> exact(double t) { return {x0(t), x1(t)}; }
 
   /// Integral of t cos^2 t + sin 2t from 0.
   static double z(double t) {
@@ -69,6 +114,21 @@ struct Oscillator {
   double energy(double const* x) const { return (x[1] * x[1] + omega * omega * x[0] * x[0]) / 2; }
 };
 
+/// x' = (real + i imaginary) x as two real states.
+struct Spiral {
+  double real, imaginary;
+  Sizes sizes() const { return {2, 0}; }
+  Status derivative(double, double const* x, double* x_dot, double*) const {
+    x_dot[0] = real * x[0] - imaginary * x[1];
+    x_dot[1] = imaginary * x[0] + real * x[1];
+    return Status::ok;
+  }
+  Status jacobian(double, double const*, JacobianData& j) const {
+    j.a << real, -imaginary, imaginary, real;
+    return Status::ok;
+  }
+};
+
 /// eps x'' = (1 - x^2) x' - x.  For eps = 1e-6 and x = (2, 0) the solution at t = 2 is published:
 /// Test Set for IVP Solvers (CWI Amsterdam, University of Bari), problem VDPOL.
 struct VanDerPol {
@@ -89,9 +149,8 @@ struct VanDerPol {
 };
 
 /// One state whose rate is a function of time and state; the Jacobian is given as numbers.
-template <class Rate>
 struct Scalar1 {
-  Rate rate;  // (t, x) -> x'
+  std::function<double(double, double)> rate;  // (t, x) -> x'
   double dfdx = 0;
   double dfdt = 0;
 
@@ -205,6 +264,45 @@ struct ExactSlip {
     return belt / 2 * (t * std::sin(t) + std::cos(t) - 1) + 2.0 / 3.0 * (1 - std::pow(std::cos(t), 3));
   }
 };
+
+struct Errors {
+  std::vector<double> state, quadrature, between;  // at the end, at the end, largest on a fine output grid
+  double evaluations = 0;                          // per step, of the finest
+};
+
+/// Over 2 s, in 2^coarsest to 2^finest steps.
+///
+/// @param tolerance  of the coarsest steps; a 32nd of it with each halving, as the error of a step; 0: as the method has it
+template <class Problem>
+Errors errors_of_halved_steps(Problem problem, Method method, int coarsest, int finest, double tolerance = 0) {
+  Errors errors;
+  double const end = 2;
+  for (int k = coarsest; k <= finest; ++k) {
+    Options o = fixed(method, end / (1 << k), end);
+    if (tolerance > 0)
+      o.absolute_tolerance = {std::ldexp(tolerance, -5 * (k - coarsest))}, o.relative_tolerance = 1e-16;
+    o.output_step = o.step / 3.7;  // never at the ends of steps
+    Integrator integrator(problem, o);
+    REQUIRE(integrator.start(0, problem.start()) == Status::ok);
+    auto const largest = [&](double t, double const* x) {
+      auto const exact = problem.exact(t);
+      double e = 0;
+      for (std::size_t i = 0; i < exact.size(); ++i) e = std::max(e, std::abs(x[i] - exact[i]));
+      return e;
+    };
+    double between = 0;
+    auto const compare = [&](double t, double const* x, double const*) { between = std::max(between, largest(t, x)); };
+    REQUIRE(integrator.advance(end, compare) == Status::ok);
+    REQUIRE(integrator.time() == end);
+    errors.state.push_back(largest(end, integrator.states()));
+    errors.quadrature.push_back(std::abs(integrator.quadratures()[0] - problem.z(end)));
+    errors.between.push_back(between);
+    auto const& statistics = integrator.statistics();
+    CHECK(statistics.rejected_steps == 0);
+    errors.evaluations = static_cast<double>(statistics.derivative_calls) / static_cast<double>(statistics.steps);
+  }
+  return errors;
+}
 
 /// Order seen when the step is halved from one entry to the next.
 inline double slope(std::vector<double> const& errors) {

@@ -92,7 +92,7 @@ TEST_CASE("starting, stepping, breakpoints and outputs allocate nothing") {
         auto const observe = [&](double, double const* x, double const* z) { sum += x[0] + z[0]; };
 
         long const before = allocations;
-        Status const status_at_start = integrator.start(0, start.data());
+        Status const status_at_start = integrator.start(0, start);
         Status const status = integrator.advance(0.2, observe);
         long const during = allocations - before;
 
@@ -115,12 +115,12 @@ TEST_CASE("a wheelset that runs on rollers, its contact search and its recorder 
     Options o = fixed(method, needs_step(method) ? 1e-4 : 0.0, 0.2);
     o.output_step = 7e-4;
     Integrator integrator(dynamics, o);
-    auto const observe = [&](double t, double const* x, double const* z) {
+    Integrator::Observer const observe = [&](double t, double const* x, double const* z) {
       recorder.record(observed, t, x, z, row.data());
     };
 
     long const before = allocations;
-    Status const status_at_start = integrator.start(0, start.x.data());
+    Status const status_at_start = integrator.start(0, start.x);
     Status const status = integrator.advance(0.2, observe);
     long const during = allocations - before;
 

@@ -44,8 +44,7 @@ TEST_CASE("a system that cannot be evaluated ends the run with its own status, c
     Options o = adaptive(method, 1e-6, 5);
     o.output_step = 0.25;
     Integrator integrator(problem, o);
-    double const x0 = 0;
-    integrator.start(0, &x0);
+    integrator.start(0, {0});
     int outputs = 0;
     auto const count = [&](double, double const*, double const*) { ++outputs; };
     CHECK(integrator.advance(5, count) == Status::off_profile);
@@ -62,8 +61,7 @@ TEST_CASE("fixed steps end before the step that fails") {
   for (Method method : all_methods) {
     Wall problem;
     Integrator integrator(problem, fixed(method, 0.3, 5));
-    double const x0 = 0;
-    integrator.start(0, &x0);
+    integrator.start(0, {0});
     CHECK(integrator.advance(5) == Status::off_profile);
     if (keeps_its_step(method))
       CHECK(integrator.time() == doctest::Approx(0.9));
@@ -86,8 +84,7 @@ TEST_CASE("a trial stage behind the wall is only a rejected step when the soluti
   Options o = adaptive(Method::dormand_prince, 1e-6, 2);
   o.initial_step = 1;
   Integrator integrator(problem, o);
-  double const x0 = 0;
-  integrator.start(0, &x0);
+  integrator.start(0, {0});
   CHECK(integrator.advance(2) == Status::ok);
   CHECK(integrator.statistics().rejected_steps > 0);
   CHECK(integrator.states()[0] == doctest::Approx(0.5).epsilon(1e-6));
@@ -100,8 +97,7 @@ TEST_CASE("the system's own check after a step ends the run and keeps the step")
     problem.wall = 100;
     Options o = fixed(method, 0.2, 5);
     Integrator integrator(problem, o);
-    double const x0 = 0;
-    integrator.start(0, &x0);
+    integrator.start(0, {0});
     CHECK(problem.accepted_calls == 1);  // the start is checked too
     CHECK(integrator.advance(5) == Status::derailed);
     CHECK(integrator.time() == doctest::Approx(0.6));
@@ -113,18 +109,16 @@ TEST_CASE("the system's own check after a step ends the run and keeps the step")
 TEST_CASE("a state that is not a number is noticed at the step where it appears") {
   auto rate = [](double t, double) { return t < 0.5 ? 1.0 : NAN; };
   for (Method method : all_methods) {
-    Scalar1<decltype(rate)> problem{rate};
+    Scalar1 problem{rate};
     Integrator integrator(problem, needs_step(method) ? fixed(method, 0.01, 1) : adaptive(method, 1e-6, 1));
-    double const x0 = 0;
-    integrator.start(0, &x0);
+    integrator.start(0, {0});
     CHECK(integrator.advance(1) == Status::not_finite);
     CHECK(integrator.time() <= 0.5);
     CHECK(integrator.time() > 0.48);
   }
   Oscillator problem;
   Integrator integrator(problem, Options{});
-  double const start[] = {1, NAN};
-  CHECK(integrator.start(0, start) == Status::not_finite);
+  CHECK(integrator.start(0, {1, NAN}) == Status::not_finite);
 }
 
 TEST_CASE("a solution that goes to infinity ends at its pole, in steps that are too small or not finite") {
@@ -142,8 +136,7 @@ TEST_CASE("a solution that goes to infinity ends at its pole, in steps that are 
   } problem;
   for (Method method : {Method::dormand_prince, Method::rodas4}) {
     Integrator integrator(problem, adaptive(method, 1e-8, 2));
-    double const x0 = 1;
-    integrator.start(0, &x0);
+    integrator.start(0, {1});
     Status const end = integrator.advance(2);
     CHECK((end == Status::not_finite || end == Status::step_too_small));
     CHECK(integrator.time() == doctest::Approx(1).epsilon(1e-6));
@@ -153,10 +146,9 @@ TEST_CASE("a solution that goes to infinity ends at its pole, in steps that are 
 TEST_CASE("a rate that turns round faster than time can be told ends with a step that is too small, where it begins") {
   auto rate = [](double t, double x) { return t < 0.5 ? 0.0 : x < 0.0 ? 1e20 : -1e20; };
   for (Method method : {Method::dormand_prince, Method::rodas4}) {
-    Scalar1<decltype(rate)> problem{rate};
+    Scalar1 problem{rate};
     Integrator integrator(problem, adaptive(method, 1e-6, 1));
-    double const x0 = 0;
-    integrator.start(0, &x0);
+    integrator.start(0, {0});
     CHECK(integrator.advance(1) == Status::step_too_small);
     CHECK(integrator.time() == doctest::Approx(0.5).epsilon(1e-13));
   }
@@ -167,8 +159,7 @@ TEST_CASE("the budget of steps is kept") {
   Options o = fixed(Method::rk4, 0.01, 10);
   o.max_steps = 37;
   Integrator integrator(problem, o);
-  double const start[] = {1, 0};
-  integrator.start(0, start);
+  integrator.start(0, {1, 0});
   CHECK(integrator.advance(10) == Status::too_many_steps);
   CHECK(integrator.statistics().steps == 37);
 }
@@ -178,12 +169,12 @@ TEST_CASE("an interrupted run goes on where it stopped, to the same bits") {
   Options o = adaptive(Method::rodas4, 1e-6, 3);
   o.output_step = 0.01;
   Integrator whole(problem, o), interrupted(problem, o);
-  whole.start(0, problem.start().data());
+  whole.start(0, problem.start());
   REQUIRE(whole.advance(3) == Status::ok);
 
-  interrupted.start(0, problem.start().data());
+  interrupted.start(0, problem.start());
   int outputs = 0;
-  auto const stop_every_hundred = [&](double, double const*, double const*) { return ++outputs % 100 != 0; };
+  Integrator::StoppingObserver const stop_every_hundred = [&](auto...) { return ++outputs % 100 != 0; };
   int interruptions = 0;
   while (interrupted.advance(3, stop_every_hundred) == Status::interrupted) ++interruptions;
   CHECK(outputs == 301);
@@ -194,11 +185,10 @@ TEST_CASE("an interrupted run goes on where it stopped, to the same bits") {
 
 TEST_CASE("an integrator can be started again and forgets its past") {
   VanDerPol problem{.epsilon = 1e-2};
-  double const start[] = {2, -0.66};
   Integrator integrator(problem, adaptive(Method::rodas4, 1e-6, 1));
   double first[2];
   for (int i : {0, 1}) {
-    integrator.start(0, start);
+    integrator.start(0, {2, -0.66});
     REQUIRE(integrator.advance(1) == Status::ok);
     first[i] = integrator.states()[0];
   }

@@ -38,11 +38,11 @@ TEST_CASE("slicing a run changes no bit of its outputs, its end or its cost") {
 
     Record whole, sliced;
     Integrator a(problem, o);
-    a.start(0, problem.start().data());
+    a.start(0, problem.start());
     REQUIRE(a.advance(5, recorder(problem, whole)) == Status::ok);
 
     Integrator b(problem, o);
-    b.start(0, problem.start().data());
+    b.start(0, problem.start());
     for (double stop : {0.0, 0.05, 0.1, 0.100001, 0.77, 1.7, 1.70001, 2.0, 2.0, 4.9999999, 5.0, 9.0})
       REQUIRE(b.advance(stop, recorder(problem, sliced)) == Status::ok);
 
@@ -62,7 +62,7 @@ TEST_CASE("the output grid does not influence the steps") {
       Options o = options_for(method, 5);
       o.output_step = output_step;
       Integrator integrator(problem, o);
-      integrator.start(0, problem.start().data());
+      integrator.start(0, problem.start());
       REQUIRE(integrator.advance(5) == Status::ok);
       ends.push_back(integrator.states()[0]);
     }
@@ -74,12 +74,11 @@ TEST_CASE("the output grid does not influence the steps") {
 TEST_CASE("an output step that is a multiple of a fixed step returns the steps themselves") {
   Oscillator problem;
   Options o = fixed(Method::rk4, 0.01, 1);
-  double const start[] = {1, 0};
   Record every_step, grid;
   for (auto [output_step, record] : {std::pair{0.0, &every_step}, std::pair{0.05, &grid}}) {
     o.output_step = output_step;
     Integrator integrator(problem, o);
-    integrator.start(0, start);
+    integrator.start(0, {1, 0});
     REQUIRE(integrator.advance(1, recorder(problem, *record)) == Status::ok);
   }
   REQUIRE(every_step.size() == 101 * 3);
@@ -98,12 +97,11 @@ TEST_CASE("breakpoints are hit exactly, and a jump there costs no accuracy") {
   for (Method method : all_methods) {
     for (double step : {0.0, 0.1}) {
       if (needs_step(method) && step == 0) continue;
-      Scalar1<decltype(rate)> problem{rate};
+      Scalar1 problem{rate};
       Options o = fixed(method, step, 1);
       o.breakpoints = {0.71, 1.0 / 3, 1.0 / 3, -5, 8};  // any order, double, outside
       Integrator integrator(problem, o);
-      double const x0 = 0;
-      integrator.start(0, &x0);
+      integrator.start(0, {0});
       std::vector<double> ends;
       REQUIRE(integrator.advance(1, [&](double t, double const*, double const*) { ends.push_back(t); }) == Status::ok);
       CHECK(std::count(ends.begin(), ends.end(), 1.0 / 3) == 1);
@@ -120,8 +118,7 @@ TEST_CASE("breakpoints are hit exactly, and a jump there costs no accuracy") {
 TEST_CASE("a fixed step that does not divide the duration ends at the final time") {
   Oscillator problem;
   Integrator integrator(problem, fixed(Method::rk4, 0.3, 1));
-  double const start[] = {1, 0};
-  integrator.start(0, start);
+  integrator.start(0, {1, 0});
   REQUIRE(integrator.advance(1e9) == Status::ok);
   CHECK(integrator.time() == 1);
   CHECK(integrator.statistics().steps == 4);
@@ -132,8 +129,7 @@ TEST_CASE("a fixed step that does not divide the duration ends at the final time
 TEST_CASE("fixed steps do not drift off their grid in a long run") {
   Oscillator problem;
   Integrator integrator(problem, fixed(Method::rk4, 1e-3, 100));
-  double const start[] = {1, 0};
-  integrator.start(0, start);
+  integrator.start(0, {1, 0});
   REQUIRE(integrator.advance(100) == Status::ok);
   CHECK(integrator.statistics().steps == 100'000);
   CHECK(integrator.statistics().smallest_step == 1e-3);
@@ -145,22 +141,22 @@ TEST_CASE("rk4 loses the energy of an oscillator as its stability function says"
   double const y = 0.2;
   int const steps = 500;
   Integrator integrator(problem, fixed(Method::rk4, y / problem.omega, steps * y / problem.omega));
-  double const start[] = {1, 0};
+  std::vector<double> const start = {1, 0};
   integrator.start(0, start);
   REQUIRE(integrator.advance(1e9) == Status::ok);
   double const expected = std::pow(1 - std::pow(y, 6) / 72 + std::pow(y, 8) / 576, steps);
-  CHECK(problem.energy(integrator.states()) / problem.energy(start) == doctest::Approx(expected).epsilon(1e-12));
+  CHECK(problem.energy(integrator.states()) / problem.energy(start.data()) == doctest::Approx(expected).epsilon(1e-12));
 }
 
 TEST_CASE("adaptive methods keep the energy of an oscillator in proportion to the tolerance") {
   Oscillator problem{.omega = 2};
-  double const start[] = {1, 0};
+  std::vector<double> const start = {1, 0};
   for (Method method : {Method::dormand_prince, Method::rodas4}) {
     for (double tolerance : {1e-6, 1e-9}) {
       Integrator integrator(problem, adaptive(method, tolerance, 100));
       integrator.start(0, start);
       REQUIRE(integrator.advance(100) == Status::ok);
-      double const drift = problem.energy(integrator.states()) / problem.energy(start) - 1;
+      double const drift = problem.energy(integrator.states()) / problem.energy(start.data()) - 1;
       // At most one tolerance per step, twice for energy, and each step advances the phase by 0.01 or more.
       CHECK(std::abs(drift) < 2 * tolerance * static_cast<double>(integrator.statistics().steps));
     }
@@ -172,8 +168,7 @@ TEST_CASE("the largest step is respected") {
   Options o = adaptive(Method::rodas4, 1e-4, 10);
   o.maximum_step = 0.25;
   Integrator integrator(problem, o);
-  double const start[] = {1, 0};
-  integrator.start(0, start);
+  integrator.start(0, {1, 0});
   REQUIRE(integrator.advance(10) == Status::ok);
   CHECK(integrator.statistics().largest_step <= 0.25);
   CHECK(integrator.statistics().steps < 55);  // 40 of full length and the growth from the first guess
@@ -188,7 +183,7 @@ TEST_CASE("each state can have its own absolute tolerance") {
   long steps[2];
   for (int i : {0, 1}) {
     Integrator integrator(problem, i == 0 ? loose : tight);
-    integrator.start(0, problem.start().data());
+    integrator.start(0, problem.start());
     REQUIRE(integrator.advance(2) == Status::ok);
     steps[i] = integrator.statistics().steps;
   }
@@ -198,7 +193,7 @@ TEST_CASE("each state can have its own absolute tolerance") {
 TEST_CASE("the dense output can be asked anywhere in the last step") {
   ExactOscillation problem;
   Integrator integrator(problem, adaptive(Method::dormand_prince, 1e-8, 5));
-  integrator.start(0, problem.start().data());
+  integrator.start(0, problem.start());
   REQUIRE(integrator.advance(3) == Status::ok);
   CHECK(integrator.time() >= 3);
   CHECK(integrator.step_start() < 3);

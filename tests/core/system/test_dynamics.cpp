@@ -3,7 +3,6 @@
 
 #include <random>
 
-#include "rollerrig/integrate/integrator.hpp"
 #include "rollerrig/system/outputs.hpp"
 #include "system/models.hpp"
 

@@ -92,7 +92,7 @@ TEST_CASE("a slow wheelset is stable in steps that rk4 cannot take, and moves as
   REQUIRE(start.converged);
   auto const lateral_at_end = [&](Method method, double step) {
     Integrator integrator(dynamics, fixed(method, step, 0.5));
-    integrator.start(0, start.x.data());
+    integrator.start(0, start.x);
     if (integrator.advance(0.5) != Status::ok) return 1e9;
     return integrator.states()[dynamics.map().coordinate[0][coord_y]];
   };

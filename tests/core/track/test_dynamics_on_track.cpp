@@ -4,7 +4,7 @@
 #include <random>
 
 #include "rollerrig/system/outputs.hpp"
-#include "track/models.hpp"
+#include "system/models.hpp"
 
 using namespace rollerrig;
 using test::curved_line;

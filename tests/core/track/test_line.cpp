@@ -1,7 +1,7 @@
 // The line and the frame that travels along it.
 #include <doctest/doctest.h>
 
-#include "track/models.hpp"
+#include "system/models.hpp"
 
 using namespace rollerrig;
 using test::curved_line;

@@ -1,10 +1,10 @@
 // Bodies in travelling frames: conservation laws in the ground, and what an accelerometer feels.
 #include <doctest/doctest.h>
 
-#include "rollerrig/integrate/integrator.hpp"
+#include "integrate/problems.hpp"
 #include "rollerrig/simulate/recorder.hpp"
 #include "rollerrig/system/outputs.hpp"
-#include "track/models.hpp"
+#include "system/models.hpp"
 
 using namespace rollerrig;
 using test::curved_line;
@@ -83,9 +83,9 @@ TEST_CASE("free bodies fly straight on and keep their angular momentum while the
   options.final_time = 2.6;  // 65 m on: the transition, the curve and into the next
   options.output_step = 2.6;
   options.breakpoints = {2.0};
-  integrate::Integrator<Dynamics> integrator(d, options);
-  integrator.start(0.0, x.data());
-  REQUIRE(integrator.advance(2.6, [](double, double const*, double const*) {}) == Status::ok);
+  test::Integrator integrator(d, options);
+  integrator.start(0.0, x);
+  REQUIRE(integrator.advance(2.6) == Status::ok);
   std::vector<double> const end(integrator.states(), integrator.states() + x.size());
   for (int b = 0; b < 3; ++b) {
     auto const g = seen_from_the_ground(d, 2.6, end, b);

@@ -1,7 +1,7 @@
 // Rails whose gauge and inclination change along the line.
 #include <doctest/doctest.h>
 
-#include "track/models.hpp"
+#include "system/models.hpp"
 
 using namespace rollerrig;
 

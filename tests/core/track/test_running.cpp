@@ -2,7 +2,7 @@
 #include <doctest/doctest.h>
 
 #include "rollerrig/system/outputs.hpp"
-#include "track/models.hpp"
+#include "system/models.hpp"
 
 using namespace rollerrig;
 

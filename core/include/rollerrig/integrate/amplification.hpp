@@ -5,7 +5,9 @@
 // Eigenvalues of G outside the unit circle that belong to no growing motion of x' = A x are the method's own: the step is
 // too long. For a Runge-Kutta method G = R(h A); an exponential method has no such function, so the method is run.
 #pragma once
-#include "rollerrig/integrate/integrator.hpp"
+#include <algorithm>
+
+#include "rollerrig/integrate/differential_equation.hpp"
 
 namespace rollerrig::integrate {
 
@@ -29,22 +31,7 @@ struct LinearSystem {
   }
 };
 
-/// G of one step [s] of an explicit method, (n, n).
-inline Eigen::MatrixXd amplification(LinearSystem system, Method method, double step) {
-  Options options;
-  options.method = method;
-  options.step = step;
-  options.final_time = step;
-  Integrator integrator(system, options);
-  auto const n = system.a.rows();
-  Eigen::MatrixXd g(n, n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    Eigen::VectorXd const unit = Eigen::VectorXd::Unit(n, i);
-    integrator.start(0.0, unit.data());
-    integrator.advance(step);
-    g.col(i) = Eigen::Map<Eigen::VectorXd const>(integrator.states(), n);
-  }
-  return g;
-}
+/// G of one step [s] of rk4 or exponential_rk4, (n, n).
+Eigen::MatrixXd amplification(LinearSystem system, Method method, double step);
 
 }  // namespace rollerrig::integrate
