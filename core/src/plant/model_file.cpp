@@ -169,7 +169,7 @@ void check_assembled(AssembledModel const& assembled) {
   check_value(assembled.start, within_reach, "assembled model", "x0");
   need(static_cast<int>(assembled.start.size()) == model.map.states(), "assembled model: x0: needed is one per state");
   check_disturbances(assembled.disturbances, model);
-  integrate::check_options(assembled.options, model.map.states(), true);
+  integrate::check_options(assembled.options, model.map.states());
   check_settings(assembled.options, assembled.start_time, assembled.setup ? assembled.setup->step : 0.0);
 }
 

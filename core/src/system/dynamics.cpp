@@ -3,9 +3,7 @@
 #include <algorithm>
 
 namespace rollerrig {
-static_assert(HasJacobian<Dynamics> && HasAccept<Dynamics> && HasKinematicStates<Dynamics> && HasStiffModes<Dynamics>);
-static_assert(HasJacobian<DrivenDynamics> && HasAccept<DrivenDynamics> && HasKinematicStates<DrivenDynamics> &&
-              HasStiffModes<DrivenDynamics>);
+static_assert(DifferentialEquation<Dynamics> && DifferentialEquation<DrivenDynamics>);
 
 Evaluation::Evaluation(Model const& model)
     : work(model),

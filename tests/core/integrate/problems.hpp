@@ -25,15 +25,16 @@ struct AnySystem {
   std::function<StiffModes()> stiff_modes = [] { return StiffModes(); };
   std::function<bool(StiffModes const&, StiffModes&)> renew_stiff_modes = [](auto&...) { return false; };
 
-  template <DifferentialEquation S>
+  template <class S>
   AnySystem(S& s) : sizes{[&s] { return s.sizes(); }}, derivative{[&s](auto... a) { return s.derivative(a...); }} {
-    if constexpr (HasJacobian<S>) jacobian = [&s](double t, auto x, auto& j) { return s.jacobian(t, x, j); };
-    if constexpr (HasAccept<S>) accept = [&s](double t, auto x) { return s.accept(t, x); };
-    if constexpr (HasKinematicStates<S>) {
+    if constexpr (requires { &S::jacobian; })
+      jacobian = [&s](double t, auto x, auto& j) { return s.jacobian(t, x, j); };
+    if constexpr (requires { &S::accept; }) accept = [&s](double t, auto x) { return s.accept(t, x); };
+    if constexpr (requires { &S::kinematic_states; }) {
       kinematic_states = [&s] { return s.kinematic_states(); };
       velocity_column = [&s](int i) { return s.velocity_column(i); };
     }
-    if constexpr (HasStiffModes<S>) {
+    if constexpr (requires { &S::stiff_modes; }) {
       stiff_modes = [&s] { return s.stiff_modes(); };
       renew_stiff_modes = [&s](auto& now, auto& next) { return s.renew_stiff_modes(now, next); };
     }

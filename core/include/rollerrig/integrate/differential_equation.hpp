@@ -114,41 +114,28 @@ struct JacobianData {
   void state(auto& archive) { archive(a, g, f_t, g_t); }
 };
 
-/// The least an integrator can work with.  z_dot may be a null pointer: then only f is wanted.
+/// x' = f, z' = g, and what the methods know of them.
+///
+/// derivative()   z_dot may be a null pointer: then only f is wanted.
+/// jacobian()     every entry must be written: J keeps its last values.
+/// accept()       is called at the start and after each step that is kept, to check validity and to refresh caches; a Status that is
+///                not ok ends the integration there.
+/// kinematic_states(), velocity_column()
+///                x'[i] = x[velocity_column(i)] for i < kinematic_states() <= velocity_column(i): implicit methods factor only the
+///                remaining block. 0: there are none.
+/// stiff_modes()  combinations of states that decay fast, inner nodes of dampers, or slip against creep forces that grow with it: an
+///                exponential method integrates their decay exactly. An empty set with room for all there can be.
+/// renew_stiff_modes(now, next)
+///                looks at what derivative() evaluated last, and fills `next` and returns true where that asks for others than `now`.
 template <class S>
-concept DifferentialEquation = requires(S& system, double t, double const* x, double* x_dot, double* z_dot) {
+concept DifferentialEquation = requires(S& system, double t, double const* x, double* x_dot, double* z_dot,
+                                        JacobianData& j, int i, StiffModes const& now, StiffModes& next) {
   { system.sizes() } -> std::convertible_to<Sizes>;
   { system.derivative(t, x, x_dot, z_dot) } -> std::same_as<Status>;
-};
-
-/// Needed by the implicit methods.  Every entry of J must be written: J keeps its last values.
-template <class S>
-concept HasJacobian = requires(S& system, double t, double const* x, JacobianData& j) {
   { system.jacobian(t, x, j) } -> std::same_as<Status>;
-};
-
-/// Optional: called at the start and after each accepted step, to check validity and to refresh caches.
-/// A Status that is not ok ends the integration there; the step itself is kept.
-template <class S>
-concept HasAccept = requires(S& system, double t, double const* x) {
   { system.accept(t, x) } -> std::same_as<Status>;
-};
-
-/// Optional: x'[i] = x[velocity_column(i)] for i < kinematic_states(), with
-/// velocity_column(i) >= kinematic_states().  Implicit methods then factor only the remaining block.
-template <class S>
-concept HasKinematicStates = requires(S const& system, int i) {
   { system.kinematic_states() } -> std::convertible_to<int>;
   { system.velocity_column(i) } -> std::convertible_to<int>;
-};
-
-/// Optional: combinations of states that decay fast: inner nodes of dampers, or slip against creep forces that grow with it. An
-/// exponential method integrates their decay exactly.
-///
-/// stiff_modes() returns an empty set with room for all there can be. renew_stiff_modes(now, next) looks at
-/// what derivative() evaluated last, and fills `next` and returns true where that asks for others than `now`.
-template <class S>
-concept HasStiffModes = requires(S& system, StiffModes const& now, StiffModes& next) {
   { system.stiff_modes() } -> std::same_as<StiffModes>;
   { system.renew_stiff_modes(now, next) } -> std::same_as<bool>;
 };
@@ -169,7 +156,7 @@ struct Step {
                ///< that an input which jumps there is still taken from the left
 };
 
-template <DifferentialEquation System>
+template <class System>
 class Evaluator {
  public:
   explicit Evaluator(System& system) : system_{&system}, sizes_{system.sizes()} {}
@@ -185,11 +172,7 @@ class Evaluator {
 
   Status jacobian(double t, Vector const& y, JacobianData& j) {
     ++statistics.jacobian_calls;
-    if constexpr (HasJacobian<System>) {
-      return system_->jacobian(t, y.data(), j);
-    } else {
-      return Status::not_finite;  // unreachable: Integrator's constructor refuses such a method
-    }
+    return system_->jacobian(t, y.data(), j);
   }
 
   Statistics statistics;

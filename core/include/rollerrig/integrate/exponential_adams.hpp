@@ -47,7 +47,7 @@ class ExponentialAdams {
   template <class System>
   explicit ExponentialAdams(Evaluator<System> const& f)
       : n_{f.sizes().states},
-        kinematic_{kinematic_states(f.system())},
+        kinematic_{f.system().kinematic_states()},
         jacobian_(f.sizes()),
         past_(Vector::Zero(n_), Vector::Zero(n_ + f.sizes().quadratures - kinematic_)),
         phi_(n_, kinematic_, f.sizes().quadratures),
@@ -269,12 +269,6 @@ class ExponentialAdams {
     y_new = y + h * sum_;
     error_.setZero();
     return Status::ok;
-  }
-
-  template <class System>
-  static int kinematic_states(System const& system) {
-    if constexpr (HasKinematicStates<System>) return system.kinematic_states();
-    return 0;
   }
 
   int n_, kinematic_;  // states; of them those with x' = another state

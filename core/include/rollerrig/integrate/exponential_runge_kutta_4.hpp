@@ -64,11 +64,9 @@ class ExponentialRungeKutta4 {
 
   template <class System>
   ExponentialRungeKutta4(Evaluator<System> const& f, bool with_stiff_modes) : with_stiff_modes_{with_stiff_modes} {
-    if constexpr (HasStiffModes<System>) {
-      now_ = f.system().stiff_modes();
-      next_ = f.system().stiff_modes();
-      modes_.reserve(now_.capacity());
-    }
+    now_ = f.system().stiff_modes();
+    next_ = f.system().stiff_modes();
+    modes_.reserve(now_.capacity());
     auto const size = f.sizes().states + f.sizes().quadratures;
     for (Vector* v : {&k1_, &k2_, &k3_, &k4_, &k_end_, &stage_}) v->setZero(size);
     error_.setZero(f.sizes().states);
@@ -179,8 +177,7 @@ class ExponentialRungeKutta4 {
 
   template <class System>
   bool renew(Evaluator<System> const& f) {
-    if constexpr (HasStiffModes<System>) return with_stiff_modes_ && f.system().renew_stiff_modes(now_, next_);
-    return false;
+    return with_stiff_modes_ && f.system().renew_stiff_modes(now_, next_);
   }
 
   void begin(double h, Vector const& y) {

@@ -34,7 +34,7 @@ class Integrator {
         n_{f_.sizes().states},
         method_{make_method(options_.method, f_)},
         controller_{std::visit([](auto const& m) { return controller_for(m); }, method_)} {
-    check_options(options_, n_, HasJacobian<System>);
+    check_options(options_, n_);
     absolute_.setConstant(n_, options_.absolute_tolerance.front());
     if (options_.absolute_tolerance.size() > 1) std::copy_n(options_.absolute_tolerance.data(), n_, absolute_.data());
     std::sort(options_.breakpoints.begin(), options_.breakpoints.end());
@@ -216,10 +216,7 @@ class Integrator {
     return status == Status::ok ? accept() : status;
   }
 
-  Status accept() {
-    if constexpr (HasAccept<System>) return f_.system().accept(t_, y_.data());
-    return Status::ok;
-  }
+  Status accept() { return f_.system().accept(t_, y_.data()); }
 
   /// From grid point to grid point t0 + k step; a limit in between splits the step.
   template <class M>

@@ -31,15 +31,13 @@ struct Options {
 };
 
 /// Throws std::invalid_argument for what no integrator of so many states can do.
-inline void check_options(Options const& o, int states, bool has_jacobian) {
+inline void check_options(Options const& o, int states) {
   constexpr double least_tolerance = 1e-30;  // of a state that stays zero
   auto const tolerances = static_cast<int>(o.absolute_tolerance.size());
   need(o.step >= 0, "step must be positive, or 0 to let the error choose it");
   need(o.method >= Method::rk4 && o.method <= Method::rodas4, "there is no such method");
   bool const free = o.method == Method::dormand_prince || o.method == Method::rodas4;
   need(o.step > 0 || free, "methods rk4, exponential_rk4 and exponential_adams need a step");
-  bool const linearised = o.method == Method::exponential_adams || o.method == Method::rodas4;
-  need(!linearised || has_jacobian, "methods exponential_adams and rodas4 need a Jacobian");
   need(std::isfinite(o.step) && std::isfinite(o.output_step), "step and output_step must be finite");
   need(o.relative_tolerance > 0 && std::isfinite(o.relative_tolerance), "relative_tolerance must be positive");
   need(tolerances == 1 || tolerances == states, "absolute_tolerance must hold one value, or one per state");

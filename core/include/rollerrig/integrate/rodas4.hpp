@@ -190,9 +190,7 @@ class Rodas4 {
   template <class System>
   static std::vector<int> velocity_columns(System const& system) {
     std::vector<int> columns;
-    if constexpr (HasKinematicStates<System>) {
-      for (int i = 0; i < system.kinematic_states(); ++i) columns.push_back(system.velocity_column(i));
-    }
+    for (int i = 0; i < system.kinematic_states(); ++i) columns.push_back(system.velocity_column(i));
     return columns;
   }
 
