@@ -258,13 +258,17 @@ def _solved(matrix_at: Callable[[float], Array], value: float) -> tuple[float, A
 
 
 def _signs_kept(system: Eigensystem, previous: Eigensystem, sign: Array) -> Eigensystem:
-    """Where two real eigenvalues become a pair: the column that was the one of positive frequency is so again."""
-    born = np.flatnonzero((system.values.imag > 0.0) & (previous.values.imag == 0.0))
+    """Of two columns that become a pair or cease to be one, which is which, by a rule and not by round-off.
+
+    The one of positive frequency is that which had it before, else that which decays more slowly; it goes on as that.
+    """
     columns = np.arange(len(system.values))
-    for upper in born.tolist():
-        lower = int(np.argmin(np.abs(system.values - system.values[upper].conj())))
-        if sign[upper] < 0.0 or sign[lower] > 0.0:
-            columns[upper], columns[lower] = lower, upper
+    for pair, apart, born in ((system.values, previous.values, True), (previous.values, system.values, False)):
+        for upper in np.flatnonzero((pair.imag > 0.0) & (apart.imag == 0.0)).tolist():
+            lower = int(np.argmin(np.abs(pair - pair[upper].conj())))
+            earlier = sign[upper] - sign[lower] if born else 0.0
+            if (earlier or apart[upper].real - apart[lower].real) < 0.0:
+                columns[upper], columns[lower] = lower, upper
     return system.reordered(columns)
 
 

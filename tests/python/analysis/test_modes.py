@@ -84,6 +84,22 @@ def test_a_mode_that_is_overdamped_for_a_while_comes_back_with_its_sign() -> Non
     assert np.all(np.sign(values[0].imag) == np.sign(values[-1].imag))
 
 
+@pytest.mark.parametrize("seed", range(12))
+def test_which_column_of_a_pair_goes_on_as_which_real_eigenvalue_is_no_matter_of_round_off(seed: int) -> None:
+    """-1 and -3 become a pair and cease to be one: the column of positive frequency is -1 before and after."""
+    chance = np.random.default_rng(seed)
+    turned = np.linalg.qr(chance.standard_normal((3, 3)))[0]
+
+    def matrix(s: float) -> np.ndarray:
+        own = np.array([[-1.0, 1.0, 0.0], [-2.0 + 2.0 * s * s, -3.0, 0.0], [0.0, 0.0, -9.0]])
+        return turned @ own @ turned.T * (1.0 + 1e-13 * chance.standard_normal((3, 3)))
+
+    values = follow_modes(matrix, np.linspace(-1.0, 1.0, 8)).values()
+    (upper,) = np.flatnonzero(values[3].imag > 0.0)
+    (lower,) = np.flatnonzero(values[3].imag < 0.0)
+    assert values[[0, -1]][:, [upper, lower]] == pytest.approx(np.array([[-1.0, -3.0], [-1.0, -3.0]]), abs=1e-9)
+
+
 def test_following_undoes_any_order() -> None:
     system = eigensystem(oscillator_pair(0.7, coupling=3.0))
     shuffled = system.reordered(np.array([2, 0, 3, 1]))
