@@ -100,7 +100,7 @@ def _named(
 ) -> ModesOverSpeed:
     every = followed.values()
     oscillating = np.any(every.imag > LEAST_FREQUENCY, axis=0) & (every.imag.mean(axis=0) > 0)
-    columns = sorted(np.flatnonzero(oscillating).tolist(), key=lambda m: abs(every[-1, m].imag))
+    columns = sorted(np.flatnonzero(oscillating).tolist(), key=lambda m: (abs(every[-1, m].imag), every[-1, m].real))
     pairs = list(zip(linearisations, followed.systems, strict=True))
     shapes = np.array([body_shapes(linear, system, columns) for linear, system in pairs])
     shares = np.array([energy_shares(linear, system, columns) for linear, system in pairs])

@@ -169,7 +169,9 @@ def _costs(previous: Eigensystem, following: Eigensystem, change: Array | None) 
     back = following.values if change is None else predicted(following, -change)
     size = 1.0 + 0.5 * (np.abs(previous.values)[:, None] + np.abs(following.values)[None, :])
     distance = np.abs(ahead[:, None] - following.values[None, :]) + np.abs(previous.values[:, None] - back[None, :])
-    return np.asarray(0.5 * distance / size + 1.0 - modal_assurance(previous, following))
+    # both of a pair are alike: where one of them becomes real, it is the one of negative frequency, and not as round-off has it
+    ends = (previous.values.imag > 0.0)[:, None] & (following.values.imag == 0.0)[None, :]
+    return np.asarray(0.5 * distance / size + 1.0 - modal_assurance(previous, following) + 1e-6 * ends)
 
 
 @one_blas_thread()

@@ -7,6 +7,7 @@ import math
 import numpy as np
 import pytest
 
+from rollerrig.analysis import modes as linear_modes
 from rollerrig.analysis.control_loop import slow_wavelength
 from rollerrig.analysis.critical_speed import bracket, linear_critical_speed, scan_linear
 from rollerrig.analysis.hunting import HuntingSettings, hunting_run
@@ -124,6 +125,23 @@ def test_a_case_without_equilibrium_is_told_by_the_scan(bogie) -> None:
     found = scan_linear(bogie.with_changes({"axle_torque": [torque]}), [60.0, 100.0])
     assert "no rolling equilibrium" in found.problem
     assert math.isnan(found.speed_kmh)
+
+
+@pytest.mark.parametrize("kind", ["steel", "paper"])
+def test_modes_over_speed_are_not_those_of_round_off(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Overdamped motions become oscillations and meet each other: which is which is the same in matrices that differ by 1e-13."""
+    chance, solve = np.random.default_rng(0), linear_modes.eigensystem
+    changes = {"contact.material": kind, "contact.normal": "hertz", "contact.creep": "kalker_saturated"}
+    case = load_case("bogie_track").with_changes({"vehicle.cut": "leading_bogie", **changes})
+    speeds = [v / 3.6 for v in range(20, 401, 20)]
+    exact = modes_over_speed(case, speeds)
+    monkeypatch.setattr(
+        linear_modes, "eigensystem", lambda a: solve(a * (1.0 + 1e-13 * chance.standard_normal(a.shape)))
+    )
+    for _ in range(4):
+        found = modes_over_speed(case, speeds)
+        assert found.names == exact.names
+        assert np.abs(found.values - exact.values).max() < 1e-5 * np.abs(exact.values).max()
 
 
 def test_all_crossings_are_told_with_their_modes() -> None:
