@@ -260,7 +260,7 @@ def _solved(matrix_at: Callable[[float], Array], value: float) -> tuple[float, A
 
 
 def _signs_kept(system: Eigensystem, previous: Eigensystem, sign: Array) -> Eigensystem:
-    """Of two columns that become a pair or cease to be one, which is which, by a rule and not by round-off.
+    """The columns of two that become a pair, or cease to be one, in an order that is a rule and not round-off.
 
     The one of positive frequency is that which had it before, else that which decays more slowly; it goes on as that.
     """
