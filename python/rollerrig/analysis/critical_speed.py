@@ -104,6 +104,9 @@ def onset_from(
     return above.onset, highest if above.problem else HIGHEST_KMH
 
 
+SAME = 2e-5  # part of a speed by which another must differ to be another one: thirds hit on speeds of runs but for rounding
+
+
 @dataclass(frozen=True)
 class CriticalSpeedByDisturbance:
     """Between which speeds a perturbation of one size begins to persist."""
@@ -120,8 +123,8 @@ class CriticalSpeedByDisturbance:
         """
         if not self.persists - self.decays > width:  # also where one of them is NaN
             return []
-        tried = {run.speed for run in self.runs}
-        return [float(v) for v in np.linspace(self.decays, self.persists, 4)[1:-1] if float(v) not in tried]
+        thirds, tried = np.linspace(self.decays, self.persists, 4)[1:-1], np.array([run.speed for run in self.runs])
+        return [float(v) for v in thirds if np.abs(tried - v).min() > SAME * v]
 
     @property
     def table(self) -> xr.Dataset:

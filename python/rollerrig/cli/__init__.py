@@ -11,9 +11,8 @@ __all__ = ["main"]
 
 def main() -> None:
     """Entry point of `rollerrig`; interrupted while it loads its modules, it ends as a command does."""
-    gc.set_threshold(
-        50_000, 20, 20
-    )  # what is loaded is no garbage: looking through it took an eighth of a short command
+    # what is loaded is no garbage: looking through it took an eighth of a short command
+    gc.set_threshold(50_000, 20, 20)
     try:
         from rollerrig.cli.app import build_app
 

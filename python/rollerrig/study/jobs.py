@@ -45,7 +45,7 @@ class Chains:
     """Jobs that need the results of those before them, in several chains side by side.
 
     Attributes:
-        chains: asked for their next job after each of their own.
+        chains: asked for their next jobs after each job.
         expected: jobs that there will be, more or less; for the progress.
     """
 

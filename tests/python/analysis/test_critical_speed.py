@@ -68,6 +68,10 @@ def test_the_bracket_is_not_divided_for_ever_where_runs_end_early() -> None:
     between_them = [run(float(v), False, "derailed") for v in np.linspace(40.0, 46.0, 4)[1:-1]]
     assert bracket([run(40.0, False), run(46.0, True)], 3e-3).further_speeds(1.0) == [42.0, 44.0]
     assert bracket([run(40.0, False), run(46.0, True), *between_them], 3e-3).further_speeds(1.0) == []
+    for slowest in range(60, 300, 10):  # km/h: thirds are the speeds of the first runs but for rounding
+        low, *open_ones, high = (v / 3.6 for v in range(slowest, slowest + 61, 20))
+        runs = [run(low, False), *(run(v, False, "not_decided") for v in open_ones), run(high, True)]
+        assert bracket(runs, 3e-3).further_speeds(1.0) == []
 
 
 def test_runs_that_ended_early_are_in_the_table_as_such() -> None:
