@@ -243,3 +243,6 @@ def test_of_thousands_of_mistakes_the_first_are_listed_and_the_rest_counted(tmp_
         rr.load_case(path)
     assert len(error.value.problems) < 1200  # those of the elements beside them
     assert "more mistakes" in str(error.value.problems[-1])
+    unknown = next(problem for problem in error.value.problems if problem.value == "'front_frame'")
+    assert unknown.allowed.endswith("b998, b999, ... (1000 more)")
+    assert unknown.hint == ""

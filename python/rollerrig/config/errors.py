@@ -14,6 +14,8 @@ from typing import TypeVar
 T = TypeVar("T")
 
 _LONGEST_VALUE = 80
+MANY = 1000
+"""Mistakes of one file that are listed, items of a list that are called by their names, choices that are named."""
 
 
 @dataclass(frozen=True)
@@ -104,8 +106,8 @@ def show_value(value: object) -> str:
 
 
 def nearest(word: object, choices: Sequence[str]) -> str:
-    """The choice that ``word`` was probably meant to be, in capitals or not, or ""."""
-    if not isinstance(word, str):
+    """The choice that ``word`` was probably meant to be, in capitals or not, or ""; of very many it is not sought."""
+    if not isinstance(word, str) or len(choices) > MANY:
         return ""
     lower = {choice.lower(): choice for choice in reversed(choices)}
     matches = get_close_matches(word.lower(), lower, n=1, cutoff=0.6)
@@ -113,5 +115,7 @@ def nearest(word: object, choices: Sequence[str]) -> str:
 
 
 def one_of(choices: Iterable[str]) -> str:
-    """'allowed are a, b, c' in the order given."""
-    return "allowed: " + (", ".join(choices) or "nothing here")
+    """'allowed: a, b, c' in the order given; of very many the first."""
+    named = list(choices)
+    more = [f"... ({len(named) - MANY} more)"] if len(named) > MANY else []
+    return "allowed: " + (", ".join(named[:MANY] + more) or "nothing here")

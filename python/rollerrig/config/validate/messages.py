@@ -12,7 +12,7 @@ from pydantic import BaseModel, RootModel, ValidationError
 from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
-from rollerrig.config.errors import ConfigProblem, join_key, nearest, one_of, show_value
+from rollerrig.config.errors import MANY, ConfigProblem, join_key, nearest, one_of, show_value
 from rollerrig.config.schema.base import INSTEAD_OF, quantities_in
 from rollerrig.config.schema.units import KEY_SUFFIXES
 
@@ -56,8 +56,6 @@ def meant(word: object, choices: Sequence[str]) -> str:
 M = TypeVar("M", bound=BaseModel)
 
 NAMING_KEYS = ("name", "wheelset", "body")
-_MOST = 1000
-"""Mistakes of one file that are listed, and items of a list that are called by their names."""
 _KINDS = {
     "string_type": "allowed: a text",
     "bool_type": "allowed: true or false",
@@ -89,7 +87,7 @@ def validate(model: type[M], raw: object, file: str, prefix: str = "") -> tuple[
     try:
         return model.model_validate(raw), []
     except ValidationError as error:
-        errors = error.errors(include_url=False)[:_MOST]
+        errors = error.errors(include_url=False)[:MANY]
         found = [_problem(model, raw, item, file) for item in errors if not _follows(item, errors)]
         problems = list(dict.fromkeys(problem.within(prefix) for problem in found if problem))
         if more := error.error_count() - len(errors):
@@ -105,7 +103,7 @@ def item_labels(items: Sequence[object]) -> list[str]:
             return next((item[key] for key in NAMING_KEYS if isinstance(item.get(key), str)), "")
         return ""
 
-    names = [name(item) for item in items] if len(items) <= _MOST else [""] * len(items)
+    names = [name(item) for item in items] if len(items) <= MANY else [""] * len(items)
     count = Counter(names)
     plain = [own.replace("_", "").replace("-", "").isalnum() and count[own] == 1 for own in names]
     return [own if plain[index] else f"[{index}]" for index, own in enumerate(names)]
@@ -189,7 +187,7 @@ def _enter_list(place: _Place, item: int | str) -> _Place:
     arguments, raw = get_args(_bare(place.annotation)), place.raw
     if isinstance(item, int):
         is_list = isinstance(raw, list | tuple)
-        label = item_labels(raw)[item] if is_list and item < len(raw) else f"[{item}]"
+        label = item_labels(raw)[item] if is_list and item < len(raw) <= MANY else f"[{item}]"
         many = len(arguments) == 2 and arguments[1] is Ellipsis
         inner = arguments[0] if many else dict(enumerate(arguments)).get(item)
         raw = raw[item] if is_list and item < len(raw) else None
