@@ -78,12 +78,12 @@ def check(
 
     The file must be valid by itself, before --set changes it.
     """
-    from rollerrig.cli.describe import describe_case, describe_part
     from rollerrig.config import Case, ConfigError, FitPlan, Plan, code_of, load_any, load_plan
     from rollerrig.config.load.fit import load_fit
-    from rollerrig.study.ensemble import check_ensemble
 
     kind, part = load_any(file, allow_code=allow_code)
+    from rollerrig.cli.describe import describe_case, describe_part  # a wrong file needs none of it
+
     changes = changes_of(change)
     if changes and not isinstance(part, Case | Plan | FitPlan):
         raise typer.BadParameter(f"'{file}' is a {kind}; allowed: with a case or a plan", param_hint="--set")
@@ -103,6 +103,8 @@ def check(
     elif isinstance(part, Case):
         lines = [*code_lines(code_of(part)), *describe_case(part, run_code=allow_code)]
         if part.brake is not None or part.traction is not None:  # else no command makes an ensemble of it
+            from rollerrig.study.ensemble import check_ensemble
+
             try:
                 check_ensemble(part)
             except ConfigError as error:
