@@ -1,4 +1,4 @@
-"""`rollerrig control`: variants, failure thresholds, the files, and what is refused."""
+"""`rollerrig control`: variants, values that fail, the files, and what is refused."""
 
 from __future__ import annotations
 
