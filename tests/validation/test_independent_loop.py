@@ -14,7 +14,7 @@ from rollerrig.analysis.loop_stability import ABOVE, Plant, gain_limit, growth, 
 from rollerrig.assembly.actuators import assemble_with_actuators
 from rollerrig.assembly.train_axles import train_mass
 from rollerrig.config import Case
-from rollerrig.study.runs.control import excited_case
+from rollerrig.study.runs.control import loop_case
 from validation.independent_loop import controller_matrix
 
 FACTORS = (1.0, 8.0, 30.0)
@@ -24,7 +24,7 @@ FACTORS = (1.0, 8.0, 30.0)
 def base(name: str) -> tuple[Case, float, Plant]:
     """Case, slope of its real creep, its vehicle."""
     step = {"time.sampling_step": 1e-3, "rig_control.sample_time": 1e-3, "time.output_step": 1e-3}
-    case = excited_case(load_case(name).with_changes({**step, "slide_protection": None}))
+    case = loop_case(load_case(name).with_changes({**step, "slide_protection": None, "wheel_slip_control": None}))
     return case, creep_slope(case), vehicle_plant(case)
 
 

@@ -1,6 +1,6 @@
 """The contact in steady rolling, and the rig's control loop about it, linearised: gain and phase margin in closed form.
 
-    Case -> equilibrium -> [contact_state] -> approach, creep stiffness, kinematic wavelength, equivalent conicity
+    Case -> equilibrium -> [contact_state] -> approach, creep stiffness, kinematic wavelength
     Case -> [loop_of, users_loop] -> Loop -> [margins]          one axle in continuous time, (Q1) and (Q2)
                               -> analysis.loop_stability        eigenvalues of the sampled loop, with or without the vehicle
 
@@ -40,7 +40,6 @@ class ContactState:
     approach: float  # of the deepest patch [m]
     creep_stiffness: float  # sum of f11 over its patches, linear theory [N]
     wavelength: float  # of slow hunting [m]; NaN if the motion does not oscillate
-    conicity: float  # that a rigid bogie on track would need for this wavelength [1]
 
 
 @dataclass(frozen=True)
@@ -76,13 +75,7 @@ def contact_state(case: Case) -> ContactState:
     state = rolling_state(lineariser, REFERENCE_SPEED)
     wheel = state.wheels.isel(wheel=0)
     count, stiffness = int(wheel["patch_count"]), state.creep_stiffness[str(wheel["wheel"].item())]
-    wavelength = slow_wavelength(lineariser)
-    axles = wheelsets(case)
-    half_base = 0.5 * abs(axles[0].position[0] - axles[min(1, len(axles) - 1)].position[0])
-    half_gauge = lineariser.model.rail_origin_y
-    ratio = 1 + (half_base / half_gauge) ** 2
-    conicity = case.vehicle.data.wheel.radius * half_gauge * ratio * (2 * math.pi / wavelength) ** 2
-    return ContactState(count, float(wheel["patch_approach"].max()), stiffness, wavelength, conicity)
+    return ContactState(count, float(wheel["patch_approach"].max()), stiffness, slow_wavelength(lineariser))
 
 
 def slow_wavelength(lineariser: Lineariser, speed: float = SLOW) -> float:

@@ -1,7 +1,6 @@
-"""Stability of the sampled loop of the roller drives: eigenvalues of the linear loop, and growth measured in runs.
+"""Stability of the sampled loop of the roller drives: eigenvalues of the linear loop.
 
 Loop, Plant -> [sampled_matrix] -> growth rate and frequency, gain limit
-run of a lightly excited rig -> [measured_growth] -> the same, from the tracking error
 
 Controller and plant are the code that runs: one by differences, see linear_controller, the other by exact derivatives.
 """
@@ -10,8 +9,6 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-import xarray as xr
-from numpy.typing import NDArray
 from scipy.linalg import expm
 
 from rollerrig import _core
@@ -20,7 +17,7 @@ from rollerrig.analysis.linear_bench import torque_loop
 from rollerrig.analysis.modes import DIRECTIONS
 from rollerrig.assembly.model import assemble
 from rollerrig.cases import without_actuators
-from rollerrig.common.arrays import Array, Mask
+from rollerrig.common.arrays import Array
 from rollerrig.common.linear_algebra import one_blas_thread
 from rollerrig.config import Case, Rig
 from rollerrig.simulation.starting_state import starting_state
@@ -29,14 +26,6 @@ NEUTRAL = 1e-6
 """Eigenvalues so near to 1 are neutral: double ones, as of an angle and its speed, are found to the root of rounding."""
 
 ABOVE = 10.0  # the slow motions of bogie and loop, which are damped, stay below this frequency [Hz]
-
-WINDOW = 0.1
-"""Window of the RMS values from which a growth rate is measured [s], and how many of them it takes at least:"""
-LEAST_WINDOWS = 4
-
-LINEAR_RANGE = (1e-10, 2e-2)
-"""An instability grows exponentially between these tracking errors: below is rounding, above torque and adhesion saturate
-[rad/s]."""
 
 
 @dataclass(frozen=True)
@@ -160,39 +149,3 @@ def gain_limit(loop: Loop, plant: Plant, highest: float = 1e4) -> float:
         if rate(high) > 0.0:
             return math.exp(float(brentq(rate, low, high, xtol=1e-4)))
     return math.nan
-
-
-def measured_growth(error: xr.DataArray, begin: float) -> tuple[tuple[float, float], float]:
-    """Rate [1/s] and frequency [Hz] at which the tracking error of a run grows above ABOVE, and its RMS at the end [rad/s].
-
-    Of virtual less real speeds [rad/s] over evenly spaced `time` [s], then axle, from `begin` [s] on; rate and frequency are NaN
-    where nothing grew within LINEAR_RANGE.
-    """
-    from scipy.signal import butter, sosfiltfilt  # slow to load, and seldom needed
-
-    step = float(error["time"][1] - error["time"][0])
-    sos = butter(8, ABOVE, "highpass", fs=1.0 / step, output="sos")
-    high = sosfiltfilt(sos, error.to_numpy(), axis=0)[round(begin / step) :]
-    window = round(WINDOW / step)
-    count = len(high) // window
-    size = np.sqrt(np.mean(high[: count * window].reshape(count, window, -1) ** 2, axis=(1, 2)))
-    least, largest = LINEAR_RANGE
-    linear = (size < largest) & (size > 3.0 * max(float(size[:-2].min()), least))
-    linear[-2:] = False  # the filter's end
-    late = _last_part(linear)[-12:]
-    if len(late) < LEAST_WINDOWS:
-        return (math.nan, math.nan), float(size[-3])
-    middle = (np.arange(count) + 0.5) * window * step
-    rate = float(np.polyfit(middle[late], np.log(size[late]), 1)[0])
-    piece = high[late[0] * window : (late[-1] + 1) * window]
-    steady = piece[:, int(np.argmax(np.abs(piece).max(axis=0)))] * np.exp(-rate * step * np.arange(len(piece)))
-    power = np.abs(np.fft.rfft(steady * np.hanning(len(steady)), 8 * len(steady)))
-    frequency = float(np.argmax(power) / (8 * len(steady) * step))
-    return (rate, frequency) if rate > 0.0 and frequency > ABOVE else (math.nan, math.nan), float(size[-3])
-
-
-def _last_part(flags: Mask) -> NDArray[np.intp]:
-    """Indices of the last connected true values that are enough for a rate, or of the last ones."""
-    at = np.flatnonzero(flags)
-    parts = np.split(at, np.flatnonzero(np.diff(at) > 1) + 1)
-    return next((part for part in reversed(parts) if len(part) >= LEAST_WINDOWS), parts[-1])

@@ -1,6 +1,5 @@
 """Figures of several supports side by side: one colour or style per support, both always in the same axes."""
 
-import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -8,20 +7,14 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FixedLocator, NullFormatter
 
 from rollerrig.plot.modes import shown_modes
 from rollerrig.plot.style import (
     COLOURS,
     GREY,
-    MARKERS,
     STYLES,
-    colour,
-    critical_line,
-    house_style,
     legend_beside,
     look,
-    new_figure,
     panels,
 )
 
@@ -69,66 +62,4 @@ def modes_side_by_side(modes: Mapping[str, xr.Dataset]) -> Figure:
         by_style = [Line2D([], [], label=n, **{**look(k), "color": "black"}) for k, n in enumerate(modes)]
         legend_beside(frequency, handles=by_name, title="mode")
         legend_beside(damping, handles=by_style, title="on")
-        return figure
-
-
-def critical_over_radius(speeds: Mapping[str, Mapping[float, float]], marked: float) -> Figure:
-    """Critical speeds [km/h] over the rollers' radius [m] by label; at infinity the track, the line that the curves approach."""
-    with panels(["linear critical speed [km/h]"], "radius of the rollers [m]", 3.6, legend=False) as (figure, (axes,)):
-        ticks = sorted({radius for curve in speeds.values() for radius in curve if math.isfinite(radius)})
-        for number, (label, curve) in enumerate(speeds.items()):
-            one, marker = colour(number), MARKERS[number % len(MARKERS)]
-            values = [curve.get(radius, math.nan) for radius in ticks]
-            axes.plot(ticks, values, marker=marker, color=one, markersize=5, label=f"{label}, on rollers")
-            if math.isfinite(track := curve.get(math.inf, math.nan)):
-                style = STYLES[1 + number % 3]
-                axes.axhline(track, color=one, linestyle=style, linewidth=1.1, label=f"{label}, on track")
-        axes.set_xscale("log")
-        axes.xaxis.set_major_locator(FixedLocator(ticks))
-        axes.xaxis.set_minor_formatter(NullFormatter())
-        axes.set_xticklabels([f"{tick:g}" for tick in ticks])
-        axes.minorticks_off()
-        if math.isfinite(marked):
-            critical_line(axes, marked, f"this rig, {marked:g} m")
-        legend_beside(axes)
-        return figure
-
-
-@house_style()
-def effect_bars(off: Mapping[str, float], alone: Mapping[str, float], loss: float) -> Figure:
-    """What each effect of a roller costs [km/h]: left out of the rig, and alone on the track; loss from track to rig."""
-    figure, (axes,) = new_figure(height=0.9 + 0.55 * (len(off) + 2))
-    rows = [*off, "interaction", "all: track less rig"]
-    places = np.arange(len(rows))[::-1]
-    for values, shift, ink, hatch, label in (
-        (off, 0.19, COLOURS[0], "", "switched off alone: gain of the rig"),
-        (alone, -0.19, COLOURS[1], "///", "on alone: loss from the track"),
-    ):
-        bars = [*(values[effect] for effect in off), loss - sum(values.values()), loss]
-        look_of: dict[str, Any] = {"color": ink, "alpha": 0.85, "hatch": hatch, "edgecolor": "white", "label": label}
-        drawn = axes.barh(places + shift, bars, 0.36, **look_of)
-        axes.bar_label(drawn, fmt="{:+.1f}", padding=3, fontsize=7.5)
-    axes.axvline(0.0, color=GREY, linewidth=1.0)
-    axes.set_yticks(places, rows)
-    axes.margins(x=0.12)
-    axes.set_xlabel("linear critical speed [km/h]")
-    axes.legend(loc="lower center", bbox_to_anchor=(0.4, 1.0), ncols=2)
-    return figure
-
-
-def disturbed_over_time(runs: Mapping[str, xr.Dataset]) -> Figure:
-    """The leading wheelset after a disturbance: motion, guiding force, sum of guiding forces, longitudinal creep force."""
-    signals = {
-        "lateral [mm]": ("lateral", 1e3),
-        "Y, left wheel [kN]": ("guiding_force", 1e-3),
-        "ΣY, 2 m mean [kN]": ("guiding_force_sum", 1e-3),
-        "longitudinal creep force,\nleft wheel [kN]": ("longitudinal_creep_force", 1e-3),
-    }
-    with panels(list(signals), "time [s]", 8.0, legend=False) as (figure, axes):
-        for number, (label, run) in enumerate(runs.items()):
-            left = run.isel(wheel=0)
-            for panel, (name, factor) in zip(axes, signals.values(), strict=True):
-                panel.plot(run["time"], factor * left[name], label=label, **look(number))
-        axes[0].set_xlim(0.0, float(next(iter(runs.values()))["time"][-1]))
-        axes[0].legend(loc="upper right", ncols=len(runs))
         return figure

@@ -1,12 +1,10 @@
 """Figures of the rig's control: comparisons of controllers, and frequency responses."""
 
 import math
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from textwrap import wrap
+from collections.abc import Mapping, Sequence
 from typing import Any, Literal
 
 import numpy as np
-import xarray as xr
 from matplotlib.figure import Figure
 
 from rollerrig.common.arrays import Array, Complex
@@ -17,11 +15,9 @@ from rollerrig.plot.style import (
     colour,
     house_style,
     legend_above,
-    line,
     logarithmic,
     look,
     new_figure,
-    new_grid,
     panels,
 )
 
@@ -61,78 +57,6 @@ def over_parameter(
         if scale == "log":
             logarithmic(both[1])
     return figure
-
-
-def loop_growth(points: Mapping[str, Sequence[float]]) -> Figure:
-    """Growth rate and frequency of the least damped motion over the factor on the gains.
-
-    Points have `factor`, and rate [1/s] and frequency [Hz] as `rolling_rate`, `rolling_hz`, `vehicle_*`, `measured_*`, NaN where
-    nothing grew; `unstable`: 1 where a run did.
-    """
-    labels = ("growth rate [1/s]\nabove 0: unstable", "frequency [Hz]")
-    with panels(labels, "factor on the gains of the PI feedback [-]", 4.8) as (figure, (rate, frequency)):
-        x = np.array(points["factor"])
-        for axes, end in ((rate, "rate"), (frequency, "hz")):
-            axes.plot(x, points[f"rolling_{end}"], "--", color=COLOURS[5], label="computed, wheel and roller alone")
-            axes.plot(x, points[f"vehicle_{end}"], "-", color=COLOURS[0], label="computed, with the vehicle")
-            axes.plot(x, points[f"measured_{end}"], "o", color=COLOURS[1], label="measured in unstable runs")
-        unstable, bottom = np.array(points["unstable"]) > 0.0, rate.get_xaxis_transform()
-        for which, marker, name in ((unstable, "x", "an unstable run"), (~unstable, ".", "a stable run")):
-            y = np.full(which.sum(), 0.05)
-            rate.plot(x[which], y, marker, color=COLOURS[1], markersize=5.0, transform=bottom, label=name)
-        rate.axhline(0.0, **LIMIT)
-        worst = [v for key in ("vehicle_rate", "measured_rate") for v in points[key] if math.isfinite(v)]
-        rate.set_ylim(min(-12.0, *worst), 1.3 * max(10.0, *worst))
-        logarithmic(frequency)
-        frequency.set_ylim(0.0, None)
-    return figure
-
-
-Curve = tuple[Any, int, str, str]
-"""Values over time, number of the colour, style, label."""
-Rows = Mapping[str, Callable[[xr.Dataset], Iterable[Curve]]]
-"""Label of the ordinate -> curves of a run."""
-
-
-@house_style()
-def runs_beside(runs: Mapping[str, xr.Dataset], rows: Rows, height: float, **options: Any) -> Figure:
-    """Some runs over time: a column for each, a row of panels for each of `rows`."""
-    figure, grid = new_grid(len(rows), len(runs), height=height, **{"sharex": "col", **options})
-    for column, (title, run) in zip(grid.T, runs.items(), strict=True):
-        for axes, curves in zip(column, rows.values(), strict=True):
-            for curve in curves(run):
-                line(axes, run["time"], *curve)
-        column[0].set_title("\n".join(wrap(title, 34)), fontsize=8.0, loc="left")
-        column[-1].set_xlabel("time [s]")
-    for axes, label in zip(grid[:, 0], rows, strict=True):
-        axes.set_ylabel(label)
-        if axes.get_legend_handles_labels()[0]:
-            axes.legend(fontsize=7.0)
-    return figure
-
-
-def speed_curves(run: xr.Dataset, radius: float) -> list[Curve]:
-    """Speeds of train and wheel, virtual and on the rig [km/h], of a run of one axle; radius of the wheels [m]."""
-    return [
-        (3.6 * run["train_speed"], 5, "-", "train, virtual"),
-        (3.6 * radius * run["virtual_speed"], 1, "--", "wheel, virtual"),
-        (3.6 * radius * run["axle_speed"], 0, "-", "wheel, rig"),
-    ]
-
-
-def error_curves(run: xr.Dataset, radius: float) -> list[Curve]:
-    """Tracking error [% of train speed], of a train that is not too slow for it."""
-    fast = run["train_speed"].where(run["train_speed"] > 2.0)
-    return [(100.0 * radius * (run["axle_speed"] - run["virtual_speed"]) / fast, 0, "-", "")]
-
-
-def course_rows(radius: float) -> Rows:
-    """Speeds, tracking error and torque of the leading axle."""
-    return {
-        "speed [km/h]": lambda run: speed_curves(run.isel(axle=0), radius),
-        "tracking error\n[% of train speed]": lambda run: error_curves(run.isel(axle=0), radius),
-        "roller torque\n[kN m]": lambda run: [(1e-3 * run.isel(axle=0)["roller_torque"], 0, "-", "")],
-    }
 
 
 Response = tuple[Array, Complex]

@@ -1,4 +1,4 @@
-"""Figures of an envelope map: regions over torque and adhesion with the closed forms on them, and runs of each over time."""
+"""Figures of an envelope map: regions over torque and adhesion with the closed forms on them."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -9,11 +9,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch, Rectangle
-from matplotlib.tri import Triangulation
 from numpy.typing import NDArray
 
 from rollerrig.common.arrays import Array
-from rollerrig.plot.control import Curve, Rows, error_curves, runs_beside, speed_curves
 from rollerrig.plot.style import cell_edges, house_style, new_figure
 
 FILLS: Mapping[str, tuple[str, str]] = {
@@ -40,42 +38,34 @@ LINES: Mapping[str, tuple[str, Any]] = {
 }
 """Closed form -> colour, style."""
 
-ERRORS = (0.003, 0.01, 0.03)  # contours of the tracking error
-
 
 @house_style()
 def region_map(found: xr.Dataset, load: float, names: Mapping[str, str]) -> Figure:
-    """Regions of one load over torque and adhesion, runs as dots, tracking error as contours, closed forms as lines."""
+    """Regions of one load over torque and adhesion, runs as dots, closed forms as lines."""
     here = found.sel(load=load)
     figure, (axes,) = new_figure(1, height=5.0)
     shown = _regions(axes, here)
-    _errors(axes, here)
     lines = _closed_forms(axes, here)
     rows, columns = np.nonzero(here["region"].to_numpy() != "")
-    torques, adhesions = _map_unit(here)[1] * here["torque"].to_numpy(), here["adhesion"].to_numpy()
+    torques, adhesions = _unit(here)[1] * here["torque"].to_numpy(), here["adhesion"].to_numpy()
     axes.plot(torques[columns], adhesions[rows], ".", markersize=2.0, color="#333333", zorder=4)
     look: dict[str, Any] = {"edgecolor": "#444444", "linewidth": 0.4}
     handles: list[Any] = [
         *(Patch(facecolor=FILLS[n][0], hatch=FILLS[n][1], label=names[n], **look) for n in FILLS if n in shown),
         *lines,
-        Line2D([], [], color="#0b3d91", linewidth=0.9, label="tracking error, RMS of train speed"),
         Line2D([], [], color="#333333", marker=".", markersize=3, linestyle="", label="a run"),
     ]
     figure.legend(handles=handles, loc="outside lower center", ncols=2)
     axes.set_title(f"axle load {1e-3 * float(here['axle_load']):.4g} kN ({load:g} of the case's own)", loc="left")
     side = ", negative brakes" if float(found["torque"][0]) < 0 else ""
-    axes.set(xlabel=f"torque on each axle [{_map_unit(here)[0]}]{side}", ylabel="adhesion of the reproduced rail [-]")
+    axes.set(xlabel=f"torque on each axle [{_unit(here)[0]}]{side}", ylabel="adhesion of the reproduced rail [-]")
     axes.grid(False)
     return figure
 
 
-def _unit(largest: float) -> tuple[str, float]:
-    """Unit that suits torques up to the largest [N m], and what multiplies them."""
-    return ("kN m", 1e-3) if largest >= 500.0 else ("N m", 1.0)
-
-
-def _map_unit(found: xr.Dataset) -> tuple[str, float]:
-    return _unit(float(np.abs(found["torque"]).max()))
+def _unit(found: xr.Dataset) -> tuple[str, float]:
+    """Unit that suits the torques of a map, and what multiplies them."""
+    return ("kN m", 1e-3) if float(np.abs(found["torque"]).max()) >= 500.0 else ("N m", 1.0)
 
 
 def _nearest(regions: NDArray[np.str_]) -> NDArray[np.str_]:
@@ -90,7 +80,7 @@ def _nearest(regions: NDArray[np.str_]) -> NDArray[np.str_]:
 
 
 def _regions(axes: Axes, here: xr.Dataset) -> set[str]:
-    scale = _map_unit(here)[1]
+    scale = _unit(here)[1]
     x, y = scale * cell_edges(here["torque"].to_numpy()), cell_edges(here["adhesion"].to_numpy())
     regions = _nearest(here["region"].to_numpy())
     for j, row in enumerate(regions):
@@ -107,28 +97,10 @@ def _regions(axes: Axes, here: xr.Dataset) -> set[str]:
     return {str(name) for name in np.unique(regions)}
 
 
-def _errors(axes: Axes, here: xr.Dataset) -> None:
-    """Contours over the runs there are, joined to triangles on their lattice, whose axes may be uneven."""
-    error = here["tracking_rms"].to_numpy()
-    rows, columns = np.nonzero(np.isfinite(error))
-    if len(rows) < 4 or np.ptp(rows) == 0 or np.ptp(columns) == 0:
-        return
-    triangles = Triangulation(columns, rows).triangles
-    x, y = _map_unit(here)[1] * here["torque"].to_numpy()[columns], here["adhesion"].to_numpy()[rows]
-    values = np.log10(np.maximum(error[rows, columns], 1e-6))
-    levels = [level for level in np.log10(ERRORS) if values.min() < level < values.max()]
-    if not levels:
-        return
-    drawn = axes.tricontour(
-        Triangulation(x, y, triangles), values, levels=levels, colors="#0b3d91", linewidths=0.9, linestyles="solid"
-    )
-    axes.clabel(drawn, fmt={level: f"{100 * 10**level:.2g} %" for level in levels}, fontsize=7.5)
-
-
 def _closed_forms(axes: Axes, here: xr.Dataset) -> list[Line2D]:
     shown: dict[str, Line2D] = {}
     low, high = sorted(axes.get_xlim())
-    adhesion, scale = here["line_adhesion"].to_numpy(), _map_unit(here)[1]
+    adhesion, scale = here["line_adhesion"].to_numpy(), _unit(here)[1]
     for side in here["side"].to_numpy():
         sign = -1.0 if side == "brake" else 1.0
         for name in LINES:
@@ -148,41 +120,3 @@ def _highlighted(axes: Axes, x: Array, y: Array, name: str, label: str = "") -> 
     """A line of LINES on a light ground, to stand out from the regions."""
     axes.plot(x, y, color="white", linewidth=3.0, alpha=0.8)
     return axes.plot(x, y, color=LINES[name][0], linestyle=LINES[name][1], linewidth=1.6, label=label)[0]
-
-
-def runs_over_time(runs: Mapping[str, xr.Dataset], radius: float, friction: float) -> Figure:
-    """Up to three runs beside each other: speeds, torques, friction used and tracking error of the axle that uses most of it.
-
-    Radius of the wheels [m]; friction between wheel and roller [-].
-    """
-    unit, scale = _unit(max(float(np.abs(run["roller_torque"]).max()) for run in runs.values()))
-
-    def torques(run: xr.Dataset) -> list[Curve]:
-        return [
-            (scale * (run["brake_torque"] + run["traction_torque"]), 4, "-", "torque on the axle"),
-            (scale * run["roller_torque"], 3, "-", "of the roller drive"),
-            (scale * run["roller_command"], 2, ":", "its command"),
-        ]
-
-    def used(run: xr.Dataset) -> list[Curve]:
-        normal, force = (run[name].sum(("wheel", "patch")) for name in ("patch_normal", "patch_creep_force_x"))
-        one = xr.ones_like(run["time"])
-        limits = [(limit * one, 5, "--", "") for limit in (-1.0, 1.0)]
-        return [(force / np.maximum(friction * normal, 1.0), 0, "-", ""), *limits]
-
-    rows: Rows = {
-        "speed [km/h]": lambda run: speed_curves(run, radius),
-        f"torque [{unit}]": torques,
-        "contact force over\nfriction limit [-]": used,
-        "tracking error\n[% of train speed]": lambda run: error_curves(run, radius),
-    }
-    return runs_beside({title: _one_axle(run) for title, run in runs.items()}, rows, 7.0, sharey="row")
-
-
-def _one_axle(run: xr.Dataset) -> xr.Dataset:
-    """The axle that uses most friction, with its wheels."""
-    wheels = run.sizes["wheel"] // run.sizes["axle"]
-    force, normal = (run[name].sum("patch").to_numpy() for name in ("patch_creep_force_x", "patch_normal"))
-    used = (np.abs(force) / np.maximum(normal, 1.0)).max(axis=0)
-    axle = int(np.argmax(used)) // wheels
-    return run.isel(axle=axle, wheel=slice(axle * wheels, (axle + 1) * wheels))

@@ -1,7 +1,7 @@
 """What does the rig change? One vehicle on several supports, side by side.
 
 vehicle or case, supports by name -> [compared_cases] -> label -> Case -> [CompareStudy]
-    -> modes, critical speeds, effects of the rollers, forces, contact characteristics
+    -> modes, critical speeds, effects of the rollers, forces
 """
 
 import math
@@ -26,23 +26,20 @@ from rollerrig.analysis.critical_speed import (
     effect_split,
     scan_linear,
 )
-from rollerrig.analysis.hunting import HuntingSettings, hunting_case
-from rollerrig.analysis.wheel_rail_forces import filtered, wheel_forces
-from rollerrig.cases import CATALOG_RIG, CATALOG_TRACK, leading_wheelset, on_rig, restrained_along_track, with_head_of
+from rollerrig.analysis.hunting import HuntingSettings
+from rollerrig.cases import CATALOG_RIG, CATALOG_TRACK, on_rig, restrained_along_track, with_head_of
 from rollerrig.config import Case, ConfigError, Rig, Vehicle, load_any, load_support
 from rollerrig.config.errors import nearest, show_value
 from rollerrig.config.load.case import build_case
 from rollerrig.config.read import CatalogKind, Document, catalog_names
 from rollerrig.config.write.toml import plain
-from rollerrig.contact_analysis import conicity_table, shift_table
 from rollerrig.plot import amplitude_over_speed
-from rollerrig.plot.compare import disturbed_over_time, modes_side_by_side
-from rollerrig.plot.contact import characteristics_figure
+from rollerrig.plot.compare import modes_side_by_side
 from rollerrig.plot.modes import hunting_frequencies
 from rollerrig.study import critical_speeds as speeds
 from rollerrig.study.assessment import Interval, change_in_words
 from rollerrig.study.frame import Outcome, Study
-from rollerrig.study.jobs import Chains, Done, Progress, Round, job, whole_modes, whole_run
+from rollerrig.study.jobs import Chains, Done, Progress, Round, job, whole_modes
 from rollerrig.study.options import Option, Processes, command
 from rollerrig.study.quantities import Numbers
 from rollerrig.study.report import Block, Picture, Section, Table, Text
@@ -120,31 +117,6 @@ STEADY = {  # key of `supports.*.wheels` -> signal in steady rolling, and factor
     "patches": ("patch_count", 1),
 }
 
-DISTURBED = {
-    "guiding_force": 1e-3,
-    "guiding_force_sum": 1e-3,
-    "longitudinal_creep_force": 1e-3,
-    "wheel_unloading": 1e2,
-    "derailment_quotient": 1.0,
-    "wear_number": 1.0,
-}
-"""Signal whose largest magnitude of the leading wheelset is reported of the disturbed run -> factor to its unit."""
-
-
-def disturbed(case: Case, speed: float, settings: HuntingSettings, progress: Progress | None = None) -> xr.Dataset:
-    """Filtered wheel-rail forces after a lateral offset at a speed [m/s], with the motion of the leading wheelset."""
-    run = whole_run(hunting_case(case, speed, settings), progress)
-    leading = leading_wheelset(case).name
-    motion, creep = run["lateral"].sel(body=leading, drop=True), run["longitudinal_creep_force"]
-    forces = filtered(wheel_forces(run)).assign(lateral=motion, longitudinal_creep_force=creep)
-    return forces.assign_attrs(status=run.attrs["status"], leading=leading, config_toml=run.attrs["config_toml"])
-
-
-def of_leading(run: xr.Dataset) -> xr.Dataset:
-    """A disturbed run's forces on its leading wheelset alone, the left wheel first."""
-    leading = str(run.attrs["leading"])
-    return run.sel(wheel=[f"{leading}_left", f"{leading}_right"], wheelset=leading)
-
 
 def wheel_numbers(state: RollingState) -> dict[str, dict[str, float]]:
     """Per wheel the numbers of `supports.*.wheels`."""
@@ -164,16 +136,6 @@ def wheel_numbers(state: RollingState) -> dict[str, dict[str, float]]:
 LEAST_RUN_STEP = 20.0
 """Runs are made at speeds at least this far apart [km/h]; further runs narrow the critical speeds down."""
 
-DISTURBED_DURATION = 2.0  # length of the run whose wheel forces are compared [s]
-
-DISTURBED_SHARE = 0.7
-"""It runs at the speed of the range nearest to this part of the lowest critical speed: stable on all supports."""
-
-SHIFT, AMPLITUDES = 8e-3, tuple(1e-4 * k for k in range(5, 71))
-"""Lateral shift and amplitudes of the contact characteristics [m]."""
-
-AT_MM = (1.0, 2.0, 3.0, 4.0, 5.0)  # amplitudes at which conicities are reported [mm]
-
 
 @dataclass
 class Results:
@@ -182,13 +144,9 @@ class Results:
     modes: dict[str, xr.Dataset]  # Datasets of `stability`
     linear: dict[str, LinearCriticalSpeed]  # linear critical speeds in RANGE_KMH, whatever the range of the modes
     states: dict[str, RollingState]  # steady rolling at the lowest speed
-    shifts: dict[str, xr.Dataset]  # Datasets of `shift_table`
-    disturbed: dict[str, xr.Dataset]  # forces and motion of the leading wheelset in the disturbed run
-    conicity: dict[str, xr.Dataset]  # Datasets of `conicity_table`
     over_radius: speeds.Scans  # linear critical speeds over the rollers' radius
     effects: dict[On, LinearCriticalSpeed]  # and with effects of the rollers switched off
     by_disturbance: dict[str, CriticalSpeedByDisturbance]  # critical speeds by disturbance, with their runs
-    disturbed_kmh: float  # speed of the disturbed run [km/h]; NaN if it was not run
 
     def linear_kmh(self, label: str) -> float:
         """Linear critical speed [km/h]; NaN if there is none or it was not computed."""
@@ -222,9 +180,9 @@ class CompareStudy(Study[Results]):
     hunting: HuntingSettings = field(default_factory=HuntingSettings)  # disturbance, length and tolerances of the runs
 
     command = "compare"
-    writes = ("modes.csv", "runs.csv", "wheels.csv", "critical_speeds.csv", "roller_effects.csv", "disturbed_*.nc")
+    writes = ("modes.csv", "runs.csv", "wheels.csv", "critical_speeds.csv", "roller_effects.csv")
     formats = ("svg", "png")
-    round_ends = (0.25, 0.9)
+    round_ends = (0.25, 1.0)
 
     @property
     def title(self) -> str:
@@ -249,44 +207,26 @@ class CompareStudy(Study[Results]):
         for label, case in self.supports.items():
             jobs[f"modes {label}"] = job(whole_modes, case, self.speeds_kmh)
             jobs[f"steady rolling {label}"] = job(rolling_state, case, self.speeds_kmh[0] / 3.6)
-            jobs[f"contact {label}"] = job(shift_table, case, SHIFT)
             jobs[f"linear critical speed {label}"] = job(scan_linear, case, RANGE_KMH)
         yield {**jobs, **speeds.roller_jobs(self.rig, self.parts, self.radii)}
         started = dict.fromkeys(self.supports, run_speeds(self.speeds_kmh))
         yield speeds.disturbance_chains(self.supports, started, self.bracket_kmh, self.hunting)
-        kmh = self._disturbed_kmh(done)
-        settings = HuntingSettings(self.hunting.disturbance, DISTURBED_DURATION, 2e-3, 1e-5, 1e-8)
-        yield {f"disturbed {label}": job(disturbed, case, kmh / 3.6, settings) for label, case in self.supports.items()}
-
-    def _disturbed_kmh(self, done: Done) -> float:
-        found = speeds.brackets(list(self.supports), self.hunting, done)
-        critical = [done[f"linear critical speed {label}"].speed_kmh for label in self.supports]
-        critical += [3.6 * end for one in found.values() for end in (one.decays, one.persists)]
-        lowest = min((v for v in critical if math.isfinite(v)), default=self.speeds_kmh[-1])
-        return min(self.speeds_kmh, key=lambda v: abs(v - DISTURBED_SHARE * lowest))
 
     def collect(self, done: Done) -> Results | None:
         if not done:
             return None
-        modes, linear, states, shifts, ran = (
+        modes, linear, states = (
             {label: done[f"{kind} {label}"] for label in self.supports if f"{kind} {label}" in done}
-            for kind in ("modes", "linear critical speed", "steady rolling", "contact", "disturbed")
+            for kind in ("modes", "linear critical speed", "steady rolling")
         )
-        conicity = {
-            label: conicity_table(shift, [a for a in AMPLITUDES if a <= float(shift["lateral"][-1])])
-            for label, shift in shifts.items()
-        }
         rollers = speeds.roller_results(self.rig, self.parts, self.radii, done)
-        runs = speeds.brackets(list(self.supports), self.hunting, done)
-        speed = self._disturbed_kmh(done) if ran else math.nan
-        return Results(modes, linear, states, shifts, ran, conicity, *rollers, runs, speed)
+        return Results(modes, linear, states, *rollers, speeds.brackets(list(self.supports), self.hunting, done))
 
     def numbers(self, results: Results) -> dict[str, Any]:
         return {
             "vehicle": self._first.vehicle.data.name,
             "cut": self._first.vehicle.cut,
             "supports": {label: self._support(results, label) for label in self.supports},
-            "disturbed_kmh": results.disturbed_kmh,
             "critical_speed_over_radius_kmh": speeds.radius_numbers(results.over_radius),
             "roller_effects": effect_split(results.effects) if results.effects else None,
         }
@@ -303,13 +243,6 @@ class CompareStudy(Study[Results]):
             found["by_disturbance"] = speeds.disturbance_numbers(results.by_disturbance[label])
         if label in results.states:
             found["wheels"] = wheel_numbers(results.states[label])
-        if label in results.conicity:
-            table = results.conicity[label]
-            for mm in (mm for mm in AT_MM if mm <= 1e3 * float(table["amplitude"][-1])):
-                found[f"conicity_{mm:g}mm"] = float(table["conicity"].sel(amplitude=1e-3 * mm, method="nearest"))
-        if label in results.disturbed:
-            run = of_leading(results.disturbed[label])
-            found["disturbed"] = {name: factor * float(abs(run[name]).max()) for name, factor in DISTURBED.items()}
         return found
 
     def summary(self, results: Results, numbers: Numbers) -> list[str]:
@@ -346,8 +279,7 @@ class CompareStudy(Study[Results]):
             "critical_speeds.csv": speeds.radius_rows(results.over_radius),
             "roller_effects.csv": [[*EFFECTS, "linear_critical_speed_kmh"], *effects],
         }
-        tables = {name: rows for name, rows in found.items() if len(rows) > 1}
-        return tables | {f"disturbed_{label}.nc": run for label, run in results.disturbed.items()}
+        return {name: rows for name, rows in found.items() if len(rows) > 1}
 
     def sections(self, results: Results, numbers: Numbers) -> list[Section]:
         parts: dict[str, list[Block]] = {
@@ -355,8 +287,7 @@ class CompareStudy(Study[Results]):
             "Modes": [Picture("modes", modes_side_by_side(results.modes), CAPTIONS["modes"])] if results.modes else [],
             "Radius of the rollers": self._radius(results),
             "Effects of the rollers": self._effects(results),
-            "Wheel forces": [*self._steady(results, numbers), *self._disturbed(results, numbers)],
-            "Contact characteristics": self._characteristics(results, numbers),
+            "Wheel forces": self._steady(results, numbers),
         }
         return [Section(title, blocks or [Text("Not computed.")]) for title, blocks in parts.items()]
 
@@ -389,18 +320,13 @@ class CompareStudy(Study[Results]):
         if not results.over_radius:
             return []
         caption = "Linear critical speeds: rollers and track with the head and gauge of the rig compared."
-        rig = self.rig.support.data
-        marked = rig.roller_radius if isinstance(rig, Rig) else math.nan
-        figure = speeds.radius_figure(results.over_radius, marked)
-        return [speeds.radius_table(results.over_radius, caption), Picture("radius", figure, CAPTIONS["radius"])]
+        return [speeds.radius_table(results.over_radius, caption)]
 
     def _effects(self, results: Results) -> list[Block]:
         if not results.effects:
             return []
-        split = effect_split(results.effects)
         caption = "Track less rig, by switching the four effects of a roller (contact.roller_effects)."
-        picture = Picture("roller_effects", speeds.effects_figure(split), CAPTIONS["roller_effects"])
-        return [picture, speeds.effects_table(split, caption)]
+        return [speeds.effects_table(effect_split(results.effects), caption)]
 
     def _steady(self, results: Results, numbers: Numbers) -> list[Block]:
         wheels = {on: numbers["supports"][on]["wheels"] for on in results.states}
@@ -410,24 +336,6 @@ class CompareStudy(Study[Results]):
         caption = f"Steady rolling at {self.speeds_kmh[0]:g} km/h."
         return [self.quantities.table(entries, "supports.*.wheels.*", caption, "wheel, on")] if entries else []
 
-    def _disturbed(self, results: Results, numbers: Numbers) -> list[Block]:
-        if not results.disturbed:
-            return []
-        caption = f"Largest magnitudes at {results.disturbed_kmh:g} km/h, where it is stable on all supports."
-        entries = {label: numbers["supports"][label]["disturbed"] for label in results.disturbed}
-        figure = disturbed_over_time({label: of_leading(run) for label, run in results.disturbed.items()})
-        table = self.quantities.table(entries, list(DISTURBED), caption, "on")
-        return [Picture("disturbed", figure, CAPTIONS["disturbed"]), table]
-
-    def _characteristics(self, results: Results, numbers: Numbers) -> list[Block]:
-        if not results.conicity:
-            return []
-        entries = {label: numbers["supports"][label] for label in results.conicity}
-        caption = "Equivalent conicity (EN 15302) over the amplitude; on rollers with the rollers' own radii."
-        table = self.quantities.table(entries, [f"conicity_{mm:g}mm" for mm in AT_MM], caption, "on")
-        figure = characteristics_figure(results.shifts, results.conicity)
-        return [table, Picture("characteristics", figure, CAPTIONS["characteristics"])]
-
 
 CAPTIONS = {  # picture -> what it shows
     "modes": "Frequency and damping of the modes over speed: one colour per mode, one line style per support. Drawn are hunting "
@@ -436,12 +344,6 @@ CAPTIONS = {  # picture -> what it shows
     "disturbance (markers).",
     "amplitude": "Lateral amplitude at the end of each run from a disturbance: filled where the motion persists, open where it "
     "decays. Dashed: linear critical speeds.",
-    "radius": "Linear critical speed over the radius of the rollers; horizontal: on track.",
-    "roller_effects": "Loss of critical speed from track to rig.",
-    "disturbed": "The leading wheelset after the offset. Y is low-pass filtered at 20 Hz, ΣY averaged over 2 m of distance "
-    "besides (EN 14363); motion and longitudinal force are unfiltered.",
-    "characteristics": "Contact characteristics of the leading wheelset without load. Without yaw the wheels touch rail and "
-    "roller in the same points; the rolling radii of the rollers differ.",
 }
 
 

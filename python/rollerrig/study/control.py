@@ -1,23 +1,21 @@
 """Which controller of the roller drives tolerates what: one test under many variants, and the limit each exceeds first.
 
 Case -> families of variants -> [ControlStudy] -> tracking and ripple of each run -> where each fails, ranking
-     -> lightly excited runs over the gains -> growth, beside the eigenvalues of the linear loop
+     -> linear loop -> margins, limits of the gains, motion under a user's controller
 
 Tracking is the wheel's speed less the virtual wheel's, over the train's speed (docs/theory/rig_control.md).
 """
 
-import itertools
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Annotated, Any
 
 import numpy as np
-import xarray as xr
 
 from rollerrig.cases import as_case, rig_of
-from rollerrig.common.formatting import number, percent
+from rollerrig.common.formatting import percent
 from rollerrig.config import Case, ConfigError, ConfigProblem
 from rollerrig.config.errors import nearest, one_of
 from rollerrig.plot import control as figures
@@ -29,62 +27,37 @@ from rollerrig.study.quantities import Numbers, Quantities
 from rollerrig.study.report import Block, Picture, Section, Table, Text
 from rollerrig.study.runs import control as runs
 from rollerrig.study.runs.adhesion import track_case
-from rollerrig.study.runs.control import FAMILIES, MEASURED, RIPPLE_LIMIT, TRACKING_LIMIT, Family, Result, run_variant
+from rollerrig.study.runs.control import FAMILIES, RIPPLE_LIMIT, TRACKING_LIMIT, Family, Result, run_variant
 
 QUANTITIES = Quantities("control")
-
-
-REFERENCE_COLUMNS = ("status", "tracking_rms", "tracking_largest", "real_sliding_largest_mps", "roller_torque_largest_nm",
-                     "ripple_nm", "distance_relative", "dump_cycles", "air_litres")  # fmt: skip
-
-
-@dataclass(frozen=True)
-class Failure:
-    """A part of a curve in which every value tried fails of one cause."""
-
-    cause: str  # as of Result
-    # begin, end: of the part, ascending; where a value without a failure is next to it, interpolated to where tracking or
-    # ripple passes its limit; NaN: it goes on to the end of the values tried
-    begin: float
-    end: float
-    largest: float  # tracking RMS [-] or ripple [N m], the largest there; NaN where the tests ended early
-    largest_at: float  # value that has it, or whose test ended first
+SHIPPED = "as shipped"
 
 
 @dataclass(frozen=True)
 class Rank:
-    """One curve in the order of how badly it fares: results along the axis, that of most severity, parts in which it fails."""
+    """One curve in the order of how badly it fares: results along the axis."""
 
     family: Family
     points: list[Result]
-    worst: Result
-    failures: list[Failure]
 
+    @property
+    def worst(self) -> Result:
+        """The most severe result."""
+        return max(self.points, key=lambda one: one.severity)
 
-def failures(family: Family, points: Sequence[Result]) -> list[Failure]:
-    """All parts of a curve that fail, its points in the order of the axis: a curve may pass again beyond one."""
-    found = []
-    for cause, group in itertools.groupby(enumerate(points), key=lambda place: place[1].cause):
-        if cause:
-            places = list(group)
-            (low, first), (high, last) = places[0], places[-1]
-            worst = max((one for _, one in places), key=lambda r: r.severity)
-            largest = float(worst.numbers[MEASURED[cause][0]]) if cause in MEASURED else math.nan
-            begin = _border(family, first, points[low - 1]) if low > 0 else math.nan
-            end = _border(family, last, points[high + 1]) if high + 1 < len(points) else math.nan
-            found.append(Failure(cause, begin, end, largest, worst.value))
-    return found
+    @property
+    def failures(self) -> dict[str, list[float]]:
+        """Cause, as of Result -> values that fail of it, along the axis: a curve may pass again beyond one."""
+        causes = dict.fromkeys(one.cause for one in self.points if one.cause)
+        return {cause: [one.value for one in self.points if one.cause == cause] for cause in causes}
 
-
-def _border(family: Family, bad: Result, other: Result) -> float:
-    """Where the failure begins, in the logarithm of the error; the value itself where the neighbour fails too, or tests end."""
-    if other.cause or bad.cause not in MEASURED:
-        return bad.value
-    key, limit = MEASURED[bad.cause]
-    low, high = (math.log(r.numbers[key]) for r in (other, bad))
-    a, b = (math.log(r.value) if family.scale == "log" else r.value for r in (other, bad))
-    value = a + (math.log(limit) - low) / (high - low) * (b - a)
-    return math.exp(value) if family.scale == "log" else value
+    @property
+    def failures_text(self) -> str:
+        """All values that fail."""
+        known = {"tracking": runs.TRACKING_CRITERION, "ripple": runs.RIPPLE_CRITERION}
+        texts = {cause: ", ".join(map(self.family.text, values)) for cause, values in self.failures.items()}
+        ended = {cause: f"{cause.replace('_', ' ')}, test ends early," for cause in texts}
+        return " and ".join(f"{(ended | known)[cause]} at {text}" for cause, text in texts.items())
 
 
 def curves_of(family: Family, results: Sequence[Result]) -> dict[str, list[Result]]:
@@ -96,25 +69,8 @@ def curves_of(family: Family, results: Sequence[Result]) -> dict[str, list[Resul
 
 def ranking(families: Sequence[Family], results: Sequence[Result]) -> list[Rank]:
     """All curves, the most severe result within the range tried first."""
-    ranks = [
-        Rank(family, points, max(points, key=lambda r: r.severity), failures(family, points))
-        for family in families
-        for points in curves_of(family, results).values()
-    ]
+    ranks = [Rank(family, points) for family in families for points in curves_of(family, results).values()]
     return sorted(ranks, key=lambda rank: rank.worst.severity, reverse=True)
-
-
-def failures_text(rank: Rank) -> str:
-    """All parts of a curve that fail, from where to where ('…': the end of the values tried), and the largest error there."""
-    known = {"tracking": runs.TRACKING_CRITERION, "ripple": runs.RIPPLE_CRITERION}
-    text, parts = rank.family.text, []
-    for one in rank.failures:
-        cause = known.get(one.cause, f"{one.cause.replace('_', ' ')}, test ends early,")
-        begin, end = ("…" if math.isnan(value) else text(value) for value in (one.begin, one.end))
-        scale, unit = (100.0, "%") if one.cause == "tracking" else (1.0, "N m")
-        largest = f" (largest {number(scale * one.largest, 3)} {unit} at {text(one.largest_at)})"
-        parts.append(f"{cause} from {begin} to {end}{'' if math.isnan(one.largest) else largest}")
-    return " and ".join(parts)
 
 
 def ranking_table(case: Case, ranked: Sequence[Rank]) -> Table:
@@ -126,10 +82,10 @@ def ranking_table(case: Case, ranked: Sequence[Rank]) -> Table:
         shipped = "–" if base is None else family.text(base)
         cells = [QUANTITIES[name].cell(worst.numbers[name]) for name in ("tracking_rms", "ripple_nm")]
         error = cells[0] if worst.completed else "ended early"
-        fails = failures_text(rank) or "no failure"
+        fails = rank.failures_text or "no failure"
         rows.append([family.title, worst.curve, fails, shipped, family.text(worst.value), error, cells[1]])
     header = ("varied", "curve", "fails", "shipped", "worst at", "tracking RMS [%]", "ripple [N m]")
-    return Table(header, rows, "every curve, the worst first; …: to the end of the values tried")
+    return Table(header, rows, "every curve, the worst first")
 
 
 def family_picture(case: Case, family: Family, results: Sequence[Result]) -> Picture:
@@ -148,31 +104,23 @@ def family_picture(case: Case, family: Family, results: Sequence[Result]) -> Pic
     return Picture(family.name, picture, f"{family.title}. {caption}")
 
 
-def loop_blocks(loop: Numbers, points: list[dict[str, float]]) -> list[Block]:
-    """Margins and limits of the gains, and figure, of the report."""
+def loop_blocks(loop: Numbers) -> list[Block]:
+    """Margins and limits of the gains, of the report."""
     users = loop["users"] or {}
     names = [q.key for q in QUANTITIES.below("loop") if q.label and (users or "users" not in q.key)]
     title = "The feedback in closed form, and from which factor on its gains on it is unstable."
-    table = QUANTITIES.list_table({"": {**loop, **users}}, names, title)
-    picture = figures.loop_growth({key: [point[key] for point in points] for key in points[0]})
-    caption = (
-        "Growth rate and frequency of the least damped motion above 10 Hz over the gains: computed with and without the vehicle, "
-        f"and measured in lightly excited runs on a dry rail. A failure is the size alone: {runs.RIPPLE_CRITERION}."
-    )
     cause = users.get("no_loop")
     told = [Text(f"The loop that the user's controller closes has no growth rate: {cause}.")] if cause else []
-    return [table, *told, Picture("loop_growth", picture, caption)]
+    return [QUANTITIES.list_table({"": {**loop, **users}}, names, title), *told]
 
 
 @dataclass(frozen=True)
 class Found:
-    """Results of references and families, courses over time by label, points of the loop."""
+    """Results of the case as it is, with a user's controller beside it, and of the families; numbers of the linear loop."""
 
     references: list[Result]
     results: list[Result]
-    courses: dict[str, xr.Dataset]
-    loop: list[dict[str, float]]
-    users: dict[str, Any] | None  # the point of a user's controller
+    loop: dict[str, Any] | None
 
 
 @dataclass(frozen=True)
@@ -186,9 +134,8 @@ class ControlStudy(Study[Found]):
 
     command = "control"
     heading = "{case.name}: controllers of the roller drives compared"
-    writes = ("variants.csv", "loop.csv")
+    writes = ("variants.csv",)
     irrelevant = ("description", "families", "loop")
-    round_ends = (0.98, 1.0)
     leaves_out = (
         "One test and one course of the slide protection, whose valves switch on small differences: errors of neighbouring "
         "values scatter by some tenths. Each variant changes one thing.",
@@ -214,9 +161,7 @@ class ControlStudy(Study[Found]):
     def variants(self) -> dict[tuple[str, str, float], Case]:
         """Family, curve and value of each variant -> its case; those of 'references' have no value."""
         own: dict[str, Any] = {runs.USER: runs.users_controller(self.user)} if self.user else {}
-        shipped = {
-            ("references", label, math.nan): changes for label, changes in (runs.references(self.case) | own).items()
-        }
+        shipped = {("references", label, math.nan): changes for label, changes in {SHIPPED: {}, **own}.items()}
         varied = {
             (family.name, label, float(value)): family.changes(self.case, curve, value)
             for family in self.chosen
@@ -226,38 +171,15 @@ class ControlStudy(Study[Found]):
         return {key: self.case.with_changes(changes) for key, changes in (shipped | varied).items()}
 
     def rounds(self, done: Done) -> Iterator[Round]:
-        jobs = {_name(key): job(run_variant, case, key[0] == "references") for key, case in self.variants.items()}
-        yield {**jobs, **(runs.loop_jobs(self.case, self.user) if self.loop else {})}
-        yield {f"course of {_name(key)}": job(run_variant, self.variants[key], True) for key in self._worst(done)}
-
-    def _worst(self, done: Done) -> list[tuple[str, str, float]]:
-        """The worst variant of each cause whose test came to its end."""
-        results = self._results(done)[1]
-        worst = (max((r for r in results if r.cause == cause), key=lambda r: r.severity, default=None)
-                 for cause in ("tracking", "ripple"))  # fmt: skip
-        return [(r.family, r.curve, r.value) for r in worst if r is not None]
-
-    def _results(self, done: Done) -> tuple[list[Result], list[Result]]:
-        found = [Result(*key, done[_name(key)]["numbers"]) for key in self.variants if _name(key) in done]
-        return [r for r in found if r.family == "references"], [r for r in found if r.family != "references"]
+        jobs = {_name(key): job(run_variant, case) for key, case in self.variants.items()}
+        yield {**jobs, **({"loop": job(runs.loop_numbers, self.case, self.user)} if self.loop else {})}
 
     def collect(self, done: Done) -> Found | None:
-        references, results = self._results(done)
-        if not references or references[0].curve != next(iter(runs.REFERENCES)):
+        found = [Result(*key, done[_name(key)]) for key in self.variants if _name(key) in done]
+        references = [r for r in found if r.family == "references"]
+        if not references or references[0].curve != SHIPPED:
             return None
-        shipped = done[_name(("references", references[0].curve, math.nan))]["course"]
-        base, courses = shipped.isel(time=slice(None, None, 50)), {references[0].curve: shipped}
-        references, results = (
-            [replace(r, numbers=runs.against(r.numbers, base)) for r in rs] for rs in (references, results)
-        )
-        for key in self._worst(done):
-            family = next(f for f in FAMILIES if f.name == key[0])
-            if f"course of {_name(key)}" in done:
-                label = f"{family.name.replace('_', ' ')},\n{key[1]}: {family.text(key[2])}"
-                courses[label] = done[f"course of {_name(key)}"]["course"]
-        loop = (point for name, point in done.items() if name.startswith("gains times "))
-        points = sorted(loop, key=lambda point: point["factor"])
-        return Found(references, results, courses, points, done.get(runs.USER))
+        return Found(references, [r for r in found if r.family != "references"], done.get("loop"))
 
     def numbers(self, results: Found) -> dict[str, Any]:
         return {
@@ -273,11 +195,11 @@ class ControlStudy(Study[Found]):
                     "worst_value": rank.worst.value,
                     "worst_tracking_rms": rank.worst.numbers["tracking_rms"],
                     "worst_ripple_nm": rank.worst.numbers["ripple_nm"],
-                    "failures": [vars(failure) for failure in rank.failures],
+                    "failures": rank.failures,
                 }
                 for rank in ranking(self.chosen, results.results)
             ],
-            "loop": runs.loop_numbers(self.case, results.loop, results.users) if results.loop else None,
+            "loop": results.loop,
         }
 
     def summary(self, results: Found, numbers: Numbers) -> list[str]:
@@ -288,27 +210,24 @@ class ControlStudy(Study[Found]):
         ]
         failing = [rank for rank in ranking(self.chosen, results.results) if rank.failures]
         lines.append("Where variants fail, worst first:" if failing else "No variant failed within the ranges run.")
-        return lines + [f"– {one.family.title}, {one.worst.curve}: {failures_text(one)}." for one in failing]
+        return lines + [
+            f"– {one.family.title}, {one.worst.curve}: {one.failures_text}; worst at {one.family.text(one.worst.value)}."
+            for one in failing
+        ]
 
     def files(self, results: Found, numbers: Numbers) -> Mapping[str, Any]:
         names = ("family", "curve", "value", "cause", *(q.key for q in QUANTITIES.below("*.*")))
         rows = [_entry(r) for r in (*results.references, *results.results)]
-        loop = {"loop.csv": [list(results.loop[0]), *(list(p.values()) for p in results.loop)]} if results.loop else {}
-        return {"variants.csv": QUANTITIES.csv(rows, names), **loop}
+        return {"variants.csv": QUANTITIES.csv(rows, names)}
 
     def sections(self, results: Found, numbers: Numbers) -> list[Section]:
         ranked = ranking(self.chosen, results.results)
-        references = {r.curve: r.numbers for r in results.references}
-        courses = figures.runs_beside(results.courses, figures.course_rows(self.case.vehicle.data.wheel.radius), 5.6)
-        caption = "Leading axle over time: the case as shipped, and the worst runs of each kind that came to their end."
-        sections = [
-            *([Section("Where variants fail", [ranking_table(self.case, ranked)])] if ranked else []),
-            Section("Where the error comes from", [
-                QUANTITIES.table(references, REFERENCE_COLUMNS, "the case, and where its error comes from", "run"),
-                Picture("courses", courses, caption)]),
-        ]  # fmt: skip
+        names = [q.key for q in QUANTITIES.below("*.*") if q.label]
+        sections = [Section("As shipped", [QUANTITIES.table(numbers["references"], names, head="run")])]
+        if ranked:
+            sections.insert(0, Section("Where variants fail", [ranking_table(self.case, ranked)]))
         if numbers["loop"] is not None:
-            sections.append(Section("Stability of the loop", loop_blocks(numbers["loop"], results.loop)))
+            sections.append(Section("Stability of the loop", loop_blocks(numbers["loop"])))
         return sections + [
             Section(f.title, [family_picture(self.case, f, results.results)])
             for f in self.chosen
@@ -357,7 +276,7 @@ def control(
         duration: length of each run [s]: until adhesion has broken away and recovered.
         families: what is varied, by name; everything if absent.
         controller: your own controller to compare: 'file.py:Class' or 'module:Class', or an FMU.
-        loop: also find the gains at which the loop becomes unstable, computed and measured.
+        loop: also find the gains at which the linear loop becomes unstable.
         processes: runs at a time; more than 1 asks a script for `if __name__ == "__main__":`.
         progress: called with the fraction done and a short text.
 

@@ -1,14 +1,12 @@
 """Critical speeds as several studies report them: runs from a disturbance, rollers' radius, effects of the rollers.
 
-critical speeds -> [critical_speeds] -> jobs, numbers, CSV rows, tables, sentences, figures
+critical speeds -> [critical_speeds] -> jobs, numbers, CSV rows, tables, sentences
 """
 
 import itertools
 import math
 from collections.abc import Mapping, Sequence
 from typing import Any
-
-from matplotlib.figure import Figure
 
 from rollerrig.analysis import critical_speed
 from rollerrig.analysis.critical_speed import (
@@ -22,7 +20,6 @@ from rollerrig.analysis.critical_speed import (
 )
 from rollerrig.analysis.hunting import HuntingRun, HuntingSettings, hunting_run
 from rollerrig.config import Case
-from rollerrig.plot.compare import critical_over_radius, effect_bars
 from rollerrig.study.jobs import Chain, Chains, Done, Job, Round, job
 from rollerrig.study.report import Table
 
@@ -231,19 +228,3 @@ def effects_sentence(split: Split) -> str:
     gains = {e: gain for e, gain in split["gain_switched_off_kmh"].items() if math.isfinite(gain)}
     single = ", ".join(f"{EFFECT_LABELS[e].partition(':')[0]} {gain:+.1f}" for e, gain in gains.items())
     return text + (f" Without one effect it rises by, in km/h: {single}." if gains else "")
-
-
-def radius_figure(found: Scans, marked: float) -> Figure:
-    """Critical speed of every part that has one over the rollers' radius."""
-    curves: dict[str, dict[float, float]] = {}
-    for (part, radius), scan in found.items():
-        curves.setdefault(words(part), {})[radius] = scan.speed_kmh
-    shown = {label: curve for label, curve in curves.items() if any(map(math.isfinite, curve.values()))}
-    return critical_over_radius(shown, marked)
-
-
-def effects_figure(split: Split) -> Figure:
-    """The split of the loss as bars."""
-    keys = ("gain_switched_off_kmh", "loss_alone_kmh")
-    off, alone = ({EFFECT_LABELS[e]: v for e, v in split[key].items()} for key in keys)
-    return effect_bars(off, alone, split["track_kmh"] - split["rig_kmh"])

@@ -22,7 +22,7 @@ from rollerrig.config import Case, ConfigError
 from rollerrig.config.validate.check_actuators import simulated_axles
 from rollerrig.plot import envelope as figures
 from rollerrig.study.frame import Study, dataset_rows
-from rollerrig.study.jobs import Done, Progress, Round, job, whole_run
+from rollerrig.study.jobs import Done, Progress, Round, job
 from rollerrig.study.options import Option, Processes, command
 from rollerrig.study.quantities import Numbers, Quantities, Quantity
 from rollerrig.study.report import Block, Picture, Section, Text
@@ -60,15 +60,7 @@ QUANTITIES = Quantities(
 
 
 @dataclass(frozen=True)
-class Envelope:
-    """The map over load, adhesion and torque, and a run of each region over time with its place."""
-
-    map: xr.Dataset
-    examples: Mapping[str, tuple[Point, xr.Dataset]]
-
-
-@dataclass(frozen=True)
-class EnvelopeStudy(Study[Envelope]):
+class EnvelopeStudy(Study[xr.Dataset]):
     """The map of one rig; attributes as the arguments of `rollerrig.envelope`, all ranges ascending.
 
     Speed, controllers, drives and rollers are those of the case in every run.
@@ -116,10 +108,6 @@ class EnvelopeStudy(Study[Envelope]):
                                   on_track[point.load, point.torque < 0.0])
                 for point in points
             }  # fmt: skip
-        yield {
-            _example(region, point): job(whole_run, computed.point_case(self.case, point, self.duration))
-            for region, point in computed.middles(self._map(done)).items()
-        }
 
     def _points_at(self, done: Done, stride: int) -> list[Point]:
         """The first grid, or what halving the cells of twice this stride adds where their corners differ."""
@@ -137,39 +125,32 @@ class EnvelopeStudy(Study[Envelope]):
                 found[Point(load, torques[a], adhesions[b])] = None
         return list(found)
 
-    def _map(self, done: Done) -> xr.Dataset:
+    def collect(self, done: Done) -> xr.Dataset | None:
         torques, adhesions = self.lattice
         points = map(Point._make, itertools.product(self.loads, torques, adhesions))
         records = {point: done[_name(point)] for point in points if _name(point) in done}
         found = computed.map_dataset(self.case, self.loads, adhesions, torques, records)
-        return found.assign_attrs(duration_s=self.duration, refine=self.refine)
+        return found.assign_attrs(duration_s=self.duration, refine=self.refine) if found.attrs["runs"] else None
 
-    def collect(self, done: Done) -> Envelope | None:
-        found = self._map(done)
-        places = {region: point for region, point in computed.middles(found).items() if _example(region, point) in done}
-        examples = {region: (point, done[_example(region, point)]) for region, point in places.items()}
-        return Envelope(found, examples) if found.attrs["runs"] else None
-
-    def numbers(self, results: Envelope) -> dict[str, Any]:
-        found = results.map
-        regions = found["region"].to_numpy()
+    def numbers(self, results: xr.Dataset) -> dict[str, Any]:
+        regions = results["region"].to_numpy()
         counts = {name: int((regions == name).sum()) for name in REGIONS}
-        reach, begin = borders(found), slides(found)
-        lines = found["line_vehicle"].isel(load=0, line_adhesion=0)
-        own = {str(side): float(lines.sel(side=side)) for side in found["side"].to_numpy()}
+        reach, begin = borders(results), slides(results)
+        lines = results["line_vehicle"].isel(load=0, line_adhesion=0)
+        own = {str(side): float(lines.sel(side=side)) for side in results["side"].to_numpy()}
         return {
             "case": self.case.name,
-            "speed_kmh": found.attrs["speed_kmh"],
-            "runs": found.attrs["runs"],
+            "speed_kmh": results.attrs["speed_kmh"],
+            "runs": results.attrs["runs"],
             "regions": counts,
-            "reproduced": sum(counts[name] for name in REPRODUCED) / max(1, found.attrs["runs"]),
+            "reproduced": sum(counts[name] for name in REPRODUCED) / results.attrs["runs"],
             "vehicle_torque_nm": own,
-            "vehicle_reproduced": {side: _vehicle_reproduced(found, side, torque) for side, torque in own.items()},
+            "vehicle_reproduced": {side: _vehicle_reproduced(results, side, torque) for side, torque in own.items()},
             "agreement": {"borders": _agreement(reach), "slides": _agreement(begin)},
             "borders": [{**vars(border), "agrees": border.agrees} for border in (*reach, *begin)],
         }
 
-    def summary(self, results: Envelope, numbers: Numbers) -> list[str]:
+    def summary(self, results: xr.Dataset, numbers: Numbers) -> list[str]:
         counts = numbers["regions"]
         share, at = f"{100 * numbers['reproduced']:z.0f} %", f"{numbers['speed_kmh']:.4g} km/h"
         lines = [f"{numbers['runs']} runs at {at}: the rig reproduces the rail in {share} of them."]
@@ -190,42 +171,25 @@ class EnvelopeStudy(Study[Envelope]):
             lines.append(f"Closed forms and runs agree within a step of torque on {' and '.join(told)}.")
         return lines
 
-    def files(self, results: Envelope, numbers: Numbers) -> Mapping[str, Any]:
-        return {"envelope.nc": results.map, "envelope.csv": run_rows(results.map)}
+    def files(self, results: xr.Dataset, numbers: Numbers) -> Mapping[str, Any]:
+        return {"envelope.nc": results, "envelope.csv": run_rows(results)}
 
-    def sections(self, results: Envelope, numbers: Numbers) -> list[Section]:
-        found = results.map
+    def sections(self, results: xr.Dataset, numbers: Numbers) -> list[Section]:
         maps: list[Block] = [
-            Picture(f"map_{load:g}", figures.region_map(found, float(load), REGIONS),
-                    f"Regions at an axle load of {1e-3 * float(found['axle_load'].sel(load=load)):.4g} kN.")
-            for load in found["load"].to_numpy()
+            Picture(f"map_{load:g}", figures.region_map(results, float(load), REGIONS),
+                    f"Regions at an axle load of {1e-3 * float(results['axle_load'].sel(load=load)):.4g} kN.")
+            for load in results["load"].to_numpy()
         ]  # fmt: skip
-        method = METHOD.format(duration=self.duration, speed=found.attrs["speed_kmh"])
+        method = METHOD.format(duration=self.duration, speed=results.attrs["speed_kmh"])
         rows = [{**one, "limit": REGIONS.get(one["limit"], "the map ends")} for one in numbers["borders"]]
         return [
             Section("Map", [Text(method), *maps]),
             Section("Borders", [Text(CLOSED_FORMS), QUANTITIES.table(rows, "borders.*")]),
-            Section("Runs over time", self._examples(results.examples)),
         ]
-
-    def _examples(self, examples: Mapping[str, tuple[Point, xr.Dataset]]) -> list[Block]:
-        radius, friction = self.case.vehicle.data.wheel.radius, self.case.contact.friction.mu_0
-        names = list(examples)
-        blocks: list[Block] = []
-        for group in (names[begin : begin + 3] for begin in range(0, len(names), 3)):
-            runs = {f"{REGIONS[name]}: {examples[name][0].label}": examples[name][1] for name in group}
-            regions = "; ".join(REGIONS[name] for name in group)
-            caption = f"The axle that uses most friction, in a run of each region: {regions}."
-            blocks.append(Picture(f"runs_{'_'.join(group)}", figures.runs_over_time(runs, radius, friction), caption))
-        return blocks
 
 
 def _name(point: Point) -> str:
     return f"load {point.load!r}, torque {point.torque!r} N m, adhesion {point.adhesion!r}"
-
-
-def _example(region: str, point: Point) -> str:
-    return f"example of {region}: {_name(point)}"
 
 
 def _vehicle_reproduced(found: xr.Dataset, side: str, torque: float) -> bool | None:
@@ -293,5 +257,4 @@ def envelope(
     ranges = {"torques": torques, "adhesions": adhesions, "loads": loads}
     chosen = {name: tuple(map(float, values)) for name, values in ranges.items() if values is not None}
     outcome = EnvelopeStudy(whole, duration=duration, refine=refine, **chosen).outcome(processes, progress, folder)
-    found = outcome.results.map
-    return found.assign_attrs(interrupted=int(outcome.interrupted), jobs_taken_over=outcome.taken_over)
+    return outcome.results.assign_attrs(interrupted=int(outcome.interrupted), jobs_taken_over=outcome.taken_over)

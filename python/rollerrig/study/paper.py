@@ -18,7 +18,7 @@ from rollerrig.analysis.ramp import end_of_hunting
 from rollerrig.analysis.signals import fit
 from rollerrig.analysis.traction import asymmetry, sliding_course
 from rollerrig.common.formatting import number, percent
-from rollerrig.config import Case, Rig
+from rollerrig.config import Case
 from rollerrig.plot import amplitude_over_speed, hunting_over_time, ramp_over_speed, traction_forces, traction_sliding
 from rollerrig.plot.modes import hunting_frequencies
 from rollerrig.study import critical_speeds as speeds
@@ -128,9 +128,7 @@ class PaperStudy(Study[Results]):
         ]
         rig: list[Block] = [
             *(speeds.radius_table(one, TEXT["radii"].format(NAMES[m])) for m, one in results.over_radius.items()),
-            *pictures("radius_steel", "radius_paper"),
             *(speeds.effects_table(one, TEXT["effects"].format(NAMES[m])) for m, one in results.effects.items()),
-            *pictures("roller_effects"),
         ]
         if results.contact:
             entries = {NAMES[m]: numbers["materials"][m]["contact"] for m in results.contact if m in results.modes}
@@ -139,7 +137,7 @@ class PaperStudy(Study[Results]):
         return [
             self._compared(results, numbers),
             Section("Figure 7: stability", stability),
-            Section("What the rig changes", rig),
+            Section("What the rig changes", rig or [Text("Not computed.")]),
             Section("Figure 8: traction", [Text(TEXT["traction"]), *pictures("figure_8a", "figure_8b")]),
             Section("Checks", checks if results.checks else [Text("No checks.")]),
         ]
@@ -199,12 +197,6 @@ def _figures(results: Results) -> dict[str, Figure]:
     for m, modes in results.modes.items():
         points = {v: results.runs_of(v)[m].table for v in (RIG, VEHICLE) if m in results.runs_of(v)}
         found[f"figure_7b_{m}"] = hunting_frequencies(modes, points, LABELS[m])
-    rig = computed.rig_case(MATERIALS[0]).support.data
-    assert isinstance(rig, Rig)
-    for m, table in results.over_radius.items():
-        found[f"radius_{m}"] = speeds.radius_figure(table, rig.roller_radius)
-    if MATERIALS[0] in results.effects:
-        found["roller_effects"] = speeds.effects_figure(results.effects[MATERIALS[0]])
     if results.theory is not None:
         wheels = {FRONT: "front right wheel", REAR: "rear right wheel"}
         found["figure_8a"] = traction_sliding(results.theory, wheels)

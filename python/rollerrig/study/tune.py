@@ -224,7 +224,7 @@ class TuneStudy(Study[Tuned]):
             for name, one in margins.items()
             if name == SHIPPED or self._keeps_margins(one["gain_margin"], one["phase_margin_deg"])
         }
-        return start_jobs(cases, lambda one, _: job(run_variant, one, False), begin + self.draws, begin)
+        return start_jobs(cases, lambda one, _: job(run_variant, one), begin + self.draws, begin)
 
     def _keeps_margins(self, gain: float, phase_deg: float) -> bool:
         return gain >= self.gain_margin and phase_deg >= self.phase_margin_deg
@@ -236,7 +236,7 @@ class TuneStudy(Study[Tuned]):
         points, again = {}, {}
         for name, one in {**done["margins 1"], **done.get("margins 2", {})}.items():
             point = Point(one["values"], one["place"], one["gain_margin"], one["phase_margin_deg"])
-            runs = [run["numbers"] for run in started(done, name)]
+            runs = started(done, name)
             points[name] = replace(point, runs=runs[: self.draws] if len(runs) >= self.draws else ())
             again[name] = replace(point, runs=runs[self.draws :])
         fair = [name for name, one in points.items() if not self._cause(one)]

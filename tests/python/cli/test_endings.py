@@ -27,7 +27,7 @@ from rollerrig.study.run import RunStudy
 
 ENTRY = [sys.executable, "-c", "from rollerrig.cli import main; main()"]
 STUDIES = {
-    "envelope": "envelope adhesion_brake --torques-knm=-4,-8 --adhesions 0.05,0.2 --loads 1 --duration 0.6 --refine 0",
+    "envelope": "envelope adhesion_brake --torques-knm=-4,-6,-8 --adhesions 0.05,0.2 --loads 1 --duration 0.6 --refine 0",
     "wsp": "wsp adhesion_brake --quick --programme",
     "tune": "tune adhesion_brake --free rig_control.feedback.bandwidth=[0.3,3] --duration 1 --draws 2 --candidates 2",
 }

@@ -24,7 +24,7 @@ from rollerrig.analysis.loop_stability import ABOVE, growth, vehicle_plant
 from rollerrig.cli.describe import describe_case
 from rollerrig.config import ConfigError, case_from_toml
 from rollerrig.simulation.fmu_file import cut_off
-from rollerrig.study.runs.control import excited_case
+from rollerrig.study.runs.control import loop_case
 
 fmpy = pytest.importorskip("fmpy", reason="FMPy is an optional dependency")
 validation = pytest.importorskip("fmpy.validation")
@@ -80,7 +80,7 @@ def test_our_controller_brought_back_in_gives_the_same_run(
 
 @pytest.mark.slow
 def test_motions_of_the_loop_that_an_fmu_closes_are_those_of_what_is_in_it(tmp_path: Path) -> None:
-    case = excited_case(load_case("adhesion_brake").with_changes({"rig_control.estimator": "kalman"}))
+    case = loop_case(load_case("adhesion_brake").with_changes({"rig_control.estimator": "kalman"}))
     file = export_part(case, "rig_control", tmp_path / "part.fmu")
     inside, outside = (
         loop_of(case, 1e6, sliding=False),

@@ -3,30 +3,30 @@
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 import xarray as xr
+from scipy.signal import butter, sosfiltfilt
 
-from rollerrig import load_case
+from rollerrig import load_case, simulate
 from rollerrig.analysis.control_loop import Loop, Wheel, creep_slope, loop_of, margins, users_loop, wheel_of
 from rollerrig.analysis.loop_stability import (
     ABOVE,
     Plant,
     gain_limit,
     growth,
-    measured_growth,
     rolling_plant,
     sampled_matrix,
     vehicle_plant,
 )
 from rollerrig.assembly.actuators import assemble_with_actuators
 from rollerrig.config import Case
-from rollerrig.simulation.controllers import ControllerError
 from rollerrig.simulation.mechatronics import feedback_gains
-from rollerrig.study.runs.control import SLOW_GROWTH, excited_case, loop_jobs
+from rollerrig.study.runs.control import SLOW_GROWTH, loop_case, loop_numbers, users_motion
 
 WHEEL = Wheel(wheelset_inertia=112.0, roller_inertia=705.0, wheel_radius=0.46, roller_radius=0.725)
 ROLLING = 1e9  # creep so stiff that wheel and roller are one [N s/m]
@@ -39,10 +39,52 @@ def gains(bandwidth: float, damping: float) -> tuple[float, float]:
     return 2.0 * damping * bandwidth * INERTIA / WHEEL.ratio, bandwidth**2 * INERTIA / WHEEL.ratio
 
 
-def points(case: Case, *factors: float) -> list[dict[str, float]]:
-    """Excited runs over the gains, with the factors nearest to those asked for."""
-    jobs = [work for work in loop_jobs(case).values() if any(abs(work.arguments[0] / f - 1.0) < 0.02 for f in factors)]
-    return [work.call(lambda _fraction, _text: None) for work in jobs]
+EXCITED = {
+    "slide_protection": None,
+    "time.duration": 4.0,
+    "time.output_step": 1e-3,
+    "brake.demand": [[0.0, 0.0], [0.2, 0.0], [0.21, "0.2 bar"]],
+}
+"""A light brake application excites the loop."""
+WINDOW, LEAST_WINDOWS = (
+    0.1,
+    4,
+)  # of the RMS values from which a growth rate is measured [s], and how many it takes at least
+LINEAR_RANGE = (1e-10, 2e-2)  # tracking errors between rounding and saturation of torque and adhesion [rad/s]
+
+
+def measured_growth(error: xr.DataArray, begin: float) -> tuple[float, float, bool]:
+    """Rate [1/s] and frequency [Hz] at which the tracking error of a run grows above ABOVE, NaN: it does not; unstable or not.
+
+    Of virtual less real speeds [rad/s] over evenly spaced `time` [s], then axle, from `begin` [s] on.
+    """
+    step = float(error["time"][1] - error["time"][0])
+    sos = butter(8, ABOVE, "highpass", fs=1.0 / step, output="sos")
+    high = sosfiltfilt(sos, error.to_numpy(), axis=0)[round(begin / step) :]
+    window = round(WINDOW / step)
+    count = len(high) // window
+    size = np.sqrt(np.mean(high[: count * window].reshape(count, window, -1) ** 2, axis=(1, 2)))
+    linear = (size < LINEAR_RANGE[1]) & (size > 3.0 * max(float(size[:-2].min()), LINEAR_RANGE[0]))
+    linear[-2:] = False  # the filter's end
+    parts = np.split(np.flatnonzero(linear), np.flatnonzero(np.diff(np.flatnonzero(linear)) > 1) + 1)
+    late = next((part for part in reversed(parts) if len(part) >= LEAST_WINDOWS), parts[-1])[-12:]
+    saturated = float(size[-3]) > 0.1 * LINEAR_RANGE[1]  # from the start
+    if len(late) < LEAST_WINDOWS:
+        return math.nan, math.nan, saturated
+    rate = float(np.polyfit((late + 0.5) * window * step, np.log(size[late]), 1)[0])
+    piece = high[late[0] * window : (late[-1] + 1) * window]
+    steady = piece[:, int(np.argmax(np.abs(piece).max(axis=0)))] * np.exp(-rate * step * np.arange(len(piece)))
+    power = np.abs(np.fft.rfft(steady * np.hanning(len(steady)), 8 * len(steady)))
+    frequency = float(np.argmax(power) / (8 * len(steady) * step))
+    grows = rate > 0.0 and frequency > ABOVE
+    return (rate, frequency, True) if grows else (math.nan, math.nan, saturated)
+
+
+def excited(case: Case, loop: Loop) -> tuple[float, float, bool]:
+    """Growth of a run of a case with the gains of a loop."""
+    gains = {f"rig_control.feedback.{name}": getattr(loop, name) for name in ("proportional", "integral")}
+    run = simulate(case.with_changes({**EXCITED, **gains}))
+    return measured_growth(run["virtual_speed"] - run["axle_speed"], 0.3)
 
 
 def loop(creep: float = ROLLING, **changes: object) -> Loop:
@@ -106,28 +148,30 @@ def test_an_inertia_assumed_too_large_is_unstable_by_feed_forward() -> None:
 @pytest.mark.parametrize("kind", ["observer", "filtered_derivative", "kalman"])
 def test_computed_growth_is_that_of_excited_runs(kind: str) -> None:
     """The bogie's longitudinal spring-mass mode near 27 Hz grows from 13 times the gains on; wheel and roller alone do not."""
-    case = load_case("adhesion_brake").with_changes({"rig_control.estimator.kind": kind})
-    stable, *unstable = points(case, 8.0, 32.0, 50.8)
-    assert len(unstable) == 2
-    for point in unstable:
+    case = loop_case(load_case("adhesion_brake").with_changes({"rig_control.estimator.kind": kind}))
+    made, vehicle = loop_of(case, creep_slope(case), sliding=False), vehicle_plant(case)
+    assert made is not None
+    for factor in (32.0, 50.8):
+        scaled = made.scaled(factor)
+        rate, frequency, _ = excited(case, scaled)
         # The two axles' loads, and so their creep, differ once the brake pitches the frame; speed falls by 0.1 %.
-        assert point["measured_rate"] == pytest.approx(point["vehicle_rate"], abs=0.5), point["factor"]
-        assert point["measured_hz"] == pytest.approx(point["vehicle_hz"], rel=0.01), point["factor"]
-        assert not point["rolling_rate"] > 0.0
-    assert stable["vehicle_rate"] < 0.0
-    assert not stable["unstable"]
+        assert growth(scaled, vehicle, ABOVE) == (pytest.approx(rate, abs=0.5), pytest.approx(frequency, rel=0.01)), (
+            factor
+        )
+        assert not growth(scaled, rolling_plant(scaled), ABOVE)[0] > 0.0
+    stable = made.scaled(8.0)
+    assert growth(stable, vehicle, ABOVE)[0] < 0.0
+    assert not excited(case, stable)[2]
 
 
 def test_the_limit_lies_between_stable_and_unstable_runs() -> None:
-    case = excited_case(load_case("adhesion_brake"))
-    made = loop_of(case, creep_slope(case), sliding=False)
+    case = loop_case(load_case("adhesion_brake"))
+    made, numbers = loop_of(case, creep_slope(case), sliding=False), loop_numbers(case, None)
     assert made is not None
-    limit = gain_limit(made, vehicle_plant(case))
-    near = [f for f in (work.arguments[0] for work in loop_jobs(case).values()) if 0.7 * limit < f < 1.6 * limit]
-    assert len(near) >= 3
-    found = points(case, *near)
-    assert {point["unstable"] for point in found} == {0.0, 1.0}
-    assert all(bool(point["unstable"]) == (point["factor"] > limit) for point in found)
+    assert numbers is not None
+    limit = numbers["unstable_from_factor"]
+    for factor in (12.7, 16.0, 20.2):
+        assert excited(case, made.scaled(factor))[2] == (factor > limit), factor
 
 
 def test_the_core_is_given_the_gains_of_the_closed_form() -> None:
@@ -213,17 +257,15 @@ class SlowlyUnstable(Ours):
 """
 
 
-def users(folder: Path, name: str, ours: Loop) -> Loop:
-    """The loop of a class above, with the gains of ours."""
+def users(folder: Path, name: str, ours: Loop) -> Case:
+    """A case with a class above, with the gains of ours."""
     file = folder / "users.py"
     file.write_text(USERS.format(proportional=ours.proportional, integral=ours.integral))
-    return users_loop(
-        excited_case(load_case("adhesion_brake")).with_changes({"rig_control.user": f"{file}:{name}"}), 1e6
-    )
+    return loop_case(load_case("adhesion_brake")).with_changes({"rig_control.user": f"{file}:{name}"})
 
 
 def built_in(**changes: object) -> tuple[Loop, Plant]:
-    case = excited_case(load_case("adhesion_brake"))
+    case = loop_case(load_case("adhesion_brake"))
     made = loop_of(
         case.with_changes({f"rig_control.{key}": value for key, value in changes.items()}), 1e6, sliding=False
     )
@@ -233,15 +275,15 @@ def built_in(**changes: object) -> tuple[Loop, Plant]:
 
 def test_a_users_controller_has_the_motions_of_ours_with_the_same_law(tmp_path: Path) -> None:
     ours, vehicle = built_in()
-    found = users(tmp_path, "Ours", ours)
-    assert growth(found, vehicle, ABOVE) == pytest.approx(growth(ours, vehicle, ABOVE), rel=1e-4)
+    found = users_motion(users(tmp_path, "Ours", ours), 1e6)
+    assert (found["vehicle_rate"], found["vehicle_hz"]) == pytest.approx(growth(ours, vehicle, ABOVE), rel=1e-4)
 
 
 @pytest.mark.slow
 def test_a_users_controller_may_delay_its_feedback(tmp_path: Path) -> None:
     """All of the command by 10 samples, but for the feed-forward, which only decides how slow motions follow."""
     ours, vehicle = built_in()
-    found = users(tmp_path, "Delayed", ours)
+    found = users_loop(users(tmp_path, "Delayed", ours), 1e6)
     n, inputs = len(ours.controller) - ours.axles, ours.controller.shape[1] - len(ours.controller) + ours.axles
     states = n + 10 * ours.axles  # those of ours, then the commands of the feedback that wait, the oldest first
     matrix = np.zeros((states + ours.axles, states + inputs))
@@ -257,8 +299,9 @@ def test_a_users_controller_may_delay_its_feedback(tmp_path: Path) -> None:
 
 @pytest.mark.slow
 def test_a_users_controller_that_grows_slowly_is_not_called_stable(tmp_path: Path) -> None:
-    ours, vehicle = built_in()
-    assert growth(users(tmp_path, "SlowlyUnstable", ours), vehicle)[0] > SLOW_GROWTH
+    found = users_motion(users(tmp_path, "SlowlyUnstable", built_in()[0].scaled(0.05)), 1e6)
+    assert found["vehicle_rate"] > SLOW_GROWTH
+    assert found["vehicle_hz"] < ABOVE
 
 
 @pytest.mark.slow
@@ -275,8 +318,9 @@ def test_a_users_controller_that_grows_slowly_is_not_called_stable(tmp_path: Pat
     ],
 )
 def test_what_is_not_linear_has_no_motions(name: str, why: str, tmp_path: Path) -> None:
-    with pytest.raises(ControllerError, match=why):
-        users(tmp_path, name, built_in()[0])
+    found = users_motion(users(tmp_path, name, built_in()[0]), 1e6)
+    assert re.search(why, found["no_loop"])
+    assert math.isnan(found["vehicle_rate"])
 
 
 def test_a_users_controller_is_not_ours() -> None:
@@ -290,10 +334,9 @@ def test_rate_and_frequency_of_a_growing_oscillation(rate: float) -> None:
     growing = 1e-9 * np.exp(rate * time) * np.sin(HZ * 27.0 * time)
     slow = 1e-4 * np.exp(-time) * np.sin(HZ * 1.0 * time)
     error = xr.DataArray((growing + slow)[:, None] * [1.0, 0.5], {"time": time}, ("time", "axle"))
-    found, _ = measured_growth(error, 0.3)
+    found = measured_growth(error, 0.3)
     assert found[0] == pytest.approx(rate, abs=0.1)  # tenths of a second hold no whole number of periods
     assert found[1] == pytest.approx(27.0, abs=0.1)
-    assert found[1] > ABOVE
 
 
 def test_a_rotor_counts_in_the_gains_but_the_plant_has_none() -> None:

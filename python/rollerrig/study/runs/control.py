@@ -1,11 +1,8 @@
 """What is run in a comparison of controllers: FAMILIES, whose entries are data, and what is kept of a run.
 
 A family has an axis of values and one or more curves: fixed changes under which the whole axis is run. Changes are dotted keys
-of the case with their new values.
-
-Stability of the loop over its gains: eigenvalues of the linear loop with and without the vehicle, beside lightly excited runs. An
-excited run rolls on a dry virtual rail; a light brake application excites the loop. What then grows above ABOVE is compared with
-the least damped eigenvalue there; what decays soon is hidden by the slow motions that the excitation leaves.
+of the case with their new values. Stability of the loop over its gains: eigenvalues of the linear loop with and without the
+vehicle.
 """
 
 import math
@@ -17,7 +14,7 @@ import numpy as np
 import xarray as xr
 
 from rollerrig.analysis import loop_stability
-from rollerrig.analysis.control_loop import Loop, Wheel, creep_slope, loop_of, margins, users_loop, wheel_of
+from rollerrig.analysis.control_loop import Wheel, creep_slope, loop_of, margins, users_loop, wheel_of
 from rollerrig.analysis.slide_statistics import following, largest, slip, under_test, unwanted_ripple
 from rollerrig.assembly.actuators import assemble_with_actuators
 from rollerrig.cases import rig_of
@@ -27,7 +24,7 @@ from rollerrig.results.dataset import COMPLETED
 from rollerrig.similitude.scale_case import factors_of, scaled_table
 from rollerrig.simulation.controllers import ControllerError
 from rollerrig.simulation.mechatronics import feedback_gains
-from rollerrig.study.jobs import Progress, Round, job, whole_run
+from rollerrig.study.jobs import Progress, whole_run
 
 Changes = Mapping[str, object]
 Vary = Callable[[Case, float], Changes]
@@ -150,30 +147,6 @@ def _wrong(name: str) -> Vary:
 COUNTS, WINDOW = 4096.0, 8  # counts and window of an encoder where another property of it is varied
 
 _PERCENT = (-5.0, -4.0, -3.0, -2.0, -1.0, -0.5, 0.0, 0.5, 1.0, 2.0, 3.0, 4.0, 5.0)
-_FAST_DRIVES = {"rig_control.motor.bandwidth": 400.0}
-_FAST_ESTIMATOR = {"rig_control.estimator.bandwidth": 100.0}
-_ROLLING = {"contact.pure_rolling": True}
-
-REFERENCES: dict[str, Changes] = {
-    "as shipped": {},
-    "roller drives with 400 Hz": _FAST_DRIVES,
-    "estimator with 100 Hz": _FAST_ESTIMATOR,
-    "both": {**_FAST_DRIVES, **_FAST_ESTIMATOR},
-    "both, sampled each 0.2 ms": {
-        **_FAST_DRIVES, **_FAST_ESTIMATOR, "rig_control.sample_time": 2e-4, "time.sampling_step": 2e-4
-    },
-    "as shipped, rolling without sliding": _ROLLING,
-    "both, rolling without sliding": {**_FAST_DRIVES, **_FAST_ESTIMATOR, **_ROLLING},
-}  # fmt: skip
-"""Runs that show where the tracking error of the case itself comes from."""
-
-
-def references(case: Case) -> dict[str, Changes]:
-    """REFERENCES of a case; without the bandwidth of its estimator where that has none."""
-    left_out = () if isinstance(rig_of(case)[1].estimator, schema.BandwidthEstimator) else tuple(_FAST_ESTIMATOR)
-    return {name: {k: v for k, v in changes.items() if k not in left_out} for name, changes in REFERENCES.items()}
-
-
 _ENCODERS = f"encoders of {COUNTS:g} counts, differenced over {WINDOW} samples"
 
 FAMILIES: tuple[Family, ...] = (
@@ -216,26 +189,17 @@ FAMILIES: tuple[Family, ...] = (
 
 OUTPUT_STEP = 2e-3  # output step of the runs compared [s]; ripple is seen up to its Nyquist frequency, 250 Hz
 
-KEPT = ["axle_speed", "virtual_speed", "train_speed", "train_distance", "real_sliding", "roller_torque", "valve"]
 
-
-def run_variant(case: Case, with_course: bool, progress: Progress | None = None) -> dict[str, Any]:
-    """One run: its `numbers`, and where wanted its `course` over time."""
-    run = whole_run(case, progress)
-    return {
-        "numbers": run_numbers(run, rig_of(case)[0].roller_radius),
-        "course": run[KEPT].load() if with_course else None,
-    }
+def run_variant(case: Case, progress: Progress | None = None) -> dict[str, Any]:
+    """The numbers of one run."""
+    return run_numbers(whole_run(case, progress), rig_of(case)[0].roller_radius)
 
 
 def run_numbers(run: xr.Dataset, roller_radius: float) -> dict[str, Any]:
-    """The numbers of one run as the registry has them, of the axles under test.
-
-    As `distance_relative`, time and distance of the last instant compared.
-    """
+    """The numbers of one run as the registry has them, of the axles under test."""
     run = under_test(run)
     ripple = unwanted_ripple(run, roller_radius)
-    last, compared = run.isel(time=-1), run.isel(time=slice(None, None, 50)).isel(time=-1)
+    last = run.isel(time=-1)
     return {
         "status": run.attrs["status"],
         "ended_s": float(run.attrs["stopped_at_s"]),
@@ -243,19 +207,11 @@ def run_numbers(run: xr.Dataset, roller_radius: float) -> dict[str, Any]:
         "largest_slip": largest(slip(run)),
         "roller_torque_largest_nm": float(np.abs(run["roller_torque"]).max()),
         "distance_m": float(last["train_distance"]),
-        "distance_relative": [float(compared["time"]), float(compared["train_distance"])],
         "dump_cycles": int(last["dump_cycles"].sum()),
         "air_litres": 1e3 * float(last["air"].sum()),
         "ripple_nm": ripple.rms,
         "ripple_hz": ripple.frequency,
     }
-
-
-def against(numbers: Mapping[str, Any], base: xr.Dataset) -> dict[str, Any]:
-    """Numbers with the distance over that of the base at the same time, less 1."""
-    time, distance = numbers["distance_relative"]
-    shipped = float(np.interp(time, base["time"], base["train_distance"]))
-    return {**numbers, "distance_relative": distance / shipped - 1.0 if shipped > 0.0 else None}
 
 
 TRACKING_LIMIT = 0.01
@@ -305,91 +261,22 @@ class Result:
         return max(tracking, ripple if ripple > 1.0 else 0.0), 0.0
 
 
-MEASURED = {"tracking": ("tracking_rms", TRACKING_LIMIT), "ripple": ("ripple_nm", RIPPLE_LIMIT)}
-"""Cause -> the number that decides it, and its limit."""
-
-FACTORS = tuple(float(f) for f in np.geomspace(1.0, 256.0, 25))
-"""On the gains of the PI controller, in the runs that measure its stability."""
-
 SLOW_GROWTH = 1.0  # rate from which a slow motion grows, beyond what answers of a quarter of a second tell of it [1/s]
 
-EXCITED_AT, EXCITED_DURATION = 0.2, 4.0  # [s]
+
+def loop_case(case: Case) -> Case:
+    """The case whose loop is linearised: with the PI feedback, on a dry virtual rail."""
+    return case.with_changes({"adhesion": {"rail": "dry"}, "rig_control.feedback.kind": "proportional_integral"})
 
 
-def excited_case(case: Case) -> Case:
-    """A short run at speed on a dry virtual rail, lightly excited by the brake or the drive."""
-    step = case.time.sampling_step
-    changes: dict[str, object] = {
-        "adhesion": {"rail": "dry"},
-        "rig_control.feedback.kind": "proportional_integral",
-        "track_brake": None,
-        "sanding": None,
-        "slide_protection": None,
-        "wheel_slip_control": None,
-        "time.duration": EXCITED_DURATION,
-        "time.output_step": step * max(1, round(1e-3 / step)),
-    }
-    if case.brake is not None:
-        changes["brake.demand"] = [[0.0, 0.0], [EXCITED_AT, 0.0], [EXCITED_AT + 0.01, "0.2 bar"]]
-    if case.traction is not None:
-        push = 0.0 if case.brake is not None else 200.0
-        changes["traction.demand"] = [[0.0, 0.0], [EXCITED_AT, 0.0], [EXCITED_AT + 0.01, push]]
-    return case.with_changes(changes)
-
-
-def loop_jobs(case: Case, user: str | None = None) -> Round:
-    """Excited runs over FACTORS, and one of a user's controller; none where there is no linear loop, see `loop_of`."""
-    excited = excited_case(case)
-    creep = creep_slope(excited)
-    loop = loop_of(excited, creep, sliding=False)
-    if loop is None:
-        return {}
-    users = {USER: job(users_point, excited.with_changes(users_controller(user)), creep)} if user else {}
-    scaled = {factor: loop.scaled(factor) for factor in FACTORS}
-    gains = {factor: {f"rig_control.feedback.{name}": getattr(one, name) for name in ("proportional", "integral")}
-             for factor, one in scaled.items()}  # fmt: skip
-    points = {f"gains times {f:.4g}": job(loop_point, f, excited.with_changes(gains[f]), scaled[f]) for f in FACTORS}
-    return {**points, **users}
-
-
-def loop_point(factor: float, case: Case, loop: Loop, progress: Progress | None = None) -> dict[str, float]:
-    """One excited run beside the eigenvalues of its loop, by the names of `loop.points`."""
-    run = whole_run(case, progress)
-    error = run["virtual_speed"] - run["axle_speed"]
-    measured, amplitude = loop_stability.measured_growth(error, EXCITED_AT + 0.1)
-    plants = {"rolling": loop_stability.rolling_plant(loop), "vehicle": loop_stability.vehicle_plant(case)}
-    above = loop_stability.ABOVE
-    found = {of: loop_stability.growth(loop, plant, above=above) for of, plant in plants.items()} | {
-        "measured": measured
-    }
-    ends = ("rate", "hz")
-    point = {f"{of}_{end}": value for of, pair in found.items() for end, value in zip(ends, pair, strict=True)}
-    saturated = amplitude > 0.1 * loop_stability.LINEAR_RANGE[1]  # from the start
-    unstable = math.isfinite(measured[0]) or saturated
-    return {"factor": factor, **point, "unstable": float(unstable)}
-
-
-def users_point(case: Case, creep: float, progress: Progress | None = None) -> dict[str, Any]:
-    """The same of a user's controller, of a slow motion that grows instead of the least damped one; or why it has none."""
-    try:
-        loop = users_loop(case, creep)
-    except ControllerError as error:
-        return {**dict.fromkeys(("vehicle_rate", "vehicle_hz", "measured_rate"), math.nan), "no_loop": str(error)}
-    point = loop_point(1.0, case, loop, progress)
-    rate, frequency = loop_stability.growth(loop, loop_stability.vehicle_plant(case))
-    if not point["vehicle_rate"] > 0.0 and rate > SLOW_GROWTH:
-        point |= {"vehicle_rate": rate, "vehicle_hz": frequency}
-    return {**point, "no_loop": ""}
-
-
-def loop_numbers(case: Case, points: list[dict[str, float]], users: dict[str, Any] | None) -> dict[str, Any] | None:
-    """Margins and gain limits of the PI loop as shipped, beside the points over its gains and that of a user's controller."""
-    excited = excited_case(case)
-    creep = creep_slope(excited)
-    loop, sliding = (loop_of(excited, creep, sliding=slides) for slides in (False, True))
+def loop_numbers(case: Case, user: str | None) -> dict[str, Any] | None:
+    """Margins and gain limits of the PI loop as shipped, motion under a user's controller; None: no linear loop."""
+    rolling = loop_case(case)
+    creep = creep_slope(rolling)
+    loop, sliding = (loop_of(rolling, creep, sliding=slides) for slides in (False, True))
     if loop is None or sliding is None:
         return None
-    found, vehicle = margins(loop), loop_stability.vehicle_plant(excited)
+    found, vehicle = margins(loop), loop_stability.vehicle_plant(rolling)
     return {
         "crossover_hz": found.phase_frequency,
         "phase_margin_deg": math.degrees(found.phase),
@@ -397,6 +284,18 @@ def loop_numbers(case: Case, points: list[dict[str, float]], users: dict[str, An
         "unstable_from_factor_alone": loop_stability.gain_limit(loop, loop_stability.rolling_plant(loop)),
         "unstable_from_factor": loop_stability.gain_limit(loop, vehicle),
         "unstable_from_factor_sliding": loop_stability.gain_limit(sliding, vehicle),
-        "points": points,
-        "users": users,
+        "users": users_motion(rolling.with_changes(users_controller(user)), creep) if user else None,
     }
+
+
+def users_motion(case: Case, creep: float) -> dict[str, Any]:
+    """The least damped motion above ABOVE with a user's controller, or a slow one that grows; or why it has none."""
+    try:
+        loop = users_loop(case, creep)
+    except ControllerError as error:
+        return {"vehicle_rate": math.nan, "vehicle_hz": math.nan, "no_loop": str(error)}
+    vehicle = loop_stability.vehicle_plant(case)
+    fast, least_damped = (loop_stability.growth(loop, vehicle, above) for above in (loop_stability.ABOVE, 0.0))
+    slow_grows = not fast[0] > 0.0 and least_damped[0] > SLOW_GROWTH
+    rate, frequency = least_damped if slow_grows else fast
+    return {"vehicle_rate": rate, "vehicle_hz": frequency, "no_loop": ""}

@@ -23,7 +23,6 @@ from rollerrig.analysis.virtual_rail import Patch, grip_slip, patch_of, rail_sha
 from rollerrig.assembly.actuators import friction_brake
 from rollerrig.assembly.model import assemble
 from rollerrig.common.arrays import Array
-from rollerrig.common.formatting import quantity
 from rollerrig.config import Brake, Case, ConfigError, ConfigProblem, Traction
 from rollerrig.results import variable
 from rollerrig.simulation.mechatronics import full_brake_torque
@@ -55,11 +54,6 @@ class Point(NamedTuple):
     load: float
     torque: float
     adhesion: float
-
-    @property
-    def label(self) -> str:
-        """Label for a title."""
-        return f"{quantity(self.torque, 'N m')}, adhesion {self.adhesion:.3g}, load {self.load:.3g}"
 
 
 def default_torques(case: Case) -> list[float]:
@@ -313,20 +307,3 @@ def _with_lines(found: xr.Dataset, case: Case) -> xr.Dataset:
     variables["axle_load"] = variable("load", over("axle_load")[0], "N", "mean static load of an axle")
     along = variable("line_adhesion", fine, "1", "adhesion along the closed forms")
     return found.assign(variables).assign_coords(side=("side", sides), line_adhesion=along)
-
-
-def middles(found: xr.Dataset) -> dict[str, Point]:
-    """Region -> the run farthest from any other region and from the map's edge, counted in places of the lattice.
-
-    At the load nearest to the case's own at which the region occurs; 'failed' is left out.
-    """
-    chosen: dict[str, Point] = {}
-    for load in sorted(found["load"].to_numpy(), key=lambda value: abs(value - 1.0)):
-        regions = found["region"].sel(load=load).to_numpy()
-        for region in (r for r in REGIONS if r != "failed" and r not in chosen and (regions == r).any()):
-            own, others = np.argwhere(regions == region), np.argwhere((regions != region) & (regions != ""))
-            edge = np.minimum(own, np.array(regions.shape) - 1 - own).min(axis=1) + 1.0
-            apart = [np.inf if not len(others) else np.hypot(*(others - place).T).min() for place in own]
-            row, column = own[int(np.argmax(np.minimum(edge, apart)))]
-            chosen[region] = Point(float(load), float(found["torque"][column]), float(found["adhesion"][row]))
-    return {region: chosen[region] for region in REGIONS if region in chosen}
