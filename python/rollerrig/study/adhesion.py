@@ -337,7 +337,6 @@ def _signals(case: Case, whole: Mapping[str, xr.Dataset]) -> Iterator[tuple[str,
     yield "speeds", figures.speeds(whole["track"], whole["rig"], radius), "Train and wheels: rig, virtual train, track."
     runs = {name: slides.under_test(run) for name, run in whole.items()}
     both = {name: runs[name] for name in ("rig", "track")}
-    yield "first_slide", figures.first_slide(both, radius), "Slip, and the response to it."
     if case.brake is not None:
         drawn = figures.axles_over_time(both, figures.BRAKE, 6.0)
         yield "brakes", drawn, "Cylinder pressure, dump cycles, air taken."
