@@ -208,13 +208,11 @@ def motions(runs: Mapping[str, tuple[Array, Array]], slide: float) -> Figure:
     return figure
 
 
-def disturbed_control(runs: Mapping[str, xr.Dataset], radius: float) -> Figure:
-    """Tracking error and real sliding of the leading wheelset over time, a line per run of a rig; radius of the wheels [m]."""
-    labels = ("tracking error\n[% of train speed]", "sliding of wheel\non roller [mm/s]")
-    with panels(labels, "time [s]", 4.6) as (figure, (error, sliding)):
-        for number, (label, run) in enumerate(runs.items()):
-            axle = run.isel(axle=0)
-            relative = radius * (axle["axle_speed"] - axle["virtual_speed"]) / axle["train_speed"]
-            line(error, run["time"], 100.0 * relative, number, label=label)
-            line(sliding, run["time"], 1e3 * axle["real_sliding"], number, label=label)
+def leading_axle(runs: Mapping[str, xr.Dataset], signals: Sequence[Signal], height: float) -> Figure:
+    """A panel per signal of the leading axle or of the train, of a height [inches]; a colour per run, by label."""
+    with panels([label for label, _, _ in signals], "time [s]", height) as (figure, axes):
+        for panel, (_, signal, factor) in zip(axes, signals, strict=True):
+            for number, (label, run) in enumerate(runs.items()):
+                values = factor * (run[signal] if isinstance(signal, str) else signal(run))
+                line(panel, run["time"], values.isel(axle=0, missing_dims="ignore"), number, label=label)
     return figure

@@ -271,8 +271,14 @@ def _pictures(results: Mapping[str, xr.Dataset]) -> list[tuple[str, str, Any, st
     shown = {LABELS[k]: results[k] for k in ("rig", "rig_rigid", "track", "track_dry") if k in results}
     motion = {label: (run["time"].to_numpy(), leading_lateral(run)) for label, run in shown.items()}
     rigs = {LABELS[key]: results[key] for key in ("rig", "rig_rigid", "rig_centred") if key in results}
+    radius = wheel_radius(results["rig"])
+    control: tuple[figures.Signal, ...] = (
+        ("tracking error\n[% of train speed]",
+         lambda run: radius * (run["axle_speed"] - run["virtual_speed"]) / run["train_speed"], 100.0),
+        ("sliding of wheel\non roller [mm/s]", "real_sliding", 1e3),
+    )  # fmt: skip
     return [
-        ("Disturbance of the control", "disturbed_control", figures.disturbed_control(rigs, wheel_radius(results["rig"])),
+        ("Disturbance of the control", "disturbed_control", figures.leading_axle(rigs, control, 4.6),
          "Leading wheelset: tracking error, and sliding of the real wheel on its roller."),
         ("Lateral motion", "motion", figures.motions(motion, _slide(results)),
          "Displacement of the leading wheelset; dashed: the wheels of the train on track begin to slide."),
