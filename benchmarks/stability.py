@@ -15,6 +15,7 @@ import time
 import numpy as np
 
 from rollerrig import load_case
+from rollerrig.analysis.limit_cycle_runs import LimitCycleSettings
 from rollerrig.analysis.mode_table import stability
 from rollerrig.study.limit_cycles import limit_cycles
 
@@ -36,7 +37,8 @@ def main() -> None:
     if "--no-diagram" in sys.argv:
         return
     wall = time.perf_counter()
-    found = limit_cycles(load_case("bogie_rollers_constant"), np.linspace(100.0, 290.0, 20).tolist(), 253.0)
+    speeds = np.linspace(100.0, 290.0, 20).tolist()
+    found = limit_cycles(load_case("bogie_rollers_constant"), speeds, 253.0, LimitCycleSettings())
     wall = time.perf_counter() - wall
     simulated = sum(p.duration for p in [*found.up, *found.down])
     runs = len(found.up) + len(found.down)

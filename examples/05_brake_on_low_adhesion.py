@@ -5,4 +5,4 @@ import rollerrig as rr
 case = rr.load_case("adhesion_brake").with_changes({"time.duration": "10 s"})
 found = rr.adhesion(case, error_budget=False)
 print(found.summary)
-found.write("brake")  # report.html, summary.json, results as NetCDF and CSV, figures
+found.write("brake")  # report.html, summary.json, results as NetCDF, figures

@@ -39,7 +39,7 @@ def test_the_data_are_of_the_plans_that_ship(plan: str) -> None:
 
 def test_the_gauge_decides_the_equivalent_conicity() -> None:
     found = {
-        gauge: float(rr.conicity("s1002", "uic60_benchmark_1_40", lengths={"gauge": gauge})["conicity"][0, 0])
+        gauge: float(rr.conicity("s1002", "uic60_benchmark_1_40", gauge=gauge)["conicity"][0, 0])
         for gauge in (1.435, 1.441)
     }
     assert found == pytest.approx({1.435: 0.6, 1.441: 0.02}, abs=0.02)

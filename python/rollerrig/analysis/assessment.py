@@ -1,6 +1,6 @@
 """A run's wheel-rail forces and accelerations as a table: every quantity with its statistics, its filter and its limit.
 
-    run -> [accelerations] -> at the centre of each body and over what carries it -> [ride] -> filtered, weighted
+    run -> [accelerations] -> at the centre of each body and over what carries it -> [ride] -> filtered
     run -> wheel-rail forces, accelerations -> [assessment] -> rows -> running_safety.csv, summary.json, report
 
 A point ρ of a rigid body with the centre's acceleration a_C, angular velocity ω and acceleration α is accelerated by
@@ -11,7 +11,7 @@ and an accelerometer fixed to the body feels R^T (a + g e_z), of which the g at 
 ω, α along the body's axes are recorded as sensors there would show them: in curves with the uncompensated part, and with the
 turning of the track under the body, of its plan and of its cant (W11).
 
-Source: EN 14363:2016 for the points and bands; EN 12299:2009, annex C, and ISO 2631 for the weights.
+Source: EN 14363:2016.
 """
 
 import math
@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from rollerrig.analysis.signals import band_pass, low_pass, sampling_rate
+from rollerrig.analysis.signals import band_pass, low_pass
 from rollerrig.analysis.wheel_rail_forces import (
     INSTABILITY_LENGTH,
     QUOTIENT_LIMIT,
@@ -33,7 +33,7 @@ from rollerrig.analysis.wheel_rail_forces import (
     track_sections,
     wheel_forces,
 )
-from rollerrig.common.arrays import Array, Complex
+from rollerrig.common.arrays import Array
 from rollerrig.results.run_info import RunInfo
 from rollerrig.results.summary import resolved
 
@@ -120,42 +120,6 @@ def ride(points: xr.Dataset) -> xr.Dataset:
     return points.assign(acceleration=out).assign_coords(filter=("point", bands))
 
 
-def weight(frequency: Array, direction: str) -> Array:
-    """How strongly people feel an acceleration of a frequency [Hz]: |W_d| of lateral, |W_b| of vertical ones, EN 12299."""
-    s = 2j * np.pi * np.asarray(frequency, dtype=np.float64)
-
-    def second_order(corner: float, quality: float) -> Complex:
-        w = 2 * np.pi * corner
-        return np.asarray(s * s + s * w / quality + w * w)
-
-    def transition(zero: float, pole: float) -> Complex:
-        return np.asarray((1 + s / (2 * np.pi * zero)) * (2 * np.pi * pole) ** 2 / second_order(pole, 0.63))
-
-    band = s * s / second_order(0.4, 0.5**0.5) * (200 * np.pi) ** 2 / second_order(100.0, 0.5**0.5)
-    if direction == "lateral":
-        return np.abs(band * transition(2.0, 2.0))
-    step = 0.4 * (4.0 / 2.5) ** 2 * second_order(2.5, 0.8) / second_order(4.0, 0.8)
-    return np.abs(band * transition(16.0, 16.0) * step)
-
-
-def weighted_rms(points: xr.Dataset) -> xr.DataArray:
-    """RMS over point and direction of the weighted, unfiltered accelerations (W_d, W_b), the run taken as periodic [m/s^2].
-
-    A ValueError says that the run's output_step is too coarse, or the run too short.
-    """
-    values = points["acceleration"].transpose("time", "point", "direction")
-    count, time = values.sizes["time"], points["time"].to_numpy()
-    rate = min(sampling_rate(time, cutoff) for cutoff in RIDE_BAND)
-    frequency: Array = np.asarray(np.fft.rfftfreq(count, 1.0 / rate), dtype=np.float64)
-    spectrum = np.abs(np.fft.rfft(values.to_numpy(), axis=0)) / count
-    spectrum *= np.stack([weight(frequency, d) for d in DIRECTIONS], axis=1)[:, None, :]
-    folded = np.where((frequency == 0) | (2 * np.arange(len(frequency)) == count), 1.0, 2.0)  # Parseval, half the lines
-    power = np.einsum("f,fpd->pd", folded, spectrum**2)
-    attributes = {"units": "m/s^2", "long_name": "weighted r.m.s. acceleration, EN 12299"}
-    coordinates = {"point": points["point"], "direction": points["direction"]}
-    return xr.DataArray(np.sqrt(power), coordinates, ["point", "direction"], attrs=attributes)
-
-
 QUANTITIES = (
     "guiding_force",
     "wheel_load",
@@ -178,7 +142,6 @@ class Assessment:
     assessed: xr.Dataset  # what `filtered` makes of it, or the unfiltered forces where the run cannot be filtered
     points: xr.Dataset  # accelerations at points of the bodies, filtered where the run can be
     unfiltered: xr.Dataset  # the same, unfiltered
-    weighted: xr.DataArray | None  # weighted r.m.s. accelerations; None where the run cannot be filtered
     sections: tuple[TrackSection, ...]  # of the run, in their order
     notes: tuple[str, ...]  # why something is not filtered, a sentence each
 
@@ -207,7 +170,7 @@ def assess(run: xr.Dataset) -> Assessment:
     """Read a run off, filtered as EN 14363 does where the run's output_step and length allow."""
     notes: list[str] = []
     read, unfiltered = wheel_forces(run), accelerations(run)
-    points, assessed, weighted = unfiltered, at_output_times(read), None
+    points, assessed = unfiltered, at_output_times(read)
     try:
         assessed = filtered(read)
         if "guiding_force_sum_rms" not in assessed:
@@ -219,10 +182,10 @@ def assess(run: xr.Dataset) -> Assessment:
         notes.append(f"Wheel forces are not filtered: {cause}.")
     if unfiltered.sizes["point"]:
         try:
-            points, weighted = ride(unfiltered), weighted_rms(unfiltered)
+            points = ride(unfiltered)
         except ValueError as cause:
             notes.append(f"Accelerations are not filtered: {cause}.")
-    return Assessment(read, assessed, points, unfiltered, weighted, tuple(track_sections(run)), tuple(notes))
+    return Assessment(read, assessed, points, unfiltered, tuple(track_sections(run)), tuple(notes))
 
 
 def table(assessment: Assessment) -> list[Row]:

@@ -152,17 +152,6 @@ def torque_ripple(time: Array, torque: Array, limit: float = math.inf) -> Ripple
     return Ripple(float(sizes[worst]), float(longest.max()), float(frequency[np.argmax(power)]))
 
 
-def by_own_motion(run: xr.Dataset) -> float | None:
-    """Part of the variance of the tracking error in proportion to the wheelsets' own motion along the track, (D14) [-]."""
-    run = under_test(run)
-    moving = run["train_speed"].to_numpy() > LEAST_SPEED
-    error = (run["axle_speed"] - run["virtual_speed"]).to_numpy()[moving].ravel()
-    own = run["longitudinal_velocity"].sel(body=list(run["axle"].to_numpy())).to_numpy()[moving].ravel()
-    if not (error.size and float(np.std(error)) > 0.0 and float(np.std(own)) > 0.0):
-        return None
-    return float(np.corrcoef(error, own)[0, 1] ** 2)
-
-
 SLIP_EDGES = np.append(np.linspace(0.0, 1.0, 51), np.inf)  # edges of the classes of |slip| [-]; the last one is open
 SLIDES = 0.10  # an axle that has slid by more than this regains adhesion some time [-]
 LOCKED = 0.05  # an axle slower than this part of the train's speed is locked [-]

@@ -88,10 +88,6 @@ def sweep(
             metavar="ADDRESS", help="Scheduler of a dask cluster that does the work instead, e.g. tcp://127.0.0.1:8786."
         ),
     ] = None,
-    samples: Annotated[
-        int | None,
-        typer.Option(min=2, help="Another number of samples than the plan's; of a grid the values of each range."),
-    ] = None,
     yes: Annotated[bool, typer.Option("--yes", help="More than 100 000 cases are meant.")] = False,
     change: Changes = None,
     allow_code: AllowCode = False,
@@ -103,13 +99,12 @@ def sweep(
     """
     from rollerrig.config import load_plan
     from rollerrig.study.cluster import cluster
-    from rollerrig.study.runs.sweep import resized
     from rollerrig.study.sweep import SweepStudy
 
     whole = load_plan(plan, allow_code=allow_code, changes=changes_of(change))
     for line in code_lines(whole.code):
         say(f"rollerrig: {plan}: {line}")
-    study = SweepStudy(whole if samples is None else resized(whole, samples), many=yes)
+    study = SweepStudy(whole, many=yes)
     if dask is None:
         carry_out(study, out, workers, force=force)
     with cluster(dask) as executor:

@@ -108,7 +108,7 @@ def _options(one: Parameter) -> Iterator[inspect.Parameter]:
     """The options of an argument, as typer takes them."""
     for place, option in enumerate(one.options):
         default = one.default
-        kind: Any = str if option.quantity or option.commas else FORMS.get(one.kind, str)
+        kind: Any = str if option.commas else FORMS.get(one.kind, str)
         if len(one.options) > 1 and default is not None:
             default = default[place]
         default = _shown(default if option.default is None else option.default, option)
@@ -147,7 +147,7 @@ def _value(one: Parameter, given: Given) -> Any:
     """The value of an argument from its options."""
     values = {option.name: _read(one, option, given[option.name]) for option in one.options}
     if len(values) > 1:
-        return tuple(values.values()) if one.kind.startswith("tuple") else values
+        return tuple(values.values())
     (value,) = values.values()
     default = one.options[0].default if one.default is inspect.Parameter.empty else one.default
     return default if value is None else value
@@ -163,8 +163,6 @@ def _read(one: Parameter, option: Option, value: Any) -> Any:
         return factor * value
     if isinstance(value, list):
         return changes_of(value, flag) if one.kind.startswith("Mapping") else tuple(value)
-    if option.quantity:
-        return _length(value, flag, *option.quantity.split("."))
     if option.commas:
         return tuple(text.strip() for text in value.split(","))
     if not one.kind.startswith("Sequence[float]"):
@@ -175,18 +173,3 @@ def _read(one: Parameter, option: Option, value: Any) -> Any:
         allowed = f"numbers must lie between {least:g} and {most:g}"
         raise typer.BadParameter(f"'{value}': {allowed}", param_hint=flag)
     return tuple(factor * number for number in (sorted(numbers) if option.ordered else numbers))
-
-
-def _length(text: str, option: str, table: str, key: str) -> float:
-    """A length with its unit, in metres, in the range of a key of the configuration."""
-    from rollerrig import config
-    from rollerrig.config.schema.base import quantity_of
-
-    field = getattr(config, table).model_fields[key]
-    quantity = quantity_of(field.annotation, field.metadata)
-    assert quantity is not None
-    try:
-        return quantity.parse(text)
-    except ValueError:
-        needed = f"write it with its unit, like 460mm, from {quantity.least:g} to {quantity.most:g} m"
-        raise typer.BadParameter(f"'{text}': {needed}", param_hint=option) from None

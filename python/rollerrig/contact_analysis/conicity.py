@@ -3,12 +3,11 @@
     Case -> [touching points of the core] -> xarray.Dataset over `lateral` and `side`
     rolling radius difference over lateral shift -> [kinematic motion integrated] -> wavelength, conicity over amplitude
 
-Rigid profiles, the wheelset above the crown, straight or yawed. Left of the running direction is positive. As in EN 15302
+Rigid profiles, the wheelset above the crown, without yaw. Left of the running direction is positive. As in EN 15302
 each wheel is lowered on its own (roll neglected) unless the wheelset is asked to roll until both touch.
 
-At zero yaw the points of touch lie in the plane through the wheelset's and the roller's axis. There a roller is its
-generatrix, so wheel and roller touch where wheel and rail do; what differs is what the contact does to the rolling. In
-yaw they do not: a wheel touches ahead of or behind its axle, and there a roller lies lower than a rail.
+The points of touch lie in the plane through the wheelset's and the roller's axis. There a roller is its generatrix, so
+wheel and roller touch where wheel and rail do; what differs is what the contact does to the rolling.
 
 The equivalent conicity is that of the cone whose wheelset would weave as long. A free wheelset that rolls without slip
 follows, over the arc length x of the track,
@@ -21,9 +20,7 @@ outer position m - ŷ to the other, m + ŷ, at which U is the same; where both s
     λ(ŷ) = 2 sqrt(e r0) ∫_(m-ŷ)^(m+ŷ) dy / sqrt(2 [U(m + ŷ) - U(y)])                (K2)
     tan γ_e = 2 e r0 (π / λ)^2                                                     (K3)
 
-On rollers Δr is the effective difference, which counts the rollers' radii as well, and x is the way of the surface. With
-the wheel's radius growing by λ_w and the roller's falling by λ_r per shift that is λ_w / r0 + λ_r / R0 = λ_effective / r0. The
-part of the rollers is what they add to the conicity of the same wheels at the same amplitude.
+On rollers Δr is the effective difference, which counts the rollers' radii as well, and x is the way of the surface.
 
 Units   SI. The conicity depends on neither e nor r0; the wavelength does.
 Source  EN 15302:2021, clause 9 and annex E (direct integration of the nonlinear differential equation); EN 15302:2008,
@@ -68,19 +65,16 @@ _VARIABLES = {
     "rail_height": ("m", "height of the head there over its highest point: what the roller's radius gains"),
     "rolling_radius": ("m", "wheel radius at the contact"),
     "contact_angle": ("rad", "inclination of the contact plane, positive as at the flange"),
-    "longitudinal": ("m", "contact ahead of the wheel's own axle; 0 without yaw"),
 }
 
 _Touch = Array
-"""Both wheels at one shift, left first: _VARIABLES, and the roll angle; shape (2, 7)."""
+"""Both wheels at one shift, left first: _VARIABLES, and the roll angle; shape (2, 6)."""
 
 _Toucher = Callable[[float, float], _Touch | None]
 """Both wheels touching at a lateral shift [m], from a roll angle on [rad]; None where one does not."""
 
 
-def shift_table(
-    case: Case, largest: float = 8e-3, step: float = 0.1e-3, *, free_to_roll: bool = False, yaw: float = 0.0
-) -> xr.Dataset:
+def shift_table(case: Case, largest: float = 8e-3, step: float = 0.1e-3, free_to_roll: bool = False) -> xr.Dataset:
     """Touching points and rolling radii of the leading wheelset over its lateral shift.
 
     Args:
@@ -88,10 +82,9 @@ def shift_table(
         largest: lateral shift to both sides [m].
         step: distance of the rows [m]; where a contact jumps, rows are added until the jump is placed to FINEST.
         free_to_roll: roll the wheelset until both wheels touch; else each wheel is lowered on its own, as EN 15302 allows.
-        yaw: angle at which the wheelset is shifted, positive to the left [rad].
 
     Returns:
-        Over `lateral` and `side`: wheel_abscissa, rail_abscissa, rail_height, rolling_radius, contact_angle, longitudinal. Over
+        Over `lateral` and `side`: wheel_abscissa, rail_abscissa, rail_height, rolling_radius, contact_angle. Over
         `lateral`: roll [rad], rolling_radius_difference r_left - r_right [m], and effective_difference [m], which on
         rollers is less by what the rollers' own radii differ, (r0/R0) (R_left - R_right). If a wheel finds no contact
         the table ends before that shift, on both sides, and attrs["ended"] says so.
@@ -105,13 +98,12 @@ def shift_table(
     contact = leading_wheelset(model).contact
     wheel, support = case.vehicle.data.wheel, case.support.data
     contact_distance = wheel.back_to_back + 2 * wheel.tape_circle
-    touch_at = partial(_touch, contact, yaw, contact_distance if free_to_roll else None)
+    touch_at = partial(_touch, contact, contact_distance if free_to_roll else None)
 
     steps = np.minimum(step * np.arange(1, math.ceil(largest / step - 1e-9) + 1), largest)
     touches, ended = _outward(touch_at, steps)
     if model.right_rail_profile is model.rail_profile:
-        # The same profiles: a mirror turns (y, yaw) into (-y, -yaw), and running backwards -yaw into yaw.
-        mirrored = np.array([1.0, 1.0, 1.0, 1.0, 1.0, -1.0, -1.0])  # what is ahead is behind
+        mirrored = np.array([1.0, 1.0, 1.0, 1.0, 1.0, -1.0])  # the roll angle is the other way
         touches |= {-y: touch[::-1] * mirrored for y, touch in touches.items() if y > 0.0}
     else:
         others, early = _outward(touch_at, -steps)
@@ -126,7 +118,6 @@ def shift_table(
         gauge_m=support.gauge,
         back_to_back_m=wheel.back_to_back,
         roll="free" if free_to_roll else "neglected",
-        yaw_rad=yaw,
         ended=ended,
     )
     difference = _left_less_right(table["rolling_radius"])
@@ -187,15 +178,15 @@ def _outward(touch_at: _Toucher, shifts: Array) -> tuple[dict[float, _Touch], st
     return touches, ended
 
 
-def _touch(contact: _core.StaticWheelsetContact, yaw: float, arm: float | None, y: float, roll: float) -> _Touch | None:
-    """Both wheels touching, see _Toucher, turned to the left by `yaw` [rad].
+def _touch(contact: _core.StaticWheelsetContact, arm: float | None, y: float, roll: float) -> _Touch | None:
+    """Both wheels touching, see _Toucher.
 
     With an arm, about how far the contacts are apart [m], the wheelset rolls until both wheels touch.
     """
 
     def heights() -> tuple[float, float]:
         """Heights at which the left and the right wheel touch [m]."""
-        left, right = (contact.touch_height(0.0, y, yaw, roll, right) for right in (False, True))
+        left, right = (contact.touch_height(0.0, y, 0.0, roll, right) for right in (False, True))
         return left, right
 
     left, right = heights()
@@ -208,22 +199,20 @@ def _touch(contact: _core.StaticWheelsetContact, yaw: float, arm: float | None, 
         left, right = heights()
         # On a flange, roll moves the wheel sideways as well: steeper than the arm. At a jump the slope has a step.
         slope = min(max((left - right - before) / turn, -4 * arm), -0.5 * arm)
-    sides = [_first_touch(contact, y, left, yaw, roll, False), _first_touch(contact, y, right, yaw, roll, True)]
+    sides = [_first_touch(contact, y, left, roll, False), _first_touch(contact, y, right, roll, True)]
     return None if None in sides else np.array(sides)
 
 
 def _first_touch(
-    contact: _core.StaticWheelsetContact, y: float, height: float, yaw: float, roll: float, right: bool
+    contact: _core.StaticWheelsetContact, y: float, height: float, roll: float, right: bool
 ) -> tuple[float, ...] | None:
     """The point of touch of one wheel, a row of a _Touch, if there is one."""
-    patch = max(contact.minima(0.0, y, height, yaw, roll, right, 1e-6), key=lambda found: found.approach, default=None)
+    patch = max(contact.minima(0.0, y, height, 0.0, roll, right, 1e-6), key=lambda found: found.approach, default=None)
     if patch is None or abs(patch.approach) > _JUST_TOUCHING:
         return None
     _, lean, upward = patch.direction
     angle = math.atan2(lean if right else -lean, upward)
-    along, across, level = patch.point
-    ahead = along * math.cos(yaw) + (across - y) * math.sin(yaw)
-    return patch.wheel_s, patch.rail_y, level, patch.wheel_radius, angle, ahead, roll
+    return patch.wheel_s, patch.rail_y, patch.point[2], patch.wheel_radius, angle, roll
 
 
 POINTS = 2000
@@ -309,23 +298,17 @@ def conicity_table(shifts: xr.Dataset, amplitudes: Sequence[float]) -> xr.Datase
         amplitudes: [m].
 
     Returns:
-        Over `amplitude`: conicity [-], of_wheels and of_rollers [-], its parts from the radii of the wheels and of the
-        rollers (0 on rails), and wavelength [m], infinite where the conicity is 0. The attribute nonlinearity_per_mm is the
-        `nonlinearity_parameter`, NaN where it does not exist.
+        Over `amplitude`: conicity [-], and wavelength [m], infinite where the conicity is 0. The attribute
+        nonlinearity_per_mm is the `nonlinearity_parameter`, NaN where it does not exist.
     """
     lateral, difference = shifts["lateral"].to_numpy(), shifts["effective_difference"].to_numpy()
     conicity = equivalent_conicity(lateral, difference, amplitudes)
-    of_wheels = equivalent_conicity(lateral, shifts["rolling_radius_difference"].to_numpy(), amplitudes)
     product = shifts.attrs["contact_distance_m"] * shifts.attrs["wheel_radius_m"]
     with np.errstate(divide="ignore"):
         wavelength = math.pi * np.sqrt(2 * product / conicity)  # (K3)
     return xr.Dataset(
         {
             "conicity": variable("amplitude", conicity, "1", "equivalent conicity"),
-            "of_wheels": variable("amplitude", of_wheels, "1", "conicity of the wheels' radii alone"),
-            "of_rollers": variable(
-                "amplitude", conicity - of_wheels, "1", "what the rollers' radii add to the conicity"
-            ),
             "wavelength": variable("amplitude", wavelength, "m", "wavelength of the kinematic motion"),
         },
         coords={"amplitude": variable("amplitude", np.array(amplitudes), "m", "amplitude")},

@@ -18,20 +18,15 @@ from rollerrig.cases import as_case
 from rollerrig.config import Case, load_case, load_profile
 from rollerrig.results import variable
 
-DEFAULT_GAUGE = 1.435
-DEFAULT_GAUGE_DEPTH = 14e-3
-DEFAULT_BACK_TO_BACK = 1.360
-DEFAULT_RADIUS = 0.460
-
 
 def pair_case(
     wheel: str,
     rail: str,
     *,
-    gauge: float = DEFAULT_GAUGE,
-    gauge_depth: float = DEFAULT_GAUGE_DEPTH,
-    back_to_back: float = DEFAULT_BACK_TO_BACK,
-    radius: float = DEFAULT_RADIUS,
+    gauge: float = 1.435,
+    gauge_depth: float = 14e-3,
+    back_to_back: float = 1.360,
+    radius: float = 0.460,
     roller_radius: float | None = None,
 ) -> Case:
     """A lone wheelset on a track or, with a roller radius, on a pair of rollers whose generatrix is the rail's head.

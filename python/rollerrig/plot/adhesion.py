@@ -66,24 +66,9 @@ def speeds(track: xr.Dataset, rig: xr.Dataset, radius: float) -> Figure:
     ))  # fmt: skip
 
 
-def first_slide(runs: Mapping[str, xr.Dataset], radius: float) -> Figure:
-    """Slip of the wheels over some seconds of sliding, and what wheel slide protection or wheel-slip control does."""
-    start = _first_slide(runs["track"], radius)
-    cut = {label: run.sel(time=slice(start, start + 8.0)) for label, run in runs.items()}
-    braked = float(runs["track"]["dump_cycles"][-1].sum()) > 0
-    response: Signal = PRESSURE if braked else ("part of\nthe demand", "torque_factor", 1.0)
-    return axles_over_time(cut, (wheel_less_train(radius), response), 4.6)
-
-
 def wheel_less_train(radius: float) -> Signal:
     """Sliding of the wheels on rail, or on the virtual one; radius of the wheels [m]."""
     return "wheel less\ntrain [m/s]", lambda run: radius * run["axle_speed"] - run["train_speed"], 1.0
-
-
-def _first_slide(run: xr.Dataset, radius: float) -> float:
-    """Shortly before a wheel first slides by 5 % [s]; 0 if none does."""
-    slides = (abs(radius * run["axle_speed"] / run["train_speed"] - 1.0) > 0.05).any("axle").to_numpy()
-    return max(0.0, float(run["time"][int(np.argmax(slides))]) - 0.5) if slides.any() else 0.0
 
 
 def sliding(rig: xr.Dataset, ideal: xr.Dataset | None, radius: float) -> Figure:
@@ -223,52 +208,11 @@ def motions(runs: Mapping[str, tuple[Array, Array]], slide: float) -> Figure:
     return figure
 
 
-def amplitudes(runs: Mapping[str, tuple[Any, Any]], slips: Mapping[str, tuple[Any, Any]]) -> Figure:
-    """Amplitude of hunting [mm] over times [s] by label above, slip of the leading wheelset [%] below."""
-    labels = ("amplitude of the\nleading wheelset [mm]", "slip of the leading\nwheelset [%]")
-    with panels(labels, "time [s]", 4.6) as (figure, all_axes):
-        for axes, series in zip(all_axes, (runs, slips), strict=True):
-            for number, (label, values) in enumerate(series.items()):
-                line(axes, *values, number, STYLES[number % len(STYLES)], label, linewidth=1.1)
-        logarithmic(all_axes[0], "y")
-        all_axes[0].set_ylim(1e-3, None)
-    return figure
-
-
-def disturbed_control(runs: Mapping[str, xr.Dataset], radius: float) -> Figure:
-    """Tracking error and real sliding of the leading wheelset over time, a line per run of a rig; radius of the wheels [m]."""
-    labels = ("tracking error\n[% of train speed]", "sliding of wheel\non roller [mm/s]")
-    with panels(labels, "time [s]", 4.6) as (figure, (error, sliding)):
-        for number, (label, run) in enumerate(runs.items()):
-            axle = run.isel(axle=0)
-            relative = radius * (axle["axle_speed"] - axle["virtual_speed"]) / axle["train_speed"]
-            line(error, run["time"], 100.0 * relative, number, label=label)
-            line(sliding, run["time"], 1e3 * axle["real_sliding"], number, label=label)
-    return figure
-
-
-@house_style()
-def creep_forces(runs: Mapping[str, tuple[Any, Any, Any]]) -> Figure:
-    """Creep forces of the leading left wheel [kN] over times [s]: along and across the track, a column per run."""
-    figure, grid = new_grid(2, len(runs), height=4.0, sharex=True, sharey="row")
-    for column, (label, (time, along, across)) in enumerate(runs.items()):
-        for axes, values in zip(grid[:, column], (along, across), strict=True):
-            line(axes, time, values, column)
-        grid[0, column].set_title(label, fontsize=8.0)
-        grid[1, column].set_xlabel("time [s]")
-    grid[0, 0].set_ylabel("creep force along [kN]")
-    grid[1, 0].set_ylabel("creep force across [kN]")
-    return figure
-
-
-@house_style()
-def viscous(expected: Array, force: Array, slope: float) -> Figure:
-    """Lateral creep force of sliding wheels [N] over the closed form -F v_y / v_s [N], and the line of a slope through both."""
-    figure, (axes,) = new_figure(1, height=3.6, width=5.2)
-    line(axes, expected, force, 0, "", "axles on track", marker=".", markersize=2.0)
-    ends = np.array([expected.min(), expected.max()])
-    axes.plot(ends, ends, "--", color=GREY, label="Coulomb: opposite to sliding")
-    axes.plot(ends, slope * ends, "-", color=COLOURS[1], linewidth=1.0, label=f"slope {slope:.2f}")
-    axes.set(xlabel="-F v_y / v_s, both wheels [N]", ylabel="lateral creep force\nof the axle [N]")
-    axes.legend(fontsize=8.0)
+def leading_axle(runs: Mapping[str, xr.Dataset], signals: Sequence[Signal], height: float) -> Figure:
+    """A panel per signal of the leading axle or of the train, of a height [inches]; a colour per run, by label."""
+    with panels([label for label, _, _ in signals], "time [s]", height) as (figure, axes):
+        for panel, (_, signal, factor) in zip(axes, signals, strict=True):
+            for number, (label, run) in enumerate(runs.items()):
+                values = factor * (run[signal] if isinstance(signal, str) else signal(run))
+                line(panel, run["time"], values.isel(axle=0, missing_dims="ignore"), number, label=label)
     return figure

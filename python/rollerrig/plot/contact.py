@@ -128,7 +128,6 @@ CHARACTERISTICS = {
     "contact_angle": (1.0, "contact angle [rad]", "positive as at the flange"),
     "wavelength": (1.0, "wavelength [m]", "free wheelset, pure rolling"),
     "roll": (1e3, "roll angle [mrad]", "both wheels touch"),
-    "longitudinal": (1e3, "contact ahead of the axle [mm]", "a yawed wheelset"),
 }
 """Variable -> factor from SI, ordinate, note."""
 
@@ -140,9 +139,7 @@ def characteristics_figure(shifts: Mapping[str, xr.Dataset], conicity: Mapping[s
     By label what `shift_table` and `conicity_table` return; the first is drawn full, further ones dashed over it.
     """
     first = next(iter(shifts.values()))
-    yaw = 1e3 * first.attrs["yaw_rad"]
-    worth = {"roll": first.attrs["roll"] == "free", "longitudinal": yaw != 0.0}
-    drawn = [name for name in CHARACTERISTICS if worth.get(name, True)]
+    drawn = [name for name in CHARACTERISTICS if name != "roll" or first.attrs["roll"] == "free"]
     rows = (len(drawn) + 1) // 2
     figure, grid = new_grid(rows, 2, 8.4, 2.9 * rows)
     for axes, name in zip(grid.flat, drawn, strict=False):
@@ -157,9 +154,6 @@ def characteristics_figure(shifts: Mapping[str, xr.Dataset], conicity: Mapping[s
                     axes.plot(along, values.sel(side=side), **{**look(number), **own})
             else:
                 axes.plot(along, values, label=label, **look(number))
-            if name == "conicity" and shifts[label].attrs["support"] != "track":
-                of_rollers = conicity[label]["of_rollers"]
-                axes.plot(along, of_rollers, ":", color=colour(number), label="part of the rollers' radii")
         axes.set(xlabel="lateral shift to the left [mm]" if of_shift else "amplitude [mm]", ylabel=ordinate)
         axes.set_title(note, loc="left", fontsize=8)
         axes.legend(fontsize=7.5)
@@ -168,8 +162,7 @@ def characteristics_figure(shifts: Mapping[str, xr.Dataset], conicity: Mapping[s
     for empty in grid.flat[len(drawn) :]:
         empty.remove()
     gauge, back = 1e3 * first.attrs["gauge_m"], 1e3 * first.attrs["back_to_back_m"]
-    lengths = f"gauge {gauge:g} mm, back-to-back {back:g} mm" + (f", yaw {yaw:g} mrad" if yaw else "")
-    figure.suptitle(f"{first.attrs['title']}: {lengths}", fontsize=10)
+    figure.suptitle(f"{first.attrs['title']}: gauge {gauge:g} mm, back-to-back {back:g} mm", fontsize=10)
     return figure
 
 

@@ -28,7 +28,5 @@ from rollerrig.results.run_info import ResultsError as ResultsError
 from rollerrig.results.run_info import RunInfo as RunInfo
 from rollerrig.results.run_info import cite as cite
 from rollerrig.results.run_info import sources_of as sources_of
-from rollerrig.results.summary import motion_table as motion_table
 from rollerrig.results.summary import summarise as summarise
-from rollerrig.results.summary import wheel_table as wheel_table
 from rollerrig.results.termination import add_termination as add_termination

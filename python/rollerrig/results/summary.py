@@ -1,4 +1,4 @@
-"""Numbers of a run as a summary and tables: loss of contact, resolution of the output.
+"""Numbers of a run as a summary: loss of contact, resolution of the output.
 
     signal, unit -> [resolution] -> the signal with zeros where it means nothing
     spells without contact of the core -> [contact_loss] -> attribute `contact_losses`, warnings
@@ -18,7 +18,6 @@ from numpy.typing import ArrayLike
 
 from rollerrig.common.arrays import Array
 from rollerrig.results.dataset import Draft, readings_of
-from rollerrig.results.other_formats import table_columns
 from rollerrig.results.run_info import RunInfo
 
 RESOLUTION = {"m": 1e-10, "rad": 1e-10, "m/s": 1e-9, "m/s^2": 1e-7, "N": 1e-3, "1": 1e-8}
@@ -174,34 +173,3 @@ def _finite(values: Array, of: Callable[[Array], Any] = np.max) -> float | None:
     """The largest, or least; an interrupted run may have no values, an unloaded wheel has NaN."""
     finite = values[np.isfinite(values)]
     return float(of(finite)) if finite.size else None
-
-
-MOTION = ("longitudinal", "lateral", "vertical", "roll", "pitch", "yaw")
-WHEEL = (
-    "normal_force",
-    "longitudinal_force",
-    "longitudinal_creep_force",
-    "lateral_force",
-    "vertical_force",
-    "longitudinal_sliding",
-    "lateral_sliding",
-    "contact_abscissa",
-    "patch_count",
-)
-Table = tuple[list[str], Array]
-"""Headings as `table_columns` has them, and rows."""
-
-
-def motion_table(run: xr.Dataset) -> Table:
-    """Displacements and angles of the vehicle's bodies over time, and the running speed."""
-    return _table(run[["speed", *MOTION]].sel(body=RunInfo.of(run).moving))
-
-
-def wheel_table(run: xr.Dataset) -> Table:
-    """Contact forces, sliding and position on the profile of each wheel over time."""
-    return _table(run[[*WHEEL]])
-
-
-def _table(run: xr.Dataset) -> Table:
-    columns = table_columns(run)
-    return list(columns), np.column_stack([*columns.values()])

@@ -10,8 +10,6 @@ from rollerrig.similitude.factors import map_back as map_back
 from rollerrig.similitude.factors import similitude as similitude
 from rollerrig.similitude.scale_case import factors_of as factors_of
 from rollerrig.similitude.scale_case import scale_case as scale_case
-from rollerrig.similitude.violations import ContactAtRest as ContactAtRest
 from rollerrig.similitude.violations import Requirement as Requirement
-from rollerrig.similitude.violations import contact_at_rest as contact_at_rest
 from rollerrig.similitude.violations import distortion as distortion
 from rollerrig.similitude.violations import requirements as requirements

@@ -2,21 +2,17 @@
 
     full-scale case, its model -> [requirements] -> Requirement, met or not
 
-The numbers follow from the factors alone, docs/theory/similitude.md (M2)-(M5); the contact at rest is computed on both rigs.
+The numbers follow from the factors alone, docs/theory/similitude.md (M2)-(M5).
 """
 
 import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 
-import numpy as np
-
-from rollerrig.assembly.model import assemble
-from rollerrig.config import Case, Rig
+from rollerrig.config import Case
 from rollerrig.config.schema.contact import FallingFriction
 from rollerrig.similitude.factors import Similitude
 from rollerrig.similitude.scale_case import factors_of
-from rollerrig.simulation.starting_state import equilibrium_dataset
 
 _MET = 1e-9
 """A deviation below this is round-off [-]."""
@@ -122,33 +118,3 @@ def _of_actuators(full: Case, model: Case, factors: Similitude) -> Iterator[Requ
         late = 1e3 * factors.time * lag
         effect = f"the brake acts {late:.3g} ms late at full scale, and within the motors' envelope"
         yield Requirement("brake torque at once", of, "s", 0.0, lag, effect)
-
-
-@dataclass(frozen=True)
-class ContactAtRest:
-    """The contact of one wheel in steady running."""
-
-    wheel_load: float  # [N]
-    semi_axis: float  # sqrt(a b) of the largest patch [m]
-    pressure: float  # largest of all patches [Pa]
-    roller_share: float  # semi-axis over the roller's radius [-]
-
-
-def contact_at_rest(case: Case) -> ContactAtRest:
-    """Load and patch of the first wheel at the speed of the case.
-
-    Raises:
-        StartError: there is no equilibrium.
-    """
-    rest = equilibrium_dataset(assemble(case)).isel(time=0, wheel=0)
-    load, a, b = (np.nan_to_num(rest[name].to_numpy()) for name in ("patch_normal", "patch_a", "patch_b"))
-    there = load > 0.0
-    support = case.support.data
-    assert isinstance(support, Rig)
-    axis = float(np.sqrt(a[there] * b[there]).max())
-    return ContactAtRest(
-        wheel_load=float(load.sum()),
-        semi_axis=axis,
-        pressure=float((1.5 * load[there] / (math.pi * a[there] * b[there])).max()),
-        roller_share=axis / support.roller_radius,
-    )

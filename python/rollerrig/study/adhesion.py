@@ -78,7 +78,7 @@ class AdhesionStudy(Study[Runs]):
     round_ends = (0.05, 0.8)
     heading = "{case.name}: degraded track and the rig that reproduces it"
     quick_means = f"only {QUICK_STARTS} starts of each test, whose numbers only show that everything works"
-    writes = ("track*.nc", "rig*.nc", "axles*.csv", VIEW)
+    writes = ("track*.nc", "rig*.nc", VIEW)
     irrelevant = ("description", "error_budget")
 
     def __post_init__(self) -> None:
@@ -174,7 +174,6 @@ class AdhesionStudy(Study[Runs]):
             "causes": {name: {**share.as_dict(), "within_its_error": runs.is_within_error(share)}
                        for name, share in _shares(records).items()},
             "dead_time": self._dead_time_numbers(records),
-            "tracking_by_own_motion": slides.by_own_motion(results.whole["rig"]),
         }  # fmt: skip
 
     def _dead_time_numbers(self, records: Mapping[str, Sequence[TestRecord]]) -> dict[str, Any]:
@@ -207,12 +206,7 @@ class AdhesionStudy(Study[Runs]):
         return [*outcomes, *(row.told for row in worst_first), *slides.idle_valves(self.case), *_findings(numbers)]
 
     def files(self, results: Runs, numbers: Numbers) -> Mapping[str, Any]:
-        track, rig = results.whole["track"], results.whole["rig"]
-        both = ("train_speed", "axle_speed", "cylinder_pressure", "contact_force", "creep_force", "brake_torque",
-                "traction_torque")  # fmt: skip
-        of_rig = ("virtual_speed", "real_sliding", "roller_torque")
-        axles = slides.axle_columns({"track": track[list(both)], "rig": rig}, (*both, *of_rig))
-        return {"track.nc": track, "rig.nc": rig, "axles.csv": axles}
+        return {"track.nc": results.whole["track"], "rig.nc": results.whole["rig"]}
 
     def shown(self, results: Runs) -> Mapping[str, xr.Dataset]:
         return {"degraded track": results.whole["track"], "rig": results.whole["rig"]}
@@ -337,7 +331,6 @@ def _signals(case: Case, whole: Mapping[str, xr.Dataset]) -> Iterator[tuple[str,
     yield "speeds", figures.speeds(whole["track"], whole["rig"], radius), "Train and wheels: rig, virtual train, track."
     runs = {name: slides.under_test(run) for name, run in whole.items()}
     both = {name: runs[name] for name in ("rig", "track")}
-    yield "first_slide", figures.first_slide(both, radius), "Slip, and the response to it."
     if case.brake is not None:
         drawn = figures.axles_over_time(both, figures.BRAKE, 6.0)
         yield "brakes", drawn, "Cylinder pressure, dump cycles, air taken."

@@ -7,7 +7,6 @@ import itertools
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from functools import partial
 from typing import Annotated, Any
 
 import numpy as np
@@ -23,20 +22,17 @@ from rollerrig.study.quantities import Numbers
 from rollerrig.study.report import Block, Picture, Section, Table, Text
 
 REFERENCE_AMPLITUDE = 3e-3  # at which conicities are quoted [m]
-JUMP = 1e-3  # a contact that moves further between two rows of the table jumps [m]
 
 METHOD = (
     "integration of the kinematic motion y'' + Δr(y)/(e r0) = 0 over a wave; EN 15302:2021, clause 9 and annex E "
     "(EN 15302:2008, annex B)"
 )
-PARTS = {"of_wheels": "of the wheels", "of_rollers": "of the rollers", "conicity": "together"}
 SIDE_COLUMNS = {
     "rolling_radius": ("mm", 1e3),
     "wheel_abscissa": ("mm", 1e3),
     "rail_abscissa": ("mm", 1e3),
     "rail_height": ("mm", 1e3),
     "contact_angle": ("rad", 1.0),
-    "longitudinal": ("mm", 1e3),
 }
 
 
@@ -69,7 +65,6 @@ class ConicityStudy(Study[Characteristics]):
     largest: float
     step: float
     free_to_roll: bool
-    yaw: float
     lengths: Mapping[str, float]
 
     command = "conicity"
@@ -96,8 +91,8 @@ class ConicityStudy(Study[Characteristics]):
         return ["Profiles are rigid and do not wear; the conicity is that of a free wheelset in pure rolling."]
 
     def rounds(self, done: Done) -> Iterator[Round]:
-        table = partial(shift_table, free_to_roll=self.free_to_roll, yaw=self.yaw)
-        yield {label: job(table, case, self.largest, self.step) for label, case in self.cases().items()}
+        rows = (self.largest, self.step, self.free_to_roll)
+        yield {label: job(shift_table, case, *rows) for label, case in self.cases().items()}
 
     def collect(self, done: Done) -> Characteristics | None:
         if len(done) < len(self.cases()):
@@ -119,7 +114,6 @@ class ConicityStudy(Study[Characteristics]):
             "back_to_back_mm": 1e3 * first["back_to_back_m"],
             "wheel_radius_mm": 1e3 * first["wheel_radius_m"],
             "roll": first["roll"],
-            "yaw_mrad": 1e3 * first["yaw_rad"],
             "method": METHOD,
             "supports": {label: support_numbers(table) for label, table in results.shifts.items()},
         }
@@ -139,51 +133,41 @@ class ConicityStudy(Study[Characteristics]):
     def sections(self, results: Characteristics, numbers: Numbers) -> list[Section]:
         figure = characteristics_figure(results.shifts, results.conicity)
         caption = "Contact characteristics over lateral shift and amplitude; all supports in one picture."
-        yaw = f"yaw {numbers['yaw_mrad']:g} mrad" if numbers["yaw_mrad"] else "no yaw"
-        conicities = {label: table["conicity"] for label, table in results.conicity.items()}
-        parts = [
-            _amplitude_table({w: table[name] for name, w in PARTS.items()}, f"Parts of the conicity: {label}", "part")
-            for label, table in results.conicity.items()
-            if results.shifts[label].attrs["support"] != "track"
-        ]
         blocks: list[Block] = [
             Picture("characteristics", figure, caption),
-            _amplitude_table(conicities, "Equivalent conicity over the amplitude of the motion", "support"),
-            *parts,
-            Text(f"Conicity: {METHOD}. Roll of the wheelset: {numbers['roll']}. Rigid profiles, {yaw}."),
+            _amplitude_table(results.conicity),
+            Text(f"Conicity: {METHOD}. Roll of the wheelset: {numbers['roll']}. Rigid profiles, no yaw."),
         ]
         return [Section("Characteristics", blocks)]
 
 
 def support_numbers(table: xr.Dataset) -> dict[str, Any]:
     """What is reported of one support, without the ends of the keys' names."""
-    end, y = float(table["lateral"][-1]), table["lateral"].to_numpy()
+    end = float(table["lateral"][-1])
     at = conicity_table(table, [REFERENCE_AMPLITUDE] if end >= REFERENCE_AMPLITUDE else [])
-    moved = np.abs(np.diff(table["wheel_abscissa"].to_numpy(), axis=0)).max(axis=1)
     return {
         "roller_radius_mm": 1e3 * table.attrs["roller_radius_m"],
         **{key: float(at[name][0]) if at[name].size else math.nan for key, name in AT_3_MM.items()},
         "nonlinearity_per_mm": at.attrs["nonlinearity_per_mm"],
         "largest_shift_mm": round(1e3 * end, 9),
         "ended": table.attrs["ended"],
-        "jumps_mm": [round(1e3 * float(at), 3) for at in (0.5 * (y[1:] + y[:-1]))[moved > JUMP] if at > 0],
     }
 
 
 AT_3_MM = {  # key of what is quoted at REFERENCE_AMPLITUDE -> variable of `conicity_table`
     "conicity_3mm": "conicity",
-    "conicity_of_wheels_3mm": "of_wheels",
-    "conicity_of_rollers_3mm": "of_rollers",
     "wavelength_3mm_m": "wavelength",
 }
 
 
-def _amplitude_table(rows: Mapping[str, xr.DataArray], caption: str, head: str) -> Table:
-    """Values at the amplitudes nearest to whole millimetres, a row each."""
+def _amplitude_table(conicity: Mapping[str, xr.Dataset]) -> Table:
+    """Conicities at the amplitudes nearest to whole millimetres, a row for each support."""
+    rows = {label: table["conicity"] for label, table in conicity.items()}
     first = next(iter(rows.values()))["amplitude"].to_numpy()
     quoted = [float(a) for a in first if abs(1e3 * a - round(1e3 * a)) < 1e-6 and a > 0.5e-3]
     cells = [(label, *(float(v.sel(amplitude=a, method="nearest")) for a in quoted)) for label, v in rows.items()]
-    return Table((head, *(f"{1e3 * a:g} mm" for a in quoted)), cells, caption)
+    header = ("support", *(f"{1e3 * a:g} mm" for a in quoted))
+    return Table(header, cells, "Equivalent conicity over the amplitude of the motion")
 
 
 def shift_rows(shifts: Mapping[str, xr.Dataset]) -> list[list[object]]:
@@ -201,8 +185,7 @@ def shift_rows(shifts: Mapping[str, xr.Dataset]) -> list[list[object]]:
 
 def conicity_rows(conicity: Mapping[str, xr.Dataset]) -> list[list[object]]:
     """Table over amplitude, header first."""
-    names = {"equivalent_conicity": "conicity", "conicity_of_wheels": "of_wheels", "conicity_of_rollers": "of_rollers"}
-    columns = {"amplitude_mm": "amplitude", **names, "wavelength_m": "wavelength"}
+    columns = {"amplitude_mm": "amplitude", "equivalent_conicity": "conicity", "wavelength_m": "wavelength"}
     tables = {label: table.assign_coords(amplitude=1e3 * table["amplitude"]) for label, table in conicity.items()}
     rows = [[label, *row] for label, table in tables.items() for row in dataset_rows(table, columns, "amplitude")[1:]]
     return [["support", *columns], *rows]
@@ -213,31 +196,14 @@ def conicity(
     wheel: str,
     rail: str,
     *,
-    lengths: Annotated[
-        Mapping[str, float] | None,
-        Option("gauge", quantity="Track.gauge", default="1435mm", meaning="distance between the gauge sides."),
-        Option(
-            "gauge_depth",
-            quantity="Track.gauge_depth",
-            default="14mm",
-            meaning="depth of the gauge below the highest point.",
-        ),
-        Option(
-            "back_to_back",
-            quantity="Wheel.back_to_back",
-            default="1360mm",
-            meaning="distance between the flange backs.",
-        ),
-        Option("radius", quantity="Wheel.radius", default="460mm", meaning="wheel radius at the tape circle."),
-    ] = None,
-    roller_radius: Annotated[
-        float | None,
-        Option(quantity="Rig.roller_radius", meaning="radius of rollers of this head, to be shown beside the rails."),
-    ] = None,
+    gauge: Annotated[float, Option("gauge_mm", "mm")] = 1.435,
+    gauge_depth: Annotated[float, Option("gauge_depth_mm", "mm")] = 14e-3,
+    back_to_back: Annotated[float, Option("back_to_back_mm", "mm")] = 1.36,
+    radius: Annotated[float, Option("radius_mm", "mm")] = 0.46,
+    roller_radius: Annotated[float | None, Option("roller_radius_mm", "mm")] = None,
     amplitudes: Annotated[Sequence[float] | None, Option("amplitudes_mm", "mm")] = None,
     largest: Annotated[float, Option("shift_mm", "mm", 0.1, 50.0)] = 8e-3,
     step: Annotated[float, Option("step_mm", "mm", 0.005, 1.0)] = 1e-4,
-    yaw: Annotated[float, Option("yaw_mrad", "mrad", -100.0, 100.0)] = 0.0,
     free_to_roll: Annotated[bool, Option("with_roll")] = False,
 ) -> xr.Dataset:
     """Rolling radius difference, contact angles and positions, and equivalent conicity of a pair of profiles.
@@ -245,12 +211,14 @@ def conicity(
     Args:
         wheel: wheel profile: a name of the catalogue or a file of points.
         rail: rail profile, also the generatrix of a roller: likewise.
-        lengths: gauge, gauge_depth, back_to_back, radius of `pair_case` [m].
+        gauge: distance between the gauge sides [m].
+        gauge_depth: depth of the gauge below the highest point [m].
+        back_to_back: distance between the flange backs [m].
+        radius: wheel radius at the tape circle [m].
         roller_radius: radius of rollers of this head, to be shown beside the rails [m]; None: rails only.
         amplitudes: amplitudes of the conicity [m]; None: 0.5 to 7 mm in steps of 0.1 mm, as far as the shift goes.
         largest: lateral shift to both sides [m].
         step: distance of the rows [m].
-        yaw: yaw angle of the wheelset [rad].
         free_to_roll: roll the wheelset until both wheels touch; neglected otherwise.
 
     Returns:
@@ -272,5 +240,6 @@ def conicity(
             f"amplitudes from {least:g} to {most:g} mm: allowed above 0 and up to the largest shift, {end:g} mm"
         )
     values = sorted({round(1e-4 * k, 6) for k in range(5, 71)} if amplitudes is None else set(amplitudes))
-    rows = (largest, min(step, largest), free_to_roll, yaw)
-    return ConicityStudy(wheel, rail, tuple(values), roller_radius, *rows, lengths or {}).outcome().results.dataset()
+    lengths = {"gauge": gauge, "gauge_depth": gauge_depth, "back_to_back": back_to_back, "radius": radius}
+    rows = (largest, min(step, largest), free_to_roll)
+    return ConicityStudy(wheel, rail, tuple(values), roller_radius, *rows, lengths).outcome().results.dataset()

@@ -11,14 +11,12 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from contextlib import suppress
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 import xarray as xr
 
 from rollerrig.analysis.mode_table import stability
 from rollerrig.config import Case
-from rollerrig.results import output_folder
 from rollerrig.simulation.run import Progress as Progress
 from rollerrig.simulation.run import simulate
 from rollerrig.study.checkpoint import Checkpoint
@@ -30,9 +28,6 @@ Done = dict[str, Any]
 Round = Mapping[str, Job]
 Chain = Callable[[Done], Round]
 """Results so far -> the next jobs of a chain, also those at work, whichever of them end first; none: it is at its end."""
-
-FIRST_ROUND = 0.75
-"""Fraction of the whole at which the first of several rounds ends."""
 
 
 def job(function: Callable[..., Any], *arguments: Any) -> Job:
@@ -194,23 +189,3 @@ def _names(work: Round | Chains, done: Done) -> list[str]:
             past |= more
         found |= past
     return list(found)
-
-
-def kept_rounds(
-    rounds: Callable[[Done], Iterator[Round | Chains]],
-    folder: str | Path | None,
-    what: str,
-    plan: Mapping[str, Any],
-    processes: int,
-    progress: Progress | None,
-) -> tuple[Done, bool]:
-    """`run_rounds` with a Checkpoint of `what` and `plan` in a folder, made if need be; None: nothing is kept.
-
-    Raises:
-        ConfigError: the folder has the jobs of another plan.
-        OutputError: the folder takes no files.
-    """
-    if folder is None:
-        return run_rounds(rounds, None, (FIRST_ROUND,), processes, progress)
-    with Checkpoint(output_folder(folder), what, plan) as checkpoint:
-        return run_rounds(rounds, checkpoint, (FIRST_ROUND,), processes, progress)

@@ -1,7 +1,7 @@
 """Lateral motion during a slide: does it disturb the control of the rig, and does the rig show what a sliding train does?
 
 Case on elastic rollers with a disturbance -> [LateralStudy] -> runs displaced and centred, elastic and rigid, rig and track
--> tracking, real sliding, hunting before and in the slide; lateral creep of sliding wheels against its closed form, (Q6)
+-> tracking, real sliding, hunting before and in the slide
 """
 
 import math
@@ -12,11 +12,11 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from rollerrig.analysis import lateral_guidance
-from rollerrig.analysis.lateral_guidance import amplitude, creep_force, leading_lateral, slide_begins, train_slip
-from rollerrig.analysis.slide_statistics import following, largest, real_sliding, wheel_radius
+from rollerrig.analysis.signals import half_waves
+from rollerrig.analysis.slide_statistics import following, largest, real_sliding, slip, virtual_slip, wheel_radius
 from rollerrig.cases import as_case
-from rollerrig.config import Case, Condition, ConfigError, ConfigProblem, Rig
+from rollerrig.common.arrays import Array
+from rollerrig.config import Case, ConfigError, ConfigProblem, Rig
 from rollerrig.config.validate.check_actuators import simulated_axles
 from rollerrig.plot import adhesion as figures
 from rollerrig.results import COMPLETED
@@ -25,12 +25,13 @@ from rollerrig.study.frame import Outcome, Study
 from rollerrig.study.jobs import Done, Progress, Round, job, whole_run
 from rollerrig.study.options import Processes, command
 from rollerrig.study.quantities import Numbers
-from rollerrig.study.report import VIEW, Block, Picture, Section, Text
+from rollerrig.study.report import VIEW, Picture, Section
 from rollerrig.study.runs.adhesion import track_case
 
 MEMBERS = 8  # runs of an ensemble, the case itself included
 NEARLY = 1e-9  # relative change of the disturbance from one member to the next: below what any measurement could tell
-CLEAN_POLACH = {"kind": "polach", "k_A": 1.0, "k_S": 1.0}  # Polach's creep law on a clean surface
+SLIDES = 0.02  # slip from which on an axle counts as sliding: friction is used up long before, at some 0.5 %
+LEAST_WAVE = 1e-2  # smaller half-waves are rounding [mm]
 
 
 def unbraked(case: Case) -> Case:
@@ -43,13 +44,8 @@ def unbraked(case: Case) -> Case:
 def whole_creep_slope(case: Case) -> Case:
     """The same rail with k_A = k_S = 1: as little friction, but a creep curve as steep as on a clean rail."""
     assert case.adhesion is not None
-
-    def steep(rail: Condition) -> Condition:
-        return rail.model_copy(update={"k_A": 1.0, "k_S": 1.0})
-
-    pieces = tuple(piece.model_copy(update={"rail": steep(piece.rail)}) for piece in case.adhesion.piece)
-    adhesion = case.adhesion.model_copy(update={"rail": steep(case.adhesion.rail), "piece": pieces})
-    return case.model_copy(update={"adhesion": adhesion})
+    rails = ["rail", *(f"piece.{k}.rail" for k in range(len(case.adhesion.piece)))]
+    return case.with_changes({f"adhesion.{rail}.{key}": 1.0 for rail in rails for key in ("k_A", "k_S")})
 
 
 def nearly_the_same(case: Case, count: int) -> list[Case]:
@@ -66,18 +62,12 @@ LABELS = {  # key of a run -> its label; displaced: by the case's disturbance
     "rig": "rig as it is, displaced",
     "rig_centred": "rig as it is, centred",
     "rig_rigid": "rigid rollers, displaced",
-    "rig_rigid_centred": "rigid rollers, centred",
-    "rig_dry": "rig as it is, displaced, dry virtual rail",
     "track": "track, displaced",
     "track_dry": "track, displaced, dry rail",
-    "track_paper": "track, displaced, the paper's creep law",
     "track_unbraked": "track, displaced, unbraked",
     "track_stiff": "track, displaced, k_A = k_S = 1",
     "track_stiff_unbraked": "track, displaced, k_A = k_S = 1, unbraked",
-    "track_polach_stiff_unbraked": "track, displaced, k_A = k_S = 1, unbraked, Polach's creep law",
 }
-
-GUIDED = ("track", "track_paper")  # runs whose lateral creep is compared with the closed form
 
 REPEATED = ("rig", "rig_rigid")
 """Runs in which flanges strike: repeated with a disturbance that differs by 1e-9, since no single figure of theirs is certain."""
@@ -91,6 +81,40 @@ CAUSES = (
     "Unbraked no wheel slides: hunting that dies there too dies of the flatter creep curve of the contaminated rail (k_A, k_S), "
     "or of Polach's, softer near the limit of friction; the pair with k_A = k_S = 1 separates the slide from the rail."
 )
+
+
+def on_rig(run: xr.Dataset) -> bool:
+    """Whether a run stands on rollers."""
+    return any("roller" in str(body) for body in run["body"].to_numpy())
+
+
+def train_slip(run: xr.Dataset) -> xr.DataArray:
+    """Slip of the wheels against the train, on a rig of the virtual wheels: flange strikes are no part of it."""
+    return virtual_slip(run) if on_rig(run) else slip(run)
+
+
+def slide_begins(run: xr.Dataset) -> float:
+    """When an axle first slips by more than SLIDES against the train [s]; NaN: never."""
+    sliding = np.flatnonzero((abs(train_slip(run)).to_numpy() > SLIDES).any(axis=1))
+    return float(run["time"][sliding[0]]) if sliding.size else math.nan
+
+
+def leading_lateral(run: xr.Dataset) -> Array:
+    """Lateral displacement of the leading wheelset [mm], shape (time,)."""
+    return np.asarray(1e3 * run["lateral"].sel(body=str(run["axle"].to_numpy()[0])))
+
+
+def amplitude(time: Array, values: Array, begin: float, end: float) -> float:
+    """Half of peak to peak within a time [unit of the values]; NaN where there is none of it."""
+    within = values[(time >= begin) & (time <= end)]
+    return 0.5 * float(np.ptp(within)) if within.size else math.nan
+
+
+def hunting_frequency(time: Array, values: Array, begin: float, end: float) -> float:
+    """Frequency of the half-waves larger than LEAST_WAVE of a displacement in mm within a time [Hz]; NaN: none."""
+    within = (time >= begin) & (time <= end)
+    duration = half_waves(time[within], values[within], LEAST_WAVE).duration
+    return 0.5 / float(np.median(duration)) if duration.size else math.nan
 
 
 def run_measured(case: Case, slide: float, progress: Progress | None = None) -> dict[str, Any]:
@@ -107,15 +131,14 @@ def run_numbers(run: xr.Dataset, slide: float) -> dict[str, Any]:
     untracked = {"tracking_rms": math.nan, "tracking_largest": math.nan}
     return {
         "status": run.attrs["status"],
-        **(following(run) if lateral_guidance.on_rig(run) else {**untracked, **real_sliding(run)}),
+        **(following(run) if on_rig(run) else {**untracked, **real_sliding(run)}),
         "largest_slip": largest(train_slip(run)),
         "amplitude_before_mm": amplitude(time, lateral, begin - 1.0, begin),
         "amplitude_in_slide_mm": max(later, default=math.nan),
         "amplitude_end_mm": amplitude(time, lateral, time[-1] - 1.0, time[-1]),
-        "frequency_hz": lateral_guidance.hunting_frequency(time, lateral, begin - 1.0, begin),
+        "frequency_hz": hunting_frequency(time, lateral, begin - 1.0, begin),
         "largest_lateral_mm": float(np.abs(lateral).max()),
         "roller_lateral_mm": 1e3 * float(np.abs(run["lateral"].sel(body=rollers)).max()) if rollers else math.nan,
-        "lateral_creep_largest_kn": 1e-3 * float(np.abs(creep_force(run, "y")).max()),
     }
 
 
@@ -130,8 +153,6 @@ class Found:
 
     runs: dict[str, xr.Dataset]  # by key of LABELS
     repeated: dict[str, list[dict[str, Any]]]  # numbers of the nearly same runs, by key of REPEATED
-    # by key of GUIDED, of runs whose wheels slid while they moved sideways
-    guidance: dict[str, lateral_guidance.Guidance]
 
 
 @dataclass(frozen=True)
@@ -183,46 +204,31 @@ class LateralStudy(Study[Found]):
             "rig": self.case,
             "rig_centred": self.case.with_changes(centred),
             "rig_rigid": self.case.with_changes(rigid),
-            "rig_rigid_centred": self.case.with_changes({**rigid, **centred}),
-            "rig_dry": self.case.with_changes(dry),
             "track": track,
             "track_dry": track.with_changes(dry),
-            "track_paper": track.with_changes({"contact.creep": "kalker_saturated"}),
             "track_unbraked": unbraked(track),
             "track_stiff": stiff,
             "track_stiff_unbraked": unbraked(stiff),
-            "track_polach_stiff_unbraked": unbraked(stiff).with_changes({"contact.creep": CLEAN_POLACH}),
         }
 
     def collect(self, done: Done) -> Found | None:
         if LABELS["rig"] not in done:
             return None
         again = {key: started(done, LABELS[key], [None])[1:] for key in REPEATED}
-        runs = {key: done[label] for key, label in LABELS.items() if label in done}
-        left = {key: one for key in GUIDED if key in runs and (one := self.guidance_of(runs[key]))}
-        return Found(runs, again, left)
+        return Found({key: done[label] for key, label in LABELS.items() if label in done}, again)
 
     def statuses(self, results: Found) -> Sequence[str]:
         return [run.attrs["status"] for run in results.runs.values()]
 
     def numbers(self, results: Found) -> dict[str, Any]:
         begin = _slide(results.runs)
-        names = [q.name for q in self.quantities.below("guidance.*")]
         runs = {key: run_numbers(run, begin) for key, run in results.runs.items()}
         return {
             "case": self.case.name,
             "slide_begins_s": begin,
             "runs": runs,
             "ensemble": {k: means([runs[k], *others], CHAOTIC) for k, others in results.repeated.items() if others},
-            "guidance": {
-                key: dict(zip(names, (one.slope, one.correlation, one.rolling, one.sliding), strict=True))
-                for key, one in results.guidance.items()
-            },
         }
-
-    def guidance_of(self, run: xr.Dataset) -> lateral_guidance.Guidance | None:
-        """Lateral creep of the sliding axles of a run; None where no wheel slid while it moved sideways."""
-        return lateral_guidance.guidance(run, lateral_guidance.lateral_creep_coefficient(self.case, run))
 
     def summary(self, results: Found, numbers: Numbers) -> list[str]:
         runs = numbers["runs"]
@@ -237,10 +243,6 @@ class LateralStudy(Study[Found]):
                 end = "dies" if later < LEFT * before else "goes on"
                 lines.append(f"Hunting, {LABELS[key]}: {self.quantities.said(run, HUNTING)}: it {end}.")
         lines.append(CAUSES)
-        guided = {key: self.quantities.said(one, "guidance.*") for key, one in numbers["guidance"].items()}
-        lines += [
-            f"What remains of lateral creep on a sliding wheel, {LABELS[key]}: {said}." for key, said in guided.items()
-        ]
         return lines + [f"{LABELS[key]}: {run.attrs['status_message']}" for key, run in ended.items()]
 
     def shown(self, results: Found) -> Mapping[str, xr.Dataset]:
@@ -255,24 +257,8 @@ class LateralStudy(Study[Found]):
         again = {LABELS[key]: one for key, one in numbers["ensemble"].items()}
         caption = f"mean of {MEMBERS} runs whose disturbances differ by 10⁻⁹, and its standard error"
         repeated = [self.quantities.list_table(again, "ensemble.*", caption)] if again else []
-        sections = [Section("Numbers", [table, *repeated])]
-        sections += [Section(title, [Picture(*picture)]) for title, *picture in _pictures(results.runs)]
-        return [*sections, Section("Lateral guidance of a sliding wheel", self._guidance_blocks(results, numbers))]
-
-    def _guidance_blocks(self, results: Found, numbers: Numbers) -> list[Block]:
-        text = (
-            "Friction opposes sliding: F_y = −F v_y/v_s, viscous and weak, of a wheel that slides along the track far faster "
-            "than across it; docs/theory/rig_control.md, (Q6)."
-        )
-        if not results.guidance:
-            return [Text(text), Text("No wheel slid while it moved sideways.")]
-        entries = {LABELS[key]: one for key, one in numbers["guidance"].items()}
-        pictures = [
-            Picture(f"guidance_{key}", figures.viscous(one.expected, one.force, one.slope),
-                    f"{LABELS[key]}: axles whose wheels slide faster than 1 m/s, each sample.")
-            for key, one in results.guidance.items()
-        ]  # fmt: skip
-        return [Text(text), self.quantities.table(entries, "guidance.*", head="run"), *pictures]
+        pictures = [Section(title, [Picture(*picture)]) for title, *picture in _pictures(results.runs)]
+        return [Section("Numbers", [table, *repeated]), *pictures]
 
 
 def _slide(results: Mapping[str, xr.Dataset]) -> float:
@@ -282,23 +268,20 @@ def _slide(results: Mapping[str, xr.Dataset]) -> float:
 
 def _pictures(results: Mapping[str, xr.Dataset]) -> list[tuple[str, str, Any, str]]:
     """Title of the section, and what a Picture takes."""
-    shown = {LABELS[k]: results[k] for k in ("rig", "rig_rigid", "rig_dry", "track", "track_dry") if k in results}
+    shown = {LABELS[k]: results[k] for k in ("rig", "rig_rigid", "track", "track_dry") if k in results}
     motion = {label: (run["time"].to_numpy(), leading_lateral(run)) for label, run in shown.items()}
-    sizes = {label: lateral_guidance.amplitudes_over_time(*series) for label, series in motion.items()}
-    slips = {label: (run["time"], 100.0 * train_slip(run).isel(axle=0)) for label, run in shown.items()}
     rigs = {LABELS[key]: results[key] for key in ("rig", "rig_rigid", "rig_centred") if key in results}
-    both = {LABELS[key]: results[key] for key in ("rig", "track") if key in results}
-    along, across = ({n: 1e-3 * creep_force(run, way)[:, 0] for n, run in both.items()} for way in "xy")
-    forces = {name: (run["time"], along[name], across[name]) for name, run in both.items()}
+    radius = wheel_radius(results["rig"])
+    control: tuple[figures.Signal, ...] = (
+        ("tracking error\n[% of train speed]",
+         lambda run: radius * (run["axle_speed"] - run["virtual_speed"]) / run["train_speed"], 100.0),
+        ("sliding of wheel\non roller [mm/s]", "real_sliding", 1e3),
+    )  # fmt: skip
     return [
-        ("Disturbance of the control", "disturbed_control", figures.disturbed_control(rigs, wheel_radius(results["rig"])),
+        ("Disturbance of the control", "disturbed_control", figures.leading_axle(rigs, control, 4.6),
          "Leading wheelset: tracking error, and sliding of the real wheel on its roller."),
         ("Lateral motion", "motion", figures.motions(motion, _slide(results)),
          "Displacement of the leading wheelset; dashed: the wheels of the train on track begin to slide."),
-        ("Hunting and slide", "amplitudes", figures.amplitudes(sizes, slips),
-         "Half of peak to peak in windows of 0.4 s, and slip against the train; on the rig that of the virtual wheels."),
-        ("Creep forces", "creep_forces", figures.creep_forces(forces),
-         "Leading left wheel: along and across the track. Sliding uses up the friction along the track."),
     ]  # fmt: skip
 
 

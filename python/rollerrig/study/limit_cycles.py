@@ -4,10 +4,7 @@ Case, speeds -> [cycle_chains] -> jobs, results by name -> [cycle_diagram] -> Di
 """
 
 import math
-import tomllib
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import asdict
-from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
@@ -24,7 +21,7 @@ from rollerrig.config import Case
 from rollerrig.plot import limit_cycle_diagram
 from rollerrig.results.dataset import variable
 from rollerrig.study.critical_speeds import brackets, disturbance_chains, ended_early, narrowings
-from rollerrig.study.jobs import Chain, Chains, Done, Progress, Round, job, kept_rounds
+from rollerrig.study.jobs import Chain, Chains, Done, Progress, Round, job, run_rounds
 from rollerrig.study.quantities import Quantities
 from rollerrig.study.report import Block, Picture, Text
 
@@ -39,14 +36,11 @@ def limit_cycles(
     settings: LimitCycleSettings,
     *,
     processes: int = 1,
-    folder: str | Path | None = None,
     progress: Progress | None = None,
 ) -> Diagram:
     """The diagram of `rollerrig.limit_cycle`, whose arguments these are; after Ctrl-C what was done until then."""
     chains = cycle_chains(case, speeds_kmh, settings)
-    speeds = [float(v) for v in speeds_kmh]
-    plan = {"speeds_kmh": speeds, "settings": asdict(settings), "case": tomllib.loads(case.to_toml())}
-    done, _ = kept_rounds(lambda _done: iter([chains]), folder, "limit_cycle", plan, processes, progress)
+    done, _ = run_rounds(lambda _done: iter([chains]), None, (0.75,), processes, progress)
     return cycle_diagram(speeds_kmh, linear_critical_kmh, settings, done)
 
 
@@ -188,7 +182,6 @@ def critical_speed(
     speeds_kmh: Sequence[float] = SPEEDS_KMH,
     bracket_kmh: float = 3.0,
     processes: int = 1,
-    folder: str | Path | None = None,
     progress: Progress | None = None,
 ) -> xr.Dataset:
     """Critical speed of a case by one or several definitions.
@@ -199,7 +192,6 @@ def critical_speed(
         speeds_kmh: range of speeds [km/h], rising; runs are made at each of them.
         bracket_kmh: to which those by disturbance and by continuation are found [km/h].
         processes: runs at a time.
-        folder: where each finished run is kept: after Ctrl-C or a killed program the same call goes on; None: nowhere.
         progress: called with the fraction done and a short text.
 
     Returns:
@@ -209,12 +201,10 @@ def critical_speed(
         to HIGHEST_KMH where the range has none; the attribute `linear_searched_to_kmh` says how far.
 
     Raises:
-        ConfigError: the folder has runs of another case or range; or runs are asked for, and nothing holds the
-            vehicle along the track on its rollers.
+        ConfigError: runs are asked for, and nothing holds the vehicle along the track on its rollers.
         ValueError: an unknown method, or speeds not positive and rising.
-        OutputError: the folder takes no files, or holds those of another study.
         StartError: no rolling equilibrium at one of the speeds.
-        KeyboardInterrupt: Ctrl-C; finished runs are in `folder`.
+        KeyboardInterrupt: Ctrl-C.
 
     Example:
         >>> import rollerrig as rr
@@ -237,8 +227,7 @@ def critical_speed(
         if "continuation" in asked:
             yield cycle_chains(chosen, speeds, cycles)
 
-    plan = {"speeds_kmh": speeds, "bracket_kmh": bracket_kmh, "case": tomllib.loads(chosen.to_toml())}
-    done, interrupted = kept_rounds(rounds, folder, "critical_speed", plan, processes, progress)
+    done, interrupted = run_rounds(rounds, None, (0.75,), processes, progress)
     if interrupted:
         raise KeyboardInterrupt
     found: dict[str, float | Array] = {}
@@ -265,7 +254,6 @@ def limit_cycle(
     *,
     linear_critical_kmh: float = math.nan,
     processes: int = 1,
-    folder: str | Path | None = None,
     progress: Progress | None = None,
     **settings: float,
 ) -> xr.Dataset:
@@ -276,7 +264,6 @@ def limit_cycle(
         speeds_kmh: speeds of the runs [km/h].
         linear_critical_kmh: linear critical speed, which decides how the bifurcation is called [km/h]; NaN: unknown.
         processes: with 2, the two sweeps run at a time; that asks a script for `if __name__ == "__main__":`.
-        folder: where each finished run is kept: after Ctrl-C or a killed program the same call goes on; None: nowhere.
         progress: called with the fraction done and a short text.
         **settings: of `LimitCycleSettings`, such as disturbance [m] and tolerance_kmh.
 
@@ -284,11 +271,8 @@ def limit_cycle(
         Dataset over `cycle_point`, see `limit_cycle_table`; attributes `critical_speed_by_continuation_kmh`, `bifurcation`.
 
     Raises:
-        ConfigError: the folder has the runs of another case, or with other settings.
-        OutputError: the folder takes no files.
         StartError: no state was found from which a run can start.
     """
     chosen = LimitCycleSettings(**settings)
-    found = limit_cycles(as_case(case), speeds_kmh, linear_critical_kmh, chosen, processes=processes, folder=folder,
-                         progress=progress)  # fmt: skip
+    found = limit_cycles(as_case(case), speeds_kmh, linear_critical_kmh, chosen, processes=processes, progress=progress)
     return limit_cycle_table(found)

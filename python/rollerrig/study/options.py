@@ -20,7 +20,7 @@ F = TypeVar("F", bound=Callable[..., Any])
 RUNNER: ContextVar[Callable[..., Any] | None] = ContextVar("RUNNER", default=None)
 """What the command line does with a study: it writes the outcome into a folder."""
 
-UNITS = {"": ("", 1.0), "mm": ("m", 1e-3), "mrad": ("rad", 1e-3), "bar": ("Pa", 1e5), "kN m": ("N m", 1e3)}
+UNITS = {"": ("", 1.0), "mm": ("m", 1e-3), "bar": ("Pa", 1e5), "kN m": ("N m", 1e3)}
 """Unit of an option -> that of the argument, and the first in terms of the second."""
 
 
@@ -35,7 +35,6 @@ class Option:
         default: its default.
         commas: whether one text holds its values; else it is repeated.
         ordered: whether its numbers are put in ascending order.
-        quantity: TABLE.KEY of the configuration whose quantity it is, written with its unit.
         meaning: its own, where that of the argument does not fit.
     """
 
@@ -46,7 +45,6 @@ class Option:
     default: Any = None
     commas: bool = False
     ordered: bool = False
-    quantity: str = ""
     meaning: str = ""
 
     @property
@@ -74,7 +72,7 @@ class Parameter:
         name: of the argument.
         kind: its type as written.
         default: of the argument; `inspect.Parameter.empty`: none.
-        options: one, or several whose values it has as a tuple or, by their names, as a mapping; none: it stands without a name.
+        options: one, or several whose values it has as a tuple; none: it stands without a name.
         meaning: in the docstring.
     """
 

@@ -99,7 +99,7 @@ class PaperStudy(Study[Results]):
             found["data/figure_7b_linear.csv"] = computed.frequency_rows(results)
         if results.traction is not None and results.theory is not None:
             found["data/traction.nc"] = results.traction
-            found["data/figure_8.csv"] = computed.traction_columns(results.theory)
+            found["data/figure_8.nc"] = results.theory
         return found
 
     def shown(self, results: Results) -> Mapping[str, xr.Dataset]:

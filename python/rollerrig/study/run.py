@@ -1,7 +1,7 @@
 """One simulation: every signal, the numbers, tables and a report.
 
 Case -> [RunStudy] -> run, wheel-rail forces and running safety (EN 14363)
-    -> run.nc, motion.csv, wheels.csv, running_safety.csv, summary.json, report.html, view.html
+    -> run.nc, running_safety.csv, summary.json, report.html, view.html
 """
 
 import math
@@ -22,7 +22,7 @@ from rollerrig.config import Case
 from rollerrig.config.schema.faults import fault_text
 from rollerrig.plot import wheel_rail_forces as figures
 from rollerrig.plot.run import energy_over_time, motion_over_time, sliding_over_time
-from rollerrig.results import motion_table, summarise, wheel_table
+from rollerrig.results import summarise
 from rollerrig.results.summary import resolved
 from rollerrig.simulation.run import simulate
 from rollerrig.study.frame import Outcome, Study
@@ -63,7 +63,6 @@ def safety_numbers(assessment: Assessment, rows: Sequence[Row]) -> dict[str, Any
         "nadal_limit": float(forces["nadal_limit"]),
         "flange_angle_deg": math.degrees(forces.attrs["flange_angle_rad"]),
         "distance_m": float(distance[-1]) if len(distance) else None,
-        "weighted_acceleration": _weighted(assessment),
     }
 
 
@@ -86,14 +85,6 @@ def wheel_numbers(assessment: Assessment) -> dict[str, dict[str, float | None]]:
             number = float(resolved(extreme(known), str(values.attrs["units"]))) if known.size else None
             found.setdefault(wheel, {})[key] = number
     return found
-
-
-def _weighted(assessment: Assessment) -> dict[str, dict[str, float]] | None:
-    """Weighted values of points in the car body; frames carry no passengers."""
-    if assessment.weighted is None:
-        return None
-    passengers = assessment.weighted[~assessment.points["on_wheelsets"].to_numpy()].to_pandas()
-    return {str(point): row.to_dict() for point, row in passengers.iterrows()}
 
 
 def safety_sections(assessment: Assessment, rows: Sequence[Row], along: xr.DataArray) -> list[Section]:
@@ -288,7 +279,7 @@ class RunStudy(Study[Results]):
     command = "run"
     heading = "{case.name}: {case.description}"
     quantities = QUANTITIES
-    writes = ("run.nc", "motion.csv", "wheels.csv", "running_safety.csv", VIEW)
+    writes = ("run.nc", "running_safety.csv", VIEW)
     resumable = False
 
     def rounds(self, done: Done) -> Iterator[Round]:
@@ -319,12 +310,7 @@ class RunStudy(Study[Results]):
         return {self.case.name: results.run}
 
     def files(self, results: Results, numbers: Numbers) -> Mapping[str, Any]:
-        tables = {"motion.csv": motion_table(results.run), "wheels.csv": wheel_table(results.run)}
-        return {
-            "run.nc": results.run,
-            **{name: [names, *rows.tolist()] for name, (names, rows) in tables.items()},
-            "running_safety.csv": safety_rows(results.rows),
-        }
+        return {"run.nc": results.run, "running_safety.csv": safety_rows(results.rows)}
 
     def sections(self, results: Results, numbers: Numbers) -> list[Section]:
         run, along = results.run, distance_or_time(results.run)
@@ -359,7 +345,7 @@ def distance_or_time(run: xr.Dataset) -> xr.DataArray:
 
 @command
 def run(case: Case | str, *, progress: Progress | None = None) -> Outcome[Results]:
-    """Simulate one case: run.nc (every signal), summary.json, tables as CSV, report.html, view.html (in motion).
+    """Simulate one case: run.nc (every signal), summary.json, running_safety.csv, report.html, view.html (in motion).
 
     Args:
         case: case: a name of the catalogue or a TOML file.

@@ -14,7 +14,6 @@ from dataclasses import dataclass
 from typing import Annotated, Any
 
 import xarray as xr
-from numpy.typing import ArrayLike
 
 from rollerrig import similitude
 from rollerrig.analysis import scaled_model
@@ -24,9 +23,9 @@ from rollerrig.common.formatting import number, percent
 from rollerrig.config import Case
 from rollerrig.config.schema.case import ScaledFrom
 from rollerrig.config.write.toml import to_short_toml
-from rollerrig.plot import scaled as figures
+from rollerrig.plot.adhesion import Signal, axles_over_time, leading_axle, per_axle
 from rollerrig.results import COMPLETED
-from rollerrig.similitude import ContactAtRest, Requirement, Similitude, factors_of
+from rollerrig.similitude import Requirement, Similitude, factors_of
 from rollerrig.simulation.run import simulate
 from rollerrig.study.frame import Outcome, Study
 from rollerrig.study.jobs import Done, Progress, Round, job
@@ -38,35 +37,6 @@ from rollerrig.study.report import Picture, Section, Table
 def deviation(value: float) -> str:
     """A deviation with its sign; what full scale does not have is new."""
     return percent(value, 3, signed=True) if math.isfinite(value) else "new"
-
-
-def contact_at_rest_table(model: Case, at_full_scale: ContactAtRest, own: ContactAtRest) -> Table:
-    """The contact of the first wheel at full scale and of the model at its own, and what the latter stands for at full scale."""
-    factors = factors_of(model)
-    lines = (
-        ("wheel load [N]", 1.0, "wheel_load", factors.factor("N")),
-        ("semi-axis of the largest patch [mm]", 1e3, "semi_axis", factors.length),
-        ("largest pressure [MPa]", 1e-6, "pressure", factors.factor("Pa")),
-        ("semi-axis over the roller's radius [%]", 100.0, "roller_share", 1.0),
-    )
-    rows = []
-    for name, unit, key, factor in lines:
-        a, b = (unit * getattr(contact, key) for contact in (at_full_scale, own))
-        rows.append([name, *map(number, (a, b, b * factor)), deviation(b * factor / a - 1.0)])
-    header = ("first wheel, steady running", "full scale", "model", "model, mapped back", "deviation")
-    return Table(header, rows, "where several patches share a load, sizes follow it less closely than one patch would")
-
-
-def axle_columns(full: xr.Dataset, mapped: xr.Dataset) -> dict[str, ArrayLike]:
-    """axles.csv: speeds at full scale, the model's at the same times."""
-    other = scaled_model.at_times_of(full, mapped)
-    run = full.isel(time=slice(0, other.sizes["time"]))
-    both = {"full": run, "model": other}
-    columns = {"time_s": run["time"], **{f"train_speed_{label}_mps": one["train_speed"] for label, one in both.items()}}
-    for axle in run["axle"].to_numpy():
-        for label, one in both.items():
-            columns[f"axle_speed_{axle}_{label}_rad_per_s"] = one["axle_speed"].sel(axle=axle)
-    return {name: column.to_numpy() for name, column in columns.items()}
 
 
 LABELS = {
@@ -98,7 +68,6 @@ class Scaled:
     mapped: Mapping[str, xr.Dataset]  # runs of the models by name of LABELS, mapped back; 'model' first
     critical: Mapping[str, float]  # linear critical speed by name [m/s], mapped back; NaN: none
     violations: Sequence[Requirement]  # all requirements, met or not
-    contact: tuple[ContactAtRest, ContactAtRest]  # the contact at rest of full scale and model, each at its own scale
 
 
 @dataclass(frozen=True)
@@ -108,7 +77,7 @@ class ModelStudy(Study[Any]):
     variants: Mapping[str, Case]
 
     command = "scale"
-    writes = (CASE_FILE, "full.nc", "model.nc", "axles.csv")
+    writes = (CASE_FILE, "full.nc", "model.nc")
     leaves_out = (LEFT_OUT,)
 
     @property
@@ -196,7 +165,6 @@ class ScaleStudy(ModelStudy):
             {name: similitude.map_back(run) for name, run in runs.items()},
             {name: done[_speed_of(name)] for name in self.variants if _speed_of(name) in done},
             similitude.requirements(self.full, self.model),
-            (similitude.contact_at_rest(self.full), similitude.contact_at_rest(self.model)),
         )
 
     def statuses(self, results: Scaled) -> Sequence[str]:
@@ -216,8 +184,6 @@ class ScaleStudy(ModelStudy):
             "model_mapped_back": model,
             "fidelity": compared.pop("model"),
             "error_budget": compared,
-            "contact": dict(zip(("full", "model"), map(vars, results.contact), strict=True)),
-            "motor_limited_share": scaled_model.motor_limited(self.model, results.mapped["model"]),
         }
 
     def summary(self, results: Scaled, numbers: Numbers) -> list[str]:
@@ -228,20 +194,15 @@ class ScaleStudy(ModelStudy):
         for name, of in {"mapped back": numbers["fidelity"], "ideal, the repeatability of the test": ideal}.items():
             if said := self.quantities.said(of, "fidelity"):
                 found.append(f"Model less full scale, {name}: {said}.")
-        if share := numbers["motor_limited_share"]:
-            found.append(f"The motors cannot exert the demanded torque in {percent(share, 3)} of the time.")
         return found + [f"{label}: {run.attrs['status_message']}" for label, run in early.items()]
 
     def files(self, results: Scaled, numbers: Numbers) -> Mapping[str, Any]:
-        full, model = results.full, results.mapped["model"]
-        axles = {"axles.csv": axle_columns(full, model)} if "train_speed" in full else {}
-        return {**super().files(results, numbers), "full.nc": full, "model.nc": model, **axles}
+        return {**super().files(results, numbers), "full.nc": results.full, "model.nc": results.mapped["model"]}
 
     def sections(self, results: Scaled, numbers: Numbers) -> list[Section]:
         runs = {"full scale": numbers["full"], "model, mapped back": numbers["model_mapped_back"]}
         sections = [
             *super().sections(results, numbers),
-            Section("Contact at rest", [contact_at_rest_table(self.model, *results.contact)]),
             Section("Numbers", [self.quantities.list_table(runs, "*")]),
         ]
         sections += [Section(title, [Picture(*picture)]) for title, *picture in self._pictures(results, numbers)]
@@ -251,20 +212,40 @@ class ScaleStudy(ModelStudy):
 
     def _pictures(self, results: Scaled, numbers: Numbers) -> list[tuple[str, str, Any, str]]:
         """Title of the section, and what a Picture takes."""
-        runs = (results.full, results.mapped["model"])
-        pictures: list[tuple[str, str, Any, str]] = []
-        if "train_speed" in results.full:
-            radius = wheel_radius(results.full)
-            aligned = {LABELS[n]: scaled_model.at_times_of(results.full, run) for n, run in results.mapped.items()}
-            torques = figures.torques(runs, (scaled_model.axle_torque(runs[0]), scaled_model.axle_torque(runs[1])))
+        full, pictures = results.full, list[tuple[str, str, Any, str]]()
+        runs = {"model": results.mapped["model"], "full scale": full}
+        styled = list(zip(runs.items(), ("-", "--"), strict=True))
+        if "train_speed" in full:
+            radius = wheel_radius(full)
+            aligned = {LABELS[n]: scaled_model.at_times_of(full, run) for n, run in results.mapped.items()}
+            wheels = [(3.6 * radius * run["axle_speed"], 0, style, f"wheel, {label}") for (label, run), style in styled]
+            trains = [(3.6 * run["train_speed"], 5, style, f"train, {label}") for (label, run), style in styled]
+            measured: tuple[Signal, ...] = (
+                ("torque on\nthe axle [kN m]", scaled_model.axle_torque, 1e-3),
+                ("contact force\non the axle [kN]", "contact_force", 1e-3),
+                ("sliding of wheel\non roller [mm/s]", "real_sliding", 1e3),
+            )
+            away: tuple[Signal, ...] = (
+                (
+                    "first axle, model less\nfull scale [m/s]",
+                    lambda run: run["axle_speed"] - full["axle_speed"],
+                    radius,
+                ),
+                ("train, model less\nfull scale [m/s]", lambda run: run["train_speed"] - full["train_speed"], 1.0),
+            )
             pictures += [
-                ("Speeds", "speeds", figures.speeds(runs, radius), "Train and wheels; the train is virtual on either rig."),
-                ("Torque and contact", "torques", torques, "Both at full scale: what the model measures, mapped back."),
-                ("Model less full scale", "differences", figures.differences(results.full, aligned, radius),
-                 "At the same time; full line the model as it is, broken lines one violation each."),
+                ("Speeds", "speeds", per_axle("{}\nspeed [km/h]", [*wheels, *trains]),
+                 "Train and wheels at full scale; the train is virtual on either rig."),
+                ("Torque and contact", "torques", axles_over_time(runs, measured, 6.2),
+                 "Both at full scale: what the model measures, mapped back."),
+                ("Model less full scale", "differences", leading_axle(aligned, away, 4.8),
+                 "At the same time: the model as it is, and with one violation each."),
             ]  # fmt: skip
         if _moves_sideways(numbers):
-            pictures.append(("Lateral motion", "lateral", figures.lateral(runs), "Wheelsets, positive to the left."))
+            moved = [(1e3 * scaled_model.wheelsets_lateral(run).rename(body="axle"), number, style, label)
+                     for number, ((label, run), style) in enumerate(styled)]  # fmt: skip
+            figure = per_axle("{}\nlateral [mm]", moved)
+            pictures.append(("Lateral motion", "lateral", figure, "Wheelsets, positive to the left."))
         return pictures
 
 

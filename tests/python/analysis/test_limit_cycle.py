@@ -295,6 +295,20 @@ def test_the_same_diagram_twice_is_the_same_to_the_last_bit(bogie) -> None:
     assert limit_cycle_table(one).identical(limit_cycle_table(two))
 
 
+def test_an_interrupted_diagram_has_the_runs_that_were_made() -> None:
+    seen = set[str]()
+
+    def progress(_fraction: float, text: str) -> None:
+        seen.add(text)
+        if len(seen) == 3:
+            raise KeyboardInterrupt
+
+    short = LimitCycleSettings(longest=1.6)
+    found = limit_cycles(load_case("wheelset_rollers"), [100.0, 200.0], math.nan, short, progress=progress)
+    assert found.interrupted
+    assert (len(found.down), len(found.up)) == (2, 1)
+
+
 def test_a_stable_wheelset_has_no_limit_cycle() -> None:
     found = limit_cycles(load_case("wheelset_rollers"), [100.0, 200.0], math.nan, QUICK, processes=1)
     assert found.kind == "none"

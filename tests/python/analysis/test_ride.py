@@ -7,7 +7,7 @@ import pytest
 import xarray as xr
 
 import rollerrig as rr
-from rollerrig.analysis.assessment import accelerations, assess, ride, table, weight, weighted_rms
+from rollerrig.analysis.assessment import accelerations, assess, ride, table
 from rollerrig.assembly.model import assemble
 from rollerrig.results.run_info import describe
 
@@ -164,35 +164,3 @@ def test_bands_belong_to_the_bodies() -> None:
     done = dict(zip(points["point"].to_numpy(), points["filter"].to_numpy(), strict=True))
     assert done["car_body, centre"] == "0.4 to 10 Hz"
     assert done["front_frame, centre"] == "10 Hz"
-
-
-@pytest.mark.parametrize(
-    ("direction", "frequency", "listed"),
-    [
-        # ISO 2631-1:1997, table 3, W_d.
-        ("lateral", 0.5, 0.853),
-        ("lateral", 1.0, 1.011),
-        ("lateral", 2.0, 0.890),
-        ("lateral", 8.0, 0.253),
-        ("lateral", 31.5, 0.0632),
-    ],
-)
-def test_weights_of_the_standard(direction: str, frequency: float, listed: float) -> None:
-    assert float(weight(np.array([frequency]), direction)[0]) == pytest.approx(listed, rel=1e-3)  # three digits listed
-
-
-def test_the_weight_of_vertical_motion() -> None:
-    """Flat from 5 to 16 Hz and 0.4 of that below 2 Hz, as EN 12299's W_b is meant."""
-    assert weight(np.array([1.0, 1.6]), "vertical") == pytest.approx(0.4, abs=0.025)
-    assert weight(np.array([5.0, 8.0, 12.5]), "vertical") == pytest.approx(1.0, abs=0.06)
-
-
-def test_weighted_rms_of_a_sine() -> None:
-    run = rolling(duration=20.0)  # whole periods of every coordinate: 0.7 Hz + k 0.3 Hz, each times 20 s
-    still = run[["roll", "pitch", "yaw"]].map(np.zeros_like)
-    names = [f"{prefix}{n}_{kind}" for n in still for kind in ("rate", "acceleration") for prefix in ("", "inertial_")]
-    still = still.merge(run[names].map(np.zeros_like))
-    found = weighted_rms(accelerations(with_felt(run.assign(still))))
-    for direction, frequency, size in (("lateral", 1.0, 0.04), ("vertical", 1.3, 0.06)):
-        exact = float(weight(np.array([frequency]), direction)[0]) * size * (2 * np.pi * frequency) ** 2 / np.sqrt(2)
-        assert found.sel(direction=direction).to_numpy() == pytest.approx(exact, rel=1e-9)

@@ -7,7 +7,6 @@ import pytest
 import xarray as xr
 
 from rollerrig import ConfigError, load_case, scale, simulate
-from rollerrig.analysis.lateral_guidance import guidance
 from rollerrig.analysis.rig_limits import friction_used
 from rollerrig.analysis.slide_statistics import slip
 from rollerrig.analysis.slide_statistics import test_record as record_of
@@ -192,17 +191,13 @@ def test_what_is_counted_is_of_the_axles_under_test(name: str, request: pytest.F
         assert numbers["ripple_nm"] == run_numbers(tested, 0.5)["ripple_nm"]
 
 
-def test_friction_and_guidance_are_of_the_axles_under_test(rig: xr.Dataset) -> None:
+def test_friction_used_is_that_of_the_axles_under_test(rig: xr.Dataset) -> None:
     used = friction_used(rig, 0.3)
     assert used.shape == (rig.sizes["time"], 2)
     force = rig["creep_force"].sel(axle="wheelset_2").to_numpy()
     load = rig["vertical_force"].sel(wheel=["wheelset_2_left", "wheelset_2_right"]).sum("wheel").to_numpy()
     late = rig["time"].to_numpy() > 2.0
     assert used[late, 1] == pytest.approx(np.abs(force / load)[late] / 0.3, abs=0.02)
-    found, alone = guidance(rig, 10e6), guidance(rig.sel(axle=["wheelset_1", "wheelset_2"]), 10e6)
-    assert (found is None) == (alone is None)
-    if found and alone:
-        assert np.array_equal(found.force, alone.force)
 
 
 def test_the_report_says_how_many_axles_are_only_simulated() -> None:

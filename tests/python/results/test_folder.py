@@ -385,11 +385,11 @@ def test_a_run_beside_the_users_own_files_keeps_them(tmp_path: Path) -> None:
     assert call("run", case, "--out", tmp_path)[0] == 0
     assert case.read_text() == CASE
     assert (tmp_path / "jobs" / "mine.txt").read_text() == "mine"
-    (tmp_path / "motion.csv").write_text("mine")
+    (tmp_path / "running_safety.csv").write_text("mine")
     code, text = call("run", case, "--out", tmp_path)
     assert code == 2
-    assert "motion.csv: not written by this program, or changed since" in text
-    assert (tmp_path / "motion.csv").read_text() == "mine"
+    assert "running_safety.csv: not written by this program, or changed since" in text
+    assert (tmp_path / "running_safety.csv").read_text() == "mine"
 
 
 def test_scale_does_not_replace_a_model_that_was_edited(tmp_path: Path) -> None:

@@ -9,12 +9,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import xarray as xr
 
 from reported import unexplained
-from rollerrig import ConfigError, load_case, load_run
-from rollerrig.analysis.lateral_guidance import amplitude, amplitudes_over_time, slide_begins
+from rollerrig import ConfigError, load_case, load_run, simulate
+from rollerrig.assembly.laws import linear_coefficients
+from rollerrig.common.arrays import Array
+from rollerrig.config import Case
 from rollerrig.study.frame import Outcome
-from rollerrig.study.lateral import LABELS, Found, LateralStudy, run_numbers
+from rollerrig.study.lateral import LABELS, Found, LateralStudy, amplitude, run_numbers, slide_begins
 
 Study = Outcome[Found]
 
@@ -26,25 +29,47 @@ MEMBERS = 3
 def outcome() -> Study:
     case = load_case("adhesion_lateral").with_changes({"time.duration": "6 s"})
     with pytest.MonkeyPatch.context() as patch:
-        for module in ("lateral",):
-            patch.setattr(f"rollerrig.study.{module}.MEMBERS", MEMBERS)
+        patch.setattr("rollerrig.study.lateral.MEMBERS", MEMBERS)
         found = LateralStudy(case).run()
     assert found is not None
     assert set(found.results.runs) == set(LABELS)
     return found
 
 
+def guidance(run: xr.Dataset) -> tuple[Array, Array, float]:
+    """Lateral creep force of axles while they slide at more than 1 m/s, and the sum of -F v_y / v_s over their wheels, [N].
+
+    Last the damping of one of these wheels, the median of F / v_s [N s/m].
+    """
+    axles = (run.sizes["time"], run.sizes["axle"], 2)  # wheels stand left and right of each axle, in order
+    along, across = (run[f"{name}_sliding"].to_numpy().reshape(axles) for name in ("longitudinal", "lateral"))
+    x, y = (run[f"patch_creep_force_{way}"].sum("patch").to_numpy().reshape(axles) for way in "xy")
+    fully = (np.abs(along) > 1.0).all(axis=-1)
+    total, speed = np.hypot(x, y)[fully], np.hypot(along, across)[fully]
+    return y[fully].sum(axis=-1), -(total * across[fully] / speed).sum(axis=-1), float(np.median(total / speed))
+
+
+def rolling_damping(case: Case, run: xr.Dataset) -> float:
+    """f22 / V of linear theory, of the mean wheel at the start [N s/m]."""
+    first = run.isel(time=0)
+    axes = zip(*(first[name].to_numpy().ravel() for name in ("patch_a", "patch_b")), strict=True)
+    f22 = sum(linear_coefficients(case.contact, a, b)[1] for a, b in axes if min(a, b) > 0.0) / first.sizes["wheel"]
+    return f22 / float(run["rolling_speed"][0, 0])
+
+
 @pytest.mark.slow
 def test_a_sliding_wheel_is_guided_by_viscous_friction_alone(outcome: Study) -> None:
     """Friction opposes sliding: F_y = -F v_y / w. The exact theory gets there; Kalker's saturated by length keeps f22 / f11."""
-    exact, paper = (outcome.numbers["guidance"][key] for key in ("track", "track_paper"))
-    # The table is within 2 % of the friction limit; at w > 1 m/s creepage is 20 times that of saturation.
-    assert exact["slope"] == pytest.approx(1.0, abs=0.02)
-    assert exact["correlation"] > 0.999
-    assert exact["sliding_ns_per_m"] < 0.02 * exact["rolling_ns_per_m"]  # weak guidance
-    assert 0.78 < paper["slope"] < 0.95  # f22 / f11 is 0.80 for the whole wheel, and differs from patch to patch
     assert isinstance(outcome.study, LateralStudy)
-    assert outcome.study.guidance_of(outcome.results.runs["track_dry"]) is None
+    case, track = outcome.study.cases()["track"], outcome.results.runs["track"]
+    force, expected, sliding = guidance(track)
+    # The table is within 2 % of the friction limit; at w > 1 m/s creepage is 20 times that of saturation.
+    assert np.dot(expected, force) / np.dot(expected, expected) == pytest.approx(1.0, abs=0.02)
+    assert np.corrcoef(expected, force)[0, 1] > 0.999
+    assert sliding < 0.02 * rolling_damping(case, track)  # weak guidance
+    force, expected, _ = guidance(simulate(case.with_changes({"contact.creep": "kalker_saturated"})))
+    # f22 / f11 is 0.80 for the whole wheel, and differs from patch to patch
+    assert 0.78 < np.dot(expected, force) / np.dot(expected, expected) < 0.95
 
 
 @pytest.mark.slow
@@ -56,7 +81,7 @@ def test_hunting_decays_on_the_degraded_track_and_persists_on_the_rig(outcome: S
     assert found["track"]["amplitude_before_mm"] > 1.0
     assert found["track"]["amplitude_in_slide_mm"] < 0.2
     assert found["track_dry"]["amplitude_in_slide_mm"] > 1.0
-    for key in ("rig", "rig_rigid", "rig_dry"):
+    for key in ("rig", "rig_rigid"):
         assert found[key]["amplitude_in_slide_mm"] > 2.0
     assert found["rig"]["roller_lateral_mm"] > 0.5
     assert found["rig_rigid"]["roller_lateral_mm"] == 0.0
@@ -73,7 +98,6 @@ def test_the_control_runs_tell_the_slide_from_the_rail(outcome: Study) -> None:
     assert found["track_unbraked"]["amplitude_in_slide_mm"] < 0.3
     assert found["track_stiff_unbraked"]["amplitude_in_slide_mm"] > 1.0
     assert found["track_stiff"]["amplitude_in_slide_mm"] < 0.1
-    assert found["track_polach_stiff_unbraked"]["amplitude_in_slide_mm"] < 0.1  # its curve bends long before the limit
     told = str(outcome.summary)
     for key, end in (("track_unbraked", "dies"), ("track_stiff_unbraked", "goes on"), ("track_stiff", "dies")):
         assert re.search(rf"Hunting, {LABELS[key]}: [^:]*: it {end}", told)
@@ -120,17 +144,13 @@ def test_slip_on_the_rig_is_that_of_the_virtual_wheels(outcome: Study) -> None:
 @pytest.mark.slow
 def test_a_bogie_in_the_middle_stays_there(outcome: Study) -> None:
     """Left and right are alike: rounding alone moves it, whatever the wheels do along the track."""
-    for key in ("rig_centred", "rig_rigid_centred"):
-        assert run_numbers(outcome.results.runs[key], 4.0)["largest_lateral_mm"] < 1e-6
+    assert run_numbers(outcome.results.runs["rig_centred"], 4.0)["largest_lateral_mm"] < 1e-6
 
 
 def test_amplitudes() -> None:
     time = np.arange(0.0, 4.0, 1e-3)
-    values = np.exp(-time) * np.sin(2.0 * np.pi * 5.0 * time)
-    assert amplitude(time, 3.0 + np.sin(2.0 * np.pi * 5.0 * time), 1.0, 2.0) == pytest.approx(1.0, abs=1e-4)
-    middle, size = amplitudes_over_time(time, values)
-    # A window of 0.4 s holds two waves: its largest extrema stand 0.15 to 0.2 s before its middle.
-    assert np.allclose(size * np.exp(middle), 1.0, atol=0.22)
+    values = 3.0 + np.sin(2.0 * np.pi * 5.0 * time)
+    assert amplitude(time, values, 1.0, 2.0) == pytest.approx(1.0, abs=1e-4)
     assert np.isnan(amplitude(time, values, 10.0, 11.0))
 
 
@@ -142,7 +162,6 @@ def test_files_hold_every_run_and_every_number_is_explained(outcome: Study, tmp_
         "timing.json",
         "report.html",
         "motion.png",
-        "guidance_track.png",
     } <= files
     numbers = json.loads((tmp_path / "summary.json").read_text())
     assert unexplained(outcome.study.quantities, numbers) == []

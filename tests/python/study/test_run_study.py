@@ -12,7 +12,6 @@ from pathlib import Path
 
 import pytest
 
-import rollerrig as rr
 from reported import unexplained, unreported
 from rollerrig import load_case
 from rollerrig.analysis.hunting import LateralRest
@@ -42,7 +41,7 @@ def folder(outcome: Outcome[Results], tmp_path_factory: pytest.TempPathFactory) 
 def test_every_number_is_registered_and_every_registered_quantity_reported(folder: Path) -> None:
     summary = json.loads((folder / "summary.json").read_text())
     assert unexplained(QUANTITIES, summary) == []
-    assert unreported(QUANTITIES, summary) == [*RESTS, "weighted_acceleration.*.*"]  # the run is too short for them
+    assert unreported(QUANTITIES, summary) == RESTS  # the run is too short for them
 
 
 @pytest.mark.slow
@@ -59,16 +58,6 @@ def test_running_safety_is_the_same_in_all_files(outcome: Outcome[Results], fold
     assert float(load["quasi_static"]) == pytest.approx(number, rel=1e-8)  # nine digits
     assert load["limit"] == ""
     assert "a filter at 0.4 Hz needs a run of at least 2.5 s" in outcome.numbers["running_safety_notes"][-1]
-
-
-@pytest.mark.slow
-def test_tables_hold_the_signals_of_the_run(outcome: Outcome[Results], folder: Path) -> None:
-    with (folder / "motion.csv").open() as file:
-        rows = list(csv.DictReader(file))
-    run = rr.load_run(folder / "run.nc")
-    assert len(rows) == run.sizes["time"]
-    lateral = [float(row["front_frame.lateral [m]"]) for row in rows]
-    assert lateral == pytest.approx(run["lateral"].sel(body="front_frame").to_numpy(), rel=1e-8, abs=1e-18)
 
 
 @pytest.mark.slow

@@ -355,11 +355,3 @@ def frequency_rows(results: Results) -> list[list[object]]:
     found = [([m, v], modes) for m, variants in results.modes.items() for v, modes in variants.items()]
     rows = [[*names, *row] for names, modes in found for row in dataset_rows(modes, columns, "speed")[1:]]
     return [["material", "variant", *columns], *rows]
-
-
-def traction_columns(study: xr.Dataset) -> dict[str, xr.DataArray]:
-    """Sliding and forces of all wheels beside the closed forms over time."""
-    columns = {"time_s": study["time"], "speed_mps": study["speed"], "torque_nm": study["torque"]}
-    for wheel, (_, name, _), kind in itertools.product(study["wheel"].to_numpy(), ENDS, ("", "_theory")):
-        columns[f"{wheel}.{name}{kind}_{'mps' if name == 'sliding' else 'n'}"] = study[f"{name}{kind}"].sel(wheel=wheel)
-    return columns

@@ -8,7 +8,7 @@ Source of the samples for Sobol indices: A. Saltelli et al., Comput. Phys. Commu
 
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from typing import Any
 
@@ -21,9 +21,8 @@ from rollerrig.common.arrays import Array
 from rollerrig.config import ConfigError, ConfigProblem, Plan, WholePlan
 from rollerrig.config.errors import show_value
 from rollerrig.config.load.plan import numbers_below
-from rollerrig.config.schema.plan import Design, Lognormal, Normal, Variation
+from rollerrig.config.schema.plan import Lognormal, Normal, Variation
 from rollerrig.config.schema.units import Quantity
-from rollerrig.config.validate.messages import validate
 from rollerrig.results import variable
 from rollerrig.study.ensemble import Estimate, estimate
 
@@ -251,21 +250,6 @@ def _try_out(whole: WholePlan, variation: Variation, values: Sequence[Any], at: 
             own = [p for p in error.problems if p.key.split(".")[-1] == last]
             if own:
                 raise ConfigError([ConfigProblem(*place, p.value, p.allowed, p.hint) for p in own]) from None
-
-
-def resized(whole: WholePlan, samples: int) -> WholePlan:
-    """The plan with another number of samples, or of values in each range of a grid.
-
-    Raises:
-        ConfigError: the design cannot have so many.
-    """
-    plan = whole.plan
-    design = {**plan.design.model_dump(), "samples": plan.design.samples and samples}
-    found, problems = validate(Design, design, whole.file, "design")
-    if found is None:
-        raise ConfigError(problems)
-    vary = tuple(one.model_copy(update={"count": one.count and samples}) for one in plan.vary)
-    return replace(whole, plan=plan.model_copy(update={"design": found, "vary": vary}))
 
 
 FAILED = "failed"
