@@ -116,7 +116,7 @@ def _frame(model: AssembledModel) -> _core.TravellingFrame:
     if isinstance(model.case.support.data, Rig):
         return _core.TravellingFrame(train_mass=0.0, fixed_mass=0.0)
     mass = train_mass(model)
-    free = sum(model.masses[b] for b in model.vehicle_bodies if b not in model.fixed)
+    free = sum(model.masses[b] for b in model.lateral_bodies)
     return _core.TravellingFrame(train_mass=mass, fixed_mass=max(0.0, mass - free) if model.fixed else 0.0)
 
 
