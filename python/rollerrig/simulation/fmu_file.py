@@ -8,7 +8,6 @@ from __future__ import annotations
 import hashlib
 import io
 import math
-import struct
 import zipfile
 import zlib
 from collections.abc import Callable, Sequence
@@ -132,29 +131,10 @@ def _read(path: str, key: str, file: str) -> tuple[bytes, Any]:
         raise refused(f"it has no {library}; it runs on {', '.join(there) or 'no platform'}, this is {own}")
     try:
         with zipfile.ZipFile(io.BytesIO(content)) as archive:
-            missing = cut_off(archive.read(library))
+            archive.read(library)
     except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError) as error:
         raise refused(f"{library} in it cannot be unpacked: {_first_line(error)}") from None
-    if missing:
-        raise refused(f"{library} in it is cut: {_size(missing)} are missing at its end, its loading would crash")
     return content, description
-
-
-def cut_off(library: bytes) -> int:
-    """Bytes that miss at the end of a shared library of Linux; 0 of a whole one, and of what is none of Linux.
-
-    The loader maps what the program headers say and dies of SIGBUS where the file ends before; nothing is executed here.
-    """
-    if library[:6] != b"\x7fELF\x02\x01" or len(library) < 64:  # 64 bits, little endian
-        return max(0, 64 - len(library)) if library[:4] == b"\x7fELF" else 0
-    first, size, count = struct.unpack_from("<Q", library, 32)[0], *struct.unpack_from("<HH", library, 54)
-    end = first + size * count
-    for at in range(first, end, max(size, 1)) if end <= len(library) and size >= 56 else ():
-        kind, offset, length = (
-            struct.unpack_from(form, library, at + place)[0] for form, place in (("<I", 0), ("<Q", 8), ("<Q", 32))
-        )
-        end = max(end, offset + length) if kind == 1 else end  # PT_LOAD
-    return int(max(0, end - len(library)))
 
 
 def _size(count: int) -> str:

@@ -23,7 +23,7 @@ from rollerrig.analysis.virtual_rail import Patch, grip_slip, patch_of, rail_sha
 from rollerrig.assembly.actuators import friction_brake
 from rollerrig.assembly.model import assemble
 from rollerrig.common.arrays import Array
-from rollerrig.common.formatting import quantity
+from rollerrig.common.formatting import number
 from rollerrig.config import Brake, Case, ConfigError, ConfigProblem, Traction
 from rollerrig.results import variable
 from rollerrig.simulation.mechatronics import full_brake_torque
@@ -59,7 +59,7 @@ class Point(NamedTuple):
     @property
     def label(self) -> str:
         """Label for a title."""
-        return f"{quantity(self.torque, 'N m')}, adhesion {self.adhesion:.3g}, load {self.load:.3g}"
+        return f"{number(1e-3 * self.torque, 3)} kN m, adhesion {self.adhesion:.3g}, load {self.load:.3g}"
 
 
 def default_torques(case: Case) -> list[float]:
