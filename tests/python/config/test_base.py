@@ -84,7 +84,7 @@ def test_a_profile_named_beside_the_base_is_that_files_own(tmp_path: Path) -> No
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "wheel.toml").write_text('kind = "cone"\nconicity = "1:20"\n')
     (tmp_path / "mine" / "case.toml").write_text(
-        'base = "bogie_rollers_constant"\nvehicle.changes."wheel.profile" = "wheel.toml"\n'
+        'base = "bogie_rollers_constant"\nvehicle.wheel.profile = "wheel.toml"\n'
     )
     assert load_case(tmp_path / "mine" / "case.toml").vehicle.data.wheel.profile.kind == "cone"
 

@@ -13,7 +13,7 @@ from typing import Any, Literal, TypeVar, get_args
 
 from rollerrig.config.errors import ConfigError, ConfigProblem, problems_of, show_value, whole
 from rollerrig.config.load.adhesion_file import read_adhesion_file
-from rollerrig.config.load.change import BASE, WITHOUT, apply_changes, changed_tables, changes_in
+from rollerrig.config.load.change import BASE, WITHOUT, apply_changes, changed_tables, changes_in, leaves
 from rollerrig.config.load.code import place_code
 from rollerrig.config.load.contact_distance import with_gauge
 from rollerrig.config.load.resolve import (
@@ -329,7 +329,7 @@ def _part(
     resolve: Callable[[Document], tuple[T | None, Problems]],
     document: Document,
 ) -> tuple[T | None, Problems]:
-    """Resolve ``[vehicle]`` or ``[support]`` of a case and put the result in its ``data``."""
+    """Resolve ``[vehicle]`` or ``[support]`` of a case, with its other keys in place of the part's own, into its ``data``."""
     choice = raw.get(key)
     if not isinstance(choice, dict):
         return None, []
@@ -338,17 +338,17 @@ def _part(
     own, problems, prefix = _own_document(choice, key, document)
     if own is None:
         return None, problems
-    changes, labels = _overrides(choice, key)
-    changes = {name: relative_to(document.folder, name, value) for name, value in changes.items()}
+    beside = {name: choice.pop(name) for name in [*choice] if name not in OWN_KEYS[key]}
+    changes = {name: relative_to(document.folder, name, value) for name, value in leaves(beside)}
     tables = plain(own.raw)
     if key == "vehicle":
         tables, mistakes = placed(tables, own.file)
         problems += mistakes
-    problems += apply_changes(tables, changes, document.file, f"{key}.changes")
+    problems += apply_changes(tables, changes, document.file, key)
     part, mistakes = resolve(replace(own, raw=tables))
     for mistake in mistakes:
         if mistake.key in changes:  # the value stands in the case, not in the part's own file
-            problems.append(replace(mistake, file=document.file, key=labels[mistake.key]))
+            problems.append(replace(mistake, file=document.file, key=f"{key}.{mistake.key}"))
         else:
             problems.append(mistake.within(prefix) if mistake.file == document.file else mistake)
     if part is None or problems:
@@ -374,19 +374,6 @@ def _own_document(
         return None, [], ""
     allowed = f"needed: a {key} of the catalogue or a file; one of {', '.join(catalog_names(key))}"
     return None, [ConfigProblem(document.file, f"{key}.use", "missing", allowed)], ""
-
-
-def _overrides(choice: dict[str, Any], key: str) -> tuple[dict[str, Any], dict[str, str]]:
-    """Take the values out of ``choice`` that replace those of the part, and where each is written."""
-    changes: dict[str, Any] = {}
-    labels: dict[str, str] = {}
-    if isinstance(choice.get("changes"), dict):
-        changes = choice.pop("changes")
-        labels = {name: f'{key}.changes."{name}"' for name in changes}
-    if key == "support":
-        for name in [name for name in choice if name.startswith("roller_radius")]:
-            changes[name], labels[name] = choice.pop(name), f"{key}.{name}"
-    return changes, labels
 
 
 def _material(raw: dict[str, Any], document: Document) -> Problems:

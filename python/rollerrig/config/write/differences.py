@@ -58,7 +58,7 @@ def tables_of(case: CaseTables, *, as_written: bool = True) -> Raw:
 
 def differences(here: Raw, there: Raw) -> Differences:
     """What is different, in the order of the tables."""
-    return Differences({_short_key(key, pair[1]): pair for key, pair in _different(here, there, "")})
+    return Differences({_short_key(key): pair for key, pair in _different(here, there, "")})
 
 
 def _different(here: Any, there: Any, key: str) -> Iterator[tuple[str, tuple[Any, Any]]]:
@@ -86,12 +86,11 @@ def _items(value: Any) -> Raw | None:
     return None
 
 
-def _short_key(key: str, value: object) -> str:
+def _short_key(key: str) -> str:
     """`vehicle.data.body` as `vehicle.body`, where that means the same."""
     head, _, rest = key.partition(".data.")
     own = OWN_KEYS.get(head, ())
-    means_it = rest.split(".")[0] not in own or (rest == "roller_radius" and value is not None)
-    return f"{head}.{rest}" if own and rest and means_it else key
+    return f"{head}.{rest}" if own and rest and rest.split(".")[0] not in own else key
 
 
 def text_from_base(name: str, changes: Differences) -> str:
