@@ -143,7 +143,7 @@ def number_of(case: Case, key: str) -> float:
     Raises:
         ConfigError: there is no such number, several that differ, or it is 0.
     """
-    tables = tables_of(case, as_written=False)
+    tables = tables_of(case)
     paths = matching_paths(tables, parts_of(whole_key(key)), key, case.name)
     if isinstance(paths, ConfigProblem):
         raise ConfigError([paths.shortened()])

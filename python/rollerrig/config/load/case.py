@@ -7,7 +7,6 @@ All mistakes of a case and of the files it names are collected before ConfigErro
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from functools import cache
 from pathlib import Path
 from typing import Any, Literal, TypeVar, get_args
 
@@ -86,59 +85,40 @@ class Case(CaseTables):
 
     def diff(self, other: "Case") -> Differences:
         """What is different in another case: dotted key -> (value here, value there), in SI; it prints a line per key."""
-        return differences(tables_of(self, as_written=False), tables_of(other, as_written=False))
+        return differences(tables_of(self), tables_of(other))
 
     def to_toml(self) -> str:
         """The whole case, nothing referred to by name, as TOML text that `load_case` reads again."""
         return to_toml(self, shared=[(part, "data") for part in OWN_KEYS])  # with_changes shares them
 
-    def to_short_toml(self) -> str:
-        """What differs from the nearest case of the catalogue, or all that has not its default value: a file to read and edit."""
-        changes, name = _nearest_base(self)
-        text = text_from_base(name, changes)
-        full = to_short_toml(self)
-        try:
-            same = len(text) < len(full) and case_from_toml(text, allow_code=True) == self
-        except ConfigError:
-            same = False
-        return text if same else full
+    def to_short_toml(self, base: str = "") -> str:
+        """What differs from a case of the catalogue, or all that has not its default value: a file to read and edit.
 
-    def save(self, path: str | Path) -> None:
+        Args:
+            base: name of that case; "": of the same name.
+        """
+        name, full = base or self.name, to_short_toml(self)
+        if name not in catalog_names("case"):
+            return full
+        try:
+            start, used = load_case(name), Differences()
+            for part in OWN_KEYS:
+                old, new = (getattr(case, part).use for case in (start, self))
+                used |= {f"{part}.use": (old, new)} if old != new else {}
+            near = start.with_changes({key: use for key, (_, use) in used.items() if use})
+            text = text_from_base(name, Differences({**used, **differences(plain(near), plain(self))}))
+            same = case_from_toml(text, allow_code=True) == self
+        except ConfigError:
+            return full
+        return text if same and len(text) < len(full) else full
+
+    def save(self, path: str | Path, base: str = "") -> None:
         """Write `to_short_toml` to a file that `load_case` reads.
 
         Raises:
             OSError: it cannot be written.
         """
-        Path(path).write_text(self.to_short_toml(), encoding="utf-8")
-
-
-@cache
-def _catalogue_tables(name: str) -> dict[str, Any]:
-    return tables_of(load_case(name))
-
-
-def _nearest_base(case: Case) -> tuple[Differences, str]:
-    """The case of the catalogue of that name, or the one from which least is different; and the differences."""
-    tables = tables_of(case)
-    names = [name for name in catalog_names("case") if name == case.name] or catalog_names("case")
-    found = ((differences(_from_named_parts(_catalogue_tables(name), tables), tables), name) for name in names)
-    changes, name = min(found, key=lambda pair: (len(pair[0]), pair[1]))
-    for part in OWN_KEYS:  # kept out of the comparison, not out of the file
-        use = tables[part].get("use")
-        if use != _catalogue_tables(name)[part].get("use"):
-            changes = Differences({f"{part}.use": (_catalogue_tables(name)[part].get("use"), use), **changes})
-    return changes, name
-
-
-def _from_named_parts(base: dict[str, Any], case: dict[str, Any]) -> dict[str, Any]:
-    """Tables of a base with the vehicle and support of the catalogue that the case names."""
-    found = dict(base)
-    for part, load in (("vehicle", load_vehicle), ("support", load_support)):
-        use = case[part].get("use")
-        if use != base[part].get("use"):
-            data = plain(load(use)) if use in catalog_names(part) else base[part]["data"]
-            found[part] = {**base[part], "use": use, "data": data}
-    return found
+        Path(path).write_text(self.to_short_toml(base), encoding="utf-8")
 
 
 def load_case(source: str | Path, *, allow_code: bool = False) -> Case:
@@ -197,9 +177,7 @@ def load_vehicle(source: str | Path) -> Vehicle:
 
 def load_support(source: str | Path) -> Rig | Track:
     """Read a rig or track by catalogue name or path; raises ConfigError with all mistakes."""
-    support, problems = resolve_support(read_document("support", source))
-    if support is None:
-        raise ConfigError(problems)
+    support: Rig | Track = whole(*resolve_support(read_document("support", source)))
     return support
 
 

@@ -21,7 +21,7 @@ from rollerrig.config.schema.base import quantity_of
 from rollerrig.config.schema.plan import Plan
 from rollerrig.config.schema.units import Quantity
 from rollerrig.config.validate.messages import NAMING_KEYS, validate
-from rollerrig.config.write.toml import plain
+from rollerrig.config.write.differences import tables_of
 
 
 @dataclass(frozen=True)
@@ -98,7 +98,7 @@ def plan_of_case(plan: Plan, case: Case, file: str) -> WholePlan:
     Raises:
         ConfigError: a key that is varied does not exist, or two have one name.
     """
-    raw = plain(case.model_dump(exclude_none=True))
+    raw = tables_of(case)
     quantities: list[Quantity | None] = []
     problems: Problems = []
     names = [variation.label for variation in plan.vary]

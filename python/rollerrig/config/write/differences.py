@@ -8,14 +8,12 @@ ones; else the whole list is one value.
 """
 
 from collections.abc import Iterator
-from html import escape
 from typing import Any
 
 from rollerrig.common.formatting import Summary, number
 from rollerrig.config.errors import show_value
 from rollerrig.config.schema.case import ACTUATORS, CaseTables, Contact, SupportChoice, VehicleChoice
 from rollerrig.config.schema.support import Rig
-from rollerrig.config.schema.units import AS_WRITTEN
 from rollerrig.config.validate.messages import named_items
 from rollerrig.config.write.explain import unit_of
 from rollerrig.config.write.toml import plain, text_of
@@ -32,11 +30,6 @@ class Differences(dict[str, tuple[Any, Any]]):
     def __repr__(self) -> str:
         return "\n".join(f"{key}: {a} -> {b}" for key, a, b in self.texts()) or "no difference"
 
-    def _repr_html_(self) -> str:
-        cells = (map(escape, row) for row in self.texts())
-        rows = "".join(f"<tr><th>{key}</th><td>{a}</td><td>{b}</td></tr>" for key, a, b in cells)
-        return f"<table><tr><th>key</th><th>here</th><th>there</th></tr>{rows}</table>" if rows else "no difference"
-
     def texts(self) -> Iterator[tuple[str, str, str]]:
         """Key and both values, with the unit."""
         for key, (a, b) in self.items():
@@ -50,9 +43,9 @@ def _shown(value: object, unit: str) -> str:
     return f"{number(value, 6)} {unit}".rstrip() if isinstance(value, float) else show_value(value)
 
 
-def tables_of(case: CaseTables, *, as_written: bool = True) -> Raw:
-    """All tables of a case as a file would have them, defaults too; or all numbers plain, in SI."""
-    raw: Raw = plain(case.model_dump(exclude_none=True, context=AS_WRITTEN if as_written else None))
+def tables_of(case: CaseTables) -> Raw:
+    """All tables of a case as a file would have them, defaults too; all numbers plain, in SI."""
+    raw: Raw = plain(case.model_dump(exclude_none=True))
     return raw
 
 
