@@ -177,7 +177,9 @@ def load_vehicle(source: str | Path) -> Vehicle:
 
 def load_support(source: str | Path) -> Rig | Track:
     """Read a rig or track by catalogue name or path; raises ConfigError with all mistakes."""
-    support: Rig | Track = whole(*resolve_support(read_document("support", source)))
+    support, problems = resolve_support(read_document("support", source))
+    if support is None:
+        raise ConfigError(problems)
     return support
 
 
