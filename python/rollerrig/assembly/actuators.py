@@ -9,7 +9,7 @@ import math
 from typing import Any
 
 from rollerrig import _core
-from rollerrig.assembly.laws import adhesion_map, core_law, core_struct, part_of
+from rollerrig.assembly.laws import adhesion_map, core_law, part_of
 from rollerrig.assembly.model import GROUND, AssembledModel, assemble, axle_torque
 from rollerrig.assembly.model_parts import ABSENT
 from rollerrig.config import Brake, Case, Track, Traction
@@ -103,10 +103,9 @@ def electrodynamic_brake(brake: Brake, wheel_radius: float) -> _core.Electrodyna
     if table is None:
         return None
     law = _core.electrodynamic_brakes[table.kind]
-    return core_struct(
+    return part_of(
         _core.ElectrodynamicBrake,
         table,
-        without=("kind", "axles", *law.fields),
         characteristic=part_of(law, table),
         wheel_radius=wheel_radius,
         on_slide=("keep", "reduce", "switch_off", "slip_control").index(table.on_slide),
@@ -127,8 +126,8 @@ def pneumatics(brake: Brake) -> _core.Pneumatics:
         if brake.air.reservoir_pressure is None:
             given["reservoir_pressure"] = brake.air.main_pipe_pressure
         if brake.air.pipe is not None:
-            given["pipe"] = core_struct(_core.CylinderPipe, brake.air.pipe, without=("axles_per_relay_valve",))
-    air = core_struct(_core.airs[brake.air.kind], brake.air, without=("kind", "axles_per_reservoir"), **given)
+            given["pipe"] = part_of(_core.CylinderPipe, brake.air.pipe)
+    air = part_of(_core.airs[brake.air.kind], brake.air, **given)
     return _core.Pneumatics(control_valve=part_of(_core.ControlValve, brake), air=air)
 
 

@@ -5,12 +5,12 @@ Case, AssembledModel -> [setup] -> _core.MechatronicSetup
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 from rollerrig import _core
 from rollerrig.assembly.actuators import electrodynamic_brake, friction_brake, pneumatics, track_brake
-from rollerrig.assembly.laws import angular, core_struct, part_of
+from rollerrig.assembly.laws import angular, part_of
 from rollerrig.assembly.model import AssembledModel
 from rollerrig.assembly.model_parts import ABSENT
 from rollerrig.assembly.train_axles import (
@@ -33,9 +33,6 @@ from rollerrig.config.schema.rig_control import (
 from rollerrig.simulation.controllers import UserController
 from rollerrig.simulation.virtual_train import load_transfer, rail_patch
 
-_TIMING = ("sample_time", "delay", "user", "fmu")
-"""Fields of a controller's table that say when it is asked, not what it does."""
-
 
 def mechatronic_setup(
     model: AssembledModel, controllers: Mapping[str, UserController] | None = None
@@ -51,8 +48,7 @@ def mechatronic_setup(
     if not case.sampled:
         return None
     control = case.rig_control or RigControl()
-    return core_struct(
-        _core.MechatronicSetup,
+    return _core.MechatronicSetup(
         step=case.time.sampling_step,
         speed=case.motion.speed,
         stop_speed=_stop_speed(case),
@@ -60,7 +56,7 @@ def mechatronic_setup(
         actuators=_actuators(model, control),
         sensors=_sensors(case.sensors),
         controllers=_controllers(model, controllers or {}),
-        protection=core_struct(_core.RollerProtection, control.protection),
+        protection=part_of(_core.RollerProtection, control.protection),
         frame=_frame(model),
         rail_cell=_cell(case),
         **_memory(case),
@@ -77,7 +73,7 @@ def _sanding(case: Case) -> _core.Sanding | None:
     if table is None:
         return None
     start = law_of(_core.sanding_starts, table.start)
-    return core_struct(_core.Sanding, table, without=("axles", "saturation", "rail"), start=start)
+    return part_of(_core.Sanding, table, start=start)
 
 
 def _stop_speed(case: Case) -> float:
@@ -123,26 +119,23 @@ def _frame(model: AssembledModel) -> _core.TravellingFrame:
 # ---------------------------------------------------------------------------------------------------- parts
 
 
-def law_of(registry: Mapping[str, Any], table: Any, without: Collection[str] = (), **given: Any) -> Any:
+def law_of(registry: Mapping[str, Any], table: Any, **given: Any) -> Any:
     """The law of a registry of the core that a table names by its kind; its bandwidth is an angular frequency there."""
     if hasattr(table, "bandwidth"):
         given["bandwidth"] = angular(table.bandwidth)
-    return core_struct(registry[table.kind], table, without=("kind", *without), **given)
+    return part_of(registry[table.kind], table, **given)
 
 
 def motor(table: Motor) -> _core.Motor:
     """A drive, without its rotor: that is a body of the model."""
-    without = ("rotor_inertia", "gear_ratio")
-    own = {"envelope": table.envelope or (), "bandwidth": angular(table.bandwidth)}
-    return core_struct(_core.Motor, table, without=without, **own)
+    return part_of(_core.Motor, table, envelope=table.envelope or (), bandwidth=angular(table.bandwidth))
 
 
 def _actuators(model: AssembledModel, control: RigControl) -> _core.Actuators:
     case = model.case
     brake = case.brake or Brake(demand=((0.0, 0.0), (1.0, 0.0)))
     traction = case.traction
-    return core_struct(
-        _core.Actuators,
+    return _core.Actuators(
         brake=friction_brake(brake),
         pneumatics=pneumatics(brake),
         by_traction_motors=brake.by_traction_motors,
@@ -157,7 +150,7 @@ def _actuators(model: AssembledModel, control: RigControl) -> _core.Actuators:
 
 def _sensors(table: Sensors) -> _core.Sensors:
     flange = table.roller_torque
-    return core_struct(
+    return part_of(
         _core.Sensors,
         table,
         axles=law_of(_core.speed_sensors, table.axles),
@@ -169,7 +162,7 @@ def _sensors(table: Sensors) -> _core.Sensors:
 
 
 def _force_sensor(table: ForceSensor) -> _core.ForceSensor:
-    return core_struct(_core.ForceSensor, table, bandwidth=table.bandwidth and angular(table.bandwidth))
+    return part_of(_core.ForceSensor, table, bandwidth=table.bandwidth and angular(table.bandwidth))
 
 
 # ---------------------------------------------------------------------------------------------------- controllers
@@ -202,8 +195,8 @@ def controller_of(model: AssembledModel, name: str) -> Any:
         return law(pneumatics=pneumatics(case.brake), **air_groups(model))
     if name == "slide_protection":
         return slide_protection(table, radius)
-    search = core_struct(_core.SlipSearch, table.search, axle_inertia=wheelset_inertia(model))
-    return core_struct(law, table, without=_TIMING, wheel_radius=radius, search=search)
+    search = part_of(_core.SlipSearch, table.search, axle_inertia=wheelset_inertia(model))
+    return part_of(law, table, wheel_radius=radius, search=search)
 
 
 def slide_protection(table: SlideProtection | TableSlideProtection, wheel_radius: float) -> Any:
@@ -222,11 +215,9 @@ def rig_controller(model: AssembledModel) -> _core.RigControl:
     """
     control = model.case.rig_control
     assert control is not None
-    without = (*_TIMING, "load_transfer", "loads", "motor", "protection")
-    return core_struct(
+    return part_of(
         _core.RigControl,
         control,
-        without=without,
         assumed=assumed_parameters(model),
         estimator=estimator(control),
         axle_torque=axle_torque(control.axle_torque),
@@ -259,18 +250,18 @@ def virtual_rail(model: AssembledModel) -> _core.VirtualRail:
 
 def estimator(control: RigControl) -> Any:
     """The estimator of contact force and axle torque."""
-    return law_of(_core.estimators, control.estimator, ("torque",))
+    return law_of(_core.estimators, control.estimator)
 
 
 def feedback(table: AnyFeedback) -> Any:
     """A feedback on the axles' speeds."""
-    return law_of(_core.feedbacks, table, ("largest",))
+    return law_of(_core.feedbacks, table)
 
 
 def axle_torque(table: AnyAxleTorque) -> Any:
     """Where the controller takes the torque of an axle from."""
     if isinstance(table, KnownTorque):
-        return law_of(_core.axle_torque_laws, table, ("correction",), bandwidth=angular(table.correction))
+        return law_of(_core.axle_torque_laws, table, bandwidth=angular(table.correction))
     return law_of(_core.axle_torque_laws, table)
 
 
@@ -297,7 +288,7 @@ def assumed_parameters(model: AssembledModel) -> _core.AssumedParameters:
         "wheel_radius": case.vehicle.data.wheel.radius,
     }
     chosen: dict[str, Any] = {name: getattr(control.assumed, name) or value for name, value in true.items()}
-    return core_struct(_core.AssumedParameters, **chosen)
+    return _core.AssumedParameters(**chosen)
 
 
 def rotor_inertia(table: Motor | None) -> float:
@@ -313,10 +304,9 @@ def wheelset_inertia(model: AssembledModel) -> float:
 
 def _virtual_train(model: AssembledModel) -> _core.VirtualTrain:
     case = model.case
-    return core_struct(
+    return part_of(
         _core.VirtualTrain,
         case.train,
-        without=("axles", "brake_signal_speed"),
         mass=train_mass(model),
         gravity=case.gravity,
         wheelset_inertia=wheelset_inertia(model),
