@@ -64,7 +64,7 @@ class AssembledModel:
         self.vehicle: Vehicle = case.vehicle.data
         self.cut = case.vehicle.part
         self.fixed = self.cut.fixed
-        self.wheelsets = tuple(body.name for body in case.vehicle.wheelsets)
+        self.wheelsets, self.axle_names = tuple(body.name for body in case.vehicle.wheelsets), case.axle_names
         self.builder = _core.ModelBuilder(gravity=case.gravity)
         self.masses: dict[str, float] = {}
         self.inertias: dict[str, Point] = {}  # principal moments of inertia of each body [kg m^2]
@@ -96,12 +96,6 @@ class AssembledModel:
             return self.bodies.index(name)
         except ValueError:
             raise KeyError(f"no body named {name!r}; there are {', '.join(self.bodies)}") from None
-
-    @property
-    def axle_names(self) -> tuple[str, ...]:
-        """Axles of the train: wheelsets of the model, then `axle_N` for each simulated one, N its number along the train."""
-        table = self.case.train.axles
-        return (*self.wheelsets, *(f"axle_{k}" for k in table.simulated)) if table else self.wheelsets
 
     @property
     def lateral_bodies(self) -> tuple[str, ...]:

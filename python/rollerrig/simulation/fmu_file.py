@@ -29,7 +29,8 @@ LARGEST_DESCRIPTION = 16 * MEGABYTE
 """Largest size of its modelDescription.xml [bytes]; 80 000 variables have some 16 MB."""
 OF_THE_TRAIN = ("track_brake_force", "force_of_others")
 """Measured quantities that are the same for each axle: a variable may take one number."""
-MEASURED = tuple(name for name, _, _ in _core.measurement_fields)
+MEASUREMENTS = tuple(name for name, _, _ in _core.measurement_fields)
+"""What a controller is given beside `time`, an array over the axles each; on track only `axle_speed` means anything."""
 FLOATS = ("Real", "Float64", "Float32")
 WHOLE_NUMBERS = tuple(f"{sign}Int{bits}" for sign in ("", "U") for bits in (8, 16, 32, 64))
 NUMBERS = (*FLOATS, "Integer", "Enumeration", "Boolean", *WHOLE_NUMBERS)
@@ -119,7 +120,7 @@ def _read(path: str, key: str, file: str) -> tuple[bytes, Any]:
     try:
         description = fmpy.read_model_description(io.BytesIO(content), validate=False)
     except Exception as error:  # whatever the reader of XML meets
-        raise refused(f"its modelDescription.xml cannot be read: {_first_line(error)}") from None
+        raise refused(f"its modelDescription.xml cannot be read: {in_one_line(error)}") from None
     if description.fmiVersion not in ("2.0", "3.0"):
         raise refused(f"it is of FMI {description.fmiVersion}; allowed: 2.0, 3.0")
     if description.coSimulation is None:
@@ -133,7 +134,7 @@ def _read(path: str, key: str, file: str) -> tuple[bytes, Any]:
         with zipfile.ZipFile(io.BytesIO(content)) as archive:
             archive.read(library)
     except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError) as error:
-        raise refused(f"{library} in it cannot be unpacked: {_first_line(error)}") from None
+        raise refused(f"{library} in it cannot be unpacked: {in_one_line(error)}") from None
     return content, description
 
 
@@ -141,9 +142,9 @@ def _size(count: int) -> str:
     return f"{count / MEGABYTE:.3g} MB"
 
 
-def _first_line(error: Exception) -> str:
-    text = str(error).strip() or type(error).__name__
-    return text.splitlines()[0]
+def in_one_line(error: Exception) -> str:
+    """What an exception says."""
+    return " ".join(str(error).split()) or type(error).__name__
 
 
 class _Matcher:
@@ -157,18 +158,18 @@ class _Matcher:
     def inputs(self, command: str) -> tuple[Link, ...]:
         """Measured quantities that the FMU takes."""
         for signal in self._table.names:
-            if signal not in (*MEASURED, command):
-                known = (*MEASURED, command)
+            if signal not in (*MEASUREMENTS, command):
+                known = (*MEASUREMENTS, command)
                 self._refuse("names", signal, f"allowed: {', '.join(known)}", nearest(signal, known))
         found = []
-        for signal in MEASURED:
+        for signal in MEASUREMENTS:
             written = self._table.names.get(signal)
             link = self._usual(signal) if written is None else self._link(signal, written, "input", FLOATS)
             if link is not None:
                 found.append(link)
         if not found and not self.problems:
             takes = self._offers(lambda v: v.causality == "input")
-            self._refuse("names", "missing", f"no input is driven: {takes}; measured are {', '.join(MEASURED)}")
+            self._refuse("names", "missing", f"no input is driven: {takes}; measured are {', '.join(MEASUREMENTS)}")
         return tuple(found)
 
     def command(self, command: str) -> Link | None:

@@ -25,7 +25,6 @@ from rollerrig.config import Adhesion, Brake, Case, ForceSensor, Motor, Rig, Rig
 from rollerrig.config.schema.actuators import SlideProtection, TableSlideProtection, entry_numbers
 from rollerrig.config.schema.rig_control import (
     AnyAxleTorque,
-    AnyFeedback,
     KnownTorque,
     LeadCommand,
     ProportionalIntegral,
@@ -58,8 +57,7 @@ def mechatronic_setup(
         controllers=_controllers(model, controllers or {}),
         protection=part_of(_core.RollerProtection, control.protection),
         frame=_frame(model),
-        rail_cell=_cell(case),
-        **_memory(case),
+        **_rail(case, "rail_cell"),
         sanding=_sanding(case),
         simulated=simulated_axles(model, wheelset_inertia(model)),
         rail=virtual_rail(model) if simulated_count(case) else None,
@@ -82,15 +80,11 @@ def _stop_speed(case: Case) -> float:
     return stop if case.brake is not None and case.motion.speed > stop else 0.0
 
 
-def _cell(case: Case) -> float:
-    """Length of the rail's cells [m]."""
-    return case.adhesion.cell_length if case.adhesion else float(Adhesion.model_fields["cell_length"].default)
-
-
-def _memory(case: Case) -> dict[str, Any]:
-    """Width over which a wheel's dissipated energy is spread, 0: of its patches, 1: energy per metre; its memory [m]."""
-    per_length = case.adhesion is not None and case.adhesion.recovery_per == "length"
-    return {"energy_width": float(per_length), "wheel_memory": case.adhesion.wheel_memory if case.adhesion else 0.0}
+def _rail(case: Case, cell: str) -> dict[str, Any]:
+    """The rail's memory: length of its `cell` [m], that of the wheels [m], width of energy, 0: of the patches, 1: per metre."""
+    adhesion = case.adhesion or Adhesion.model_validate({"rail": "dry"})
+    width = float(adhesion.recovery_per == "length")
+    return {cell: adhesion.cell_length, "energy_width": width, "wheel_memory": adhesion.wheel_memory}
 
 
 def _axles(model: AssembledModel) -> list[_core.AxleParts]:
@@ -221,7 +215,7 @@ def rig_controller(model: AssembledModel) -> _core.RigControl:
         assumed=assumed_parameters(model),
         estimator=estimator(control),
         axle_torque=axle_torque(control.axle_torque),
-        feedback=feedback(control.feedback),
+        feedback=law_of(_core.feedbacks, control.feedback),
         drive_command=drive_command(control),
         largest=control.feedback.largest,
         commanded_torque=control.estimator.torque == "commanded",
@@ -242,8 +236,7 @@ def virtual_rail(model: AssembledModel) -> _core.VirtualRail:
         contact=model.axles[0].contacts[0],
         adhesion=model.adhesion,
         patch=rail_patch(model),
-        cell=_cell(model.case),
-        **_memory(model.case),
+        **_rail(model.case, "cell"),
         sand_kept=model.case.sanding.kept if model.case.sanding else 1.0,
     )
 
@@ -251,11 +244,6 @@ def virtual_rail(model: AssembledModel) -> _core.VirtualRail:
 def estimator(control: RigControl) -> Any:
     """The estimator of contact force and axle torque."""
     return law_of(_core.estimators, control.estimator)
-
-
-def feedback(table: AnyFeedback) -> Any:
-    """A feedback on the axles' speeds."""
-    return law_of(_core.feedbacks, table)
 
 
 def axle_torque(table: AnyAxleTorque) -> Any:
@@ -334,7 +322,7 @@ def feedback_gains(model: AssembledModel) -> tuple[float, float]:
     control = model.case.rig_control
     assert control is not None
     table = control.feedback if isinstance(control.feedback, ProportionalIntegral) else ProportionalIntegral()
-    proportional, integral = _core.feedback_gains(feedback(table), assumed_parameters(model))
+    proportional, integral = _core.feedback_gains(law_of(_core.feedbacks, table), assumed_parameters(model))
     return proportional, integral
 
 

@@ -329,6 +329,12 @@ class CaseTables(Named):
         return any((self.adhesion, self.brake, self.track_brake, self.traction, self.rig_control))
 
     @property
+    def axle_names(self) -> tuple[str, ...]:
+        """Axles of the train: wheelsets under test, then `axle_N` for each simulated one, N its number along the train."""
+        simulated = self.train.axles.simulated if self.train.axles else ()
+        return (*(body.name for body in self.vehicle.wheelsets), *(f"axle_{k}" for k in simulated))
+
+    @property
     def integration(self) -> Integration:
         """Method and step of [time], where they are absent those that belong to such a case."""
         step = self.time.step
