@@ -35,7 +35,6 @@ from rollerrig.config.schema.case import ScaledFrom as ScaledFrom
 from rollerrig.config.schema.contact import Material as Material
 from rollerrig.config.schema.fit import FitPlan as FitPlan
 from rollerrig.config.schema.plan import Plan as Plan
-from rollerrig.config.schema.profile import ProfileSpec as ProfileSpec
 from rollerrig.config.schema.profile import Uic60 as Uic60
 from rollerrig.config.schema.programme import CRITERIA as CRITERIA
 from rollerrig.config.schema.programme import Limit as Limit
@@ -53,6 +52,5 @@ from rollerrig.config.schema.track import Track as Track
 from rollerrig.config.schema.vehicle import Body as Body
 from rollerrig.config.schema.vehicle import Element as Element
 from rollerrig.config.schema.vehicle import Vehicle as Vehicle
-from rollerrig.config.schema.vehicle import Wheel as Wheel
 from rollerrig.config.write.explain import explain as explain
 from rollerrig.config.write.json_schema import json_schema as json_schema
