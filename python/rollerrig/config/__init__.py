@@ -52,5 +52,6 @@ from rollerrig.config.schema.track import Track as Track
 from rollerrig.config.schema.vehicle import Body as Body
 from rollerrig.config.schema.vehicle import Element as Element
 from rollerrig.config.schema.vehicle import Vehicle as Vehicle
+from rollerrig.config.schema.vehicle import Wheel as Wheel
 from rollerrig.config.write.explain import explain as explain
 from rollerrig.config.write.json_schema import json_schema as json_schema
