@@ -184,7 +184,7 @@ def changed_tables(
     """
     own_file = "allowed: in a file; read that case and change it"  # another case would bring what nobody checked
     problems = [ConfigProblem(file, BASE, show_value(changes[BASE]), own_file)] if BASE in changes else []
-    beside = {key for key in changes if whole_key(key) != key and f"{key.partition('.')[0]}.use" in changes}
+    beside = [key for key in changes if whole_key(key) != key and f"{key.partition('.')[0]}.use" in changes]
     full = {whole_key(key): value for key, value in changes.items() if key != BASE and key not in beside}
     kept = [part for part in OWN_KEYS if all(key.partition(".")[0] != part or key == "vehicle.cut" for key in full)]
     left_out = {part: {"data"} for part in kept}

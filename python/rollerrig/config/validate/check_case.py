@@ -150,11 +150,9 @@ def check_programme(programme: Programme) -> Iterator[Mistake]:
         if name in names[:number]:
             yield f"stop[{number}].name", show_value(name), "allowed: each name once"
     for number, limit in enumerate(programme.limit):
-        for name in limit.stops:
-            if name not in names:
-                yield f"limit[{number}].stops", show_value(name), one_of(names), nearest(name, names)
-        if not any(limit.holds_for(stop) for stop in programme.stop):
-            allowed = (
-                "holds for no stop; allowed: a criterion that the stops have, in a train that stops or in drag braking"
-            )
+        unknown = [name for name in limit.stops if name not in names]
+        for name in unknown:
+            yield f"limit[{number}].stops", show_value(name), one_of(names), nearest(name, names)
+        if not unknown and not any(limit.holds_for(stop) for stop in programme.stop):
+            allowed = "holds for no stop; allowed: with one in which the train stops, which drag braking is not"
             yield f"limit[{number}].criterion", show_value(limit.criterion), allowed
