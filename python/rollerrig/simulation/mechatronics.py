@@ -18,7 +18,6 @@ from rollerrig.assembly.train_axles import (
     axle_places,
     brake_delay,
     simulated_axles,
-    simulated_count,
     train_mass,
 )
 from rollerrig.config import Adhesion, Brake, Case, ForceSensor, Motor, Rig, RigControl, Sensors
@@ -60,7 +59,7 @@ def mechatronic_setup(
         **_rail(case, "rail_cell"),
         sanding=_sanding(case),
         simulated=simulated_axles(model, wheelset_inertia(model)),
-        rail=virtual_rail(model) if simulated_count(case) else None,
+        rail=virtual_rail(model) if model.axle_names != model.wheelsets else None,
         brake_delay=brake_delay(model),
         **air_groups(model),
     )
@@ -98,7 +97,7 @@ def _axles(model: AssembledModel) -> list[_core.AxleParts]:
         has_motor=case.traction is not None,
         sands=False,
     )
-    return [*model.axles, *[simulated] * simulated_count(case)]
+    return [*model.axles, *[simulated] * (len(model.axle_names) - len(model.axles))]
 
 
 def _frame(model: AssembledModel) -> _core.TravellingFrame:
@@ -299,7 +298,7 @@ def _virtual_train(model: AssembledModel) -> _core.VirtualTrain:
         gravity=case.gravity,
         wheelset_inertia=wheelset_inertia(model),
         wheel_radius=case.vehicle.data.wheel.radius,
-        static_load=[model.axle_loads[name] for name in model.wheelsets],
+        static_load=[*model.axle_loads.values()],
         load_transfer=load_transfer(model),
         position=axle_places(model),
     )
