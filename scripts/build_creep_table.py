@@ -20,7 +20,7 @@ from scipy.sparse.linalg import spsolve
 from scipy.stats import qmc
 
 from rollerrig import _core
-from rollerrig.assembly.creep_table import TABLE_FORMAT, checksum
+from rollerrig.assembly.creep_table import checksum
 from rollerrig.results import write_bytes
 
 Array = NDArray[np.float64]
@@ -233,7 +233,6 @@ def main() -> None:
     content = io.BytesIO()
     np.savez_compressed(
         content,
-        format=np.asarray(TABLE_FORMAT),
         log_aspect_end=np.asarray(LOG_ASPECT_END),
         rho_0=np.asarray(RHO_0),
         aspects=np.asarray(ASPECTS),

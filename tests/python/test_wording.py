@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from rollerrig.common.formatting import number, percent, quantity
+from rollerrig.common.formatting import number, percent
 
 THIN = "\u202f"
 
@@ -48,28 +48,7 @@ def test_no_exponent_where_digits_are_few(value: float, digits: int, text: str) 
     assert number(value, digits) == text
 
 
-@pytest.mark.parametrize(
-    ("value", "unit", "text"),
-    [
-        (3.1e9, "Pa", "3.1 GPa"),
-        (1.0443e9, "Pa", "1.04 GPa"),
-        (-2e-5, "m", "-20 µm"),
-        (999.96, "N", "1 kN"),
-        (5520.0, "N m", "5.52 kN m"),
-        (0.0, "N", "0 N"),
-        (-0.0, "N", "0 N"),
-        (1e-12, "m", "0.001 nm"),
-        (0.25, "1", "0.25"),
-        (math.inf, "N", "–"),
-    ],
-)
-def test_units_get_the_prefix_that_engineers_use(value: float, unit: str, text: str) -> None:
-    assert quantity(value, unit) == text
-
-
 def test_round_off_is_no_result() -> None:
-    assert quantity(3.7e-14, "m", least=1e-9) == "0 m"
-    assert quantity(-3.7e-14, "1", least=1e-9) == "0"
     assert percent(-0.0) == "0 %"
     assert percent(0.0123, signed=True) == "+1.2 %"
     assert percent(None) == "–"

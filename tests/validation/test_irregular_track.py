@@ -14,7 +14,7 @@ import xarray as xr
 import rollerrig as rr
 from rollerrig import _core
 from rollerrig.analysis.modes import Lineariser
-from rollerrig.assembly.model import Assembly, assemble
+from rollerrig.assembly.model import AssembledModel, assemble
 from rollerrig.config import Case
 from rollerrig.irregularity import RAILS, RailIrregularity
 
@@ -48,11 +48,11 @@ def run() -> xr.Dataset:
     return rr.simulate(case())
 
 
-def influence(assembly: Assembly, state: np.ndarray, wheel: int, rail: str, derivative: int) -> np.ndarray:
+def influence(model: AssembledModel, state: np.ndarray, wheel: int, rail: str, derivative: int) -> np.ndarray:
     """Change of x' per displacement (0) or slope (1) of one rail under one wheel."""
     size, step, period = 1e-7, 0.25, 64.0  # small: profiles have knots
     tables = {name: np.zeros((int(period / step), 4)) for name in RAILS}
-    along = assembly.positions[assembly.wheels[wheel].wheelset][0]
+    along = model.positions[model.wheels[wheel].wheelset][0]
     row = int(np.mod(along, period) / step)
     changed = {sign: {**tables, rail: tables[rail].copy()} for sign in (-1.0, 1.0)}
     late = period / SPEED  # one period on, so that every wheel has passed where it fades in
@@ -62,8 +62,8 @@ def influence(assembly: Assembly, state: np.ndarray, wheel: int, rail: str, deri
         table[rail][row, derivative] = sign * size
         if derivative:
             table[rail][row, 0] = -sign * size * (np.mod(along, period) - row * step)
-        assembly.builder.set_irregularity(period, step, *(table[name] for name in RAILS), 0.0, True)
-        rates.append(_core.Simulation(assembly.finish().core).derivative(late, state)[0])
+        model.builder.set_irregularity(period, step, *(table[name] for name in RAILS), 0.0, True)
+        rates.append(_core.Simulation(model.finish().core).derivative(late, state)[0])
     return (rates[1] - rates[0]) / (2 * size)
 
 
@@ -71,7 +71,7 @@ def linear_response(rails: RailIrregularity) -> tuple[np.ndarray, np.ndarray]:
     """Angular frequencies and complex amplitudes of all states' rates, (harmonics, states)."""
     without = case().with_changes({"support.irregularity": None})
     linear = Lineariser(without).at(SPEED)
-    model = Assembly(without)
+    model = AssembledModel(without)
     knots = np.arange(4096) * rails.period / 4096
     k = np.arange(3, int(PERIOD / SHORTEST) + 1)  # from 100 m on
     wavenumber = 2 * np.pi * k / rails.period

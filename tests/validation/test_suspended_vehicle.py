@@ -15,7 +15,7 @@ import numpy as np
 import pytest
 
 from rollerrig import _core
-from rollerrig.assembly.model import Assembly
+from rollerrig.assembly.model import AssembledModel
 from rollerrig.assembly.model_parts import static_loads
 from rollerrig.config import Case, Vehicle, load_case, load_vehicle
 
@@ -93,11 +93,10 @@ def mass_of(vehicle: Vehicle) -> np.ndarray:
 def modes(springs: str) -> list[Mode]:
     """Frequency [Hz], body and direction of each mode of the program's linearisation."""
     case = suspended(**SPRINGS[springs])
-    assembly = Assembly(case)
+    model = AssembledModel(case)
     if SPRINGS[springs].get("weightless"):
-        assembly.builder.set_gravity(0.0)
-    model = assembly.finish()
-    simulation = _core.Simulation(model.core)
+        model.builder.set_gravity(0.0)
+    simulation = _core.Simulation(model.finish().core)
     matrix = simulation.jacobian(0.0, np.zeros(simulation.state_count))[0]
     rates = [simulation.rate_index[model.body_index(name)][d] for name in MOVING for d in range(6)]
     places = [simulation.coordinate_index[model.body_index(name)][d] for name in MOVING for d in range(6)]

@@ -1,17 +1,16 @@
 """A plant with what acts on it: brakes, traction motors, roller drives, adhesion of the rails, running resistance.
 
-    Case -> [Assembly] -> plant -> [actuators] -> AssembledModel with the indices of its actuators
+    Case -> [AssembledModel] -> plant -> [actuators] -> AssembledModel with the indices of its actuators
 
 How they are driven during a run is the matter of `rollerrig.simulation.mechatronics`.
 """
 
 import math
-from dataclasses import replace
 from typing import Any
 
 from rollerrig import _core
-from rollerrig.assembly.laws import adhesion_map, core_law, core_struct, part_of
-from rollerrig.assembly.model import GROUND, AssembledModel, Assembly, assemble, axle_torque
+from rollerrig.assembly.laws import adhesion_map, core_law, part_of
+from rollerrig.assembly.model import GROUND, AssembledModel, assemble, axle_torque
 from rollerrig.assembly.model_parts import ABSENT
 from rollerrig.config import Brake, Case, Track, Traction
 from rollerrig.config.schema.brakes import AnyTrackBrake, MagneticTrackBrake, ReservoirAir
@@ -29,66 +28,67 @@ def assemble_with_actuators(case: Case, *, torque_on_all: bool = False) -> Assem
         case: the case.
         torque_on_all: whether an axle without a motor takes a torque, too.
     """
-    assembly = Assembly(case)
-    adhesion = _add_adhesion(assembly)
-    axles = [_add_axle(assembly, number, torque_on_all=torque_on_all) for number in range(len(assembly.wheelsets))]
-    _add_resistance(assembly)
-    bogies = _add_track_brakes(assembly)
+    model = AssembledModel(case)
+    model.adhesion = _add_adhesion(model)
+    axles = range(len(model.wheelsets))
+    model.axles = tuple(_add_axle(model, number, torque_on_all=torque_on_all) for number in axles)
+    _add_resistance(model)
+    model.bogies = _add_track_brakes(model)
     if case.contact.pure_rolling:
-        for name in assembly.wheelsets:
-            assembly.builder.add_rolling_constraint(assembly.index(name))
-    return replace(assembly.finish(), axles=tuple(axles), adhesion=adhesion, bogies=bogies)
+        for name in model.wheelsets:
+            model.builder.add_rolling_constraint(model.body_index(name))
+    return model.finish()
 
 
-def _add_adhesion(assembly: Assembly) -> _core.AdhesionMap | None:
+def _add_adhesion(model: AssembledModel) -> _core.AdhesionMap | None:
     """The adhesion of the case's rails: on the wheels on track; on a rig for the virtual train alone."""
-    if assembly.case.adhesion is None:
+    if model.case.adhesion is None:
         return None
-    adhesion = adhesion_map(assembly.case.adhesion, assembly.case.sanding)
-    for wheel in assembly.wheels if isinstance(assembly.support, Track) else ():
-        assembly.builder.set_adhesion(wheel.contact, adhesion)
+    adhesion = adhesion_map(model.case.adhesion, model.case.sanding)
+    for wheel in model.wheels if isinstance(model.support, Track) else ():
+        model.builder.set_adhesion(wheel.contact, adhesion)
     return adhesion
 
 
-def _add_axle(assembly: Assembly, number: int, *, torque_on_all: bool) -> _core.AxleParts:
-    case, builder, name = assembly.case, assembly.builder, assembly.wheelsets[number]
-    wheelset, frame = assembly.index(name), assembly.frame_of(name)
+def _add_axle(model: AssembledModel, number: int, *, torque_on_all: bool) -> _core.AxleParts:
+    case, builder, name = model.case, model.builder, model.wheelsets[number]
+    wheelset, frame = model.body_index(name), model.frame_of(name)
     brake = torque = roller = roller_torque = ABSENT
     if case.brake is not None and not case.brake.by_traction_motors:
         brake = builder.add_brake(_core.AxleBrake(wheelset=wheelset, reaction=frame, brake=friction_brake(case.brake)))
     machine = case.brake.electrodynamic if case.brake else None
     brakes = machine is not None and (machine.axles is None or name in machine.axles)
     if case.traction is not None:
-        torque = builder.add_axle_torque(_traction_motor(assembly, name, frame, case.traction))
+        torque = builder.add_axle_torque(_traction_motor(model, name, frame, case.traction))
     elif brakes or torque_on_all:
         torque = builder.add_axle_torque(axle_torque(wheelset, frame, []))
-    if assembly.rollers:
-        roller = assembly.index(assembly.rollers[number])
-    if assembly.rollers and case.rig_control is not None:
+    if model.rollers:
+        roller = model.body_index(model.rollers[number])
+    if model.rollers and case.rig_control is not None:
         drive = part_of(_core.RollerTorque, case.rig_control.motor, roller=roller, torque=[])
         roller_torque = builder.add_roller_torque(drive)
     return _core.AxleParts(
         wheelset=wheelset,
-        contacts=[wheel.contact for wheel in assembly.wheels if wheel.wheelset == name],
+        contacts=[wheel.contact for wheel in model.wheels if wheel.wheelset == name],
         brake=brake,
         axle_torque=torque,
         roller=roller,
         roller_torque=roller_torque,
         electrodynamic=brakes,
-        sands=name in (case.sanding.axles or assembly.wheelsets[:1] if case.sanding else ()),
+        sands=name in (case.sanding.axles or model.wheelsets[:1] if case.sanding else ()),
         has_brake=False,
         has_motor=False,
     )
 
 
-def _traction_motor(assembly: Assembly, name: str, frame: int, traction: Traction) -> _core.AxleTorque:
+def _traction_motor(model: AssembledModel, name: str, frame: int, traction: Traction) -> _core.AxleTorque:
     """The motor of one axle: where its moment goes, and its rotor."""
     link = 0.0
     if traction.suspension == "axle" and frame != GROUND:
-        ahead = assembly.positions[assembly.bodies[frame]][0] - assembly.positions[name][0]
+        ahead = model.positions[model.bodies[frame]][0] - model.positions[name][0]
         link = math.copysign(traction.link or 0.0, ahead)
     reaction = GROUND if traction.suspension == "ground" else frame
-    wheelset = assembly.index(name)
+    wheelset = model.body_index(name)
     return part_of(_core.AxleTorque, traction.motor, wheelset=wheelset, reaction=reaction, torque=[], link=link)
 
 
@@ -103,10 +103,9 @@ def electrodynamic_brake(brake: Brake, wheel_radius: float) -> _core.Electrodyna
     if table is None:
         return None
     law = _core.electrodynamic_brakes[table.kind]
-    return core_struct(
+    return part_of(
         _core.ElectrodynamicBrake,
         table,
-        without=("kind", "axles", *law.fields),
         characteristic=part_of(law, table),
         wheel_radius=wheel_radius,
         on_slide=("keep", "reduce", "switch_off", "slip_control").index(table.on_slide),
@@ -127,32 +126,32 @@ def pneumatics(brake: Brake) -> _core.Pneumatics:
         if brake.air.reservoir_pressure is None:
             given["reservoir_pressure"] = brake.air.main_pipe_pressure
         if brake.air.pipe is not None:
-            given["pipe"] = core_struct(_core.CylinderPipe, brake.air.pipe, without=("axles_per_relay_valve",))
-    air = core_struct(_core.airs[brake.air.kind], brake.air, without=("kind", "axles_per_reservoir"), **given)
+            given["pipe"] = part_of(_core.CylinderPipe, brake.air.pipe)
+    air = part_of(_core.airs[brake.air.kind], brake.air, **given)
     return _core.Pneumatics(control_valve=part_of(_core.ControlValve, brake), air=air)
 
 
-def _add_track_brakes(assembly: Assembly) -> int:
+def _add_track_brakes(model: AssembledModel) -> int:
     """On what carries the wheelsets, or else the vehicle's body; on a rig nowhere: there is no rail beside the rollers.
 
     Returns:
         How many there are.
     """
-    table = assembly.case.track_brake
+    table = model.case.track_brake
     if table is None:
         return 0
-    frames = {assembly.frame_of(name) for name in assembly.wheelsets}
-    bodies = {assembly.index(assembly.main_body) if frame == GROUND else frame for frame in frames}
-    for body in sorted(bodies) if isinstance(assembly.support, Track) else ():
-        assembly.builder.add_track_brake(_core.BodyTrackBrake(body=body, brake=track_brake(table, 1)))
+    frames = {model.frame_of(name) for name in model.wheelsets}
+    bodies = {model.body_index(model.main_body) if frame == GROUND else frame for frame in frames}
+    for body in sorted(bodies) if isinstance(model.support, Track) else ():
+        model.builder.add_track_brake(_core.BodyTrackBrake(body=body, brake=track_brake(table, 1)))
     return len(bodies)
 
 
-def _add_resistance(assembly: Assembly) -> None:
-    train = assembly.case.train
-    assembly.builder.set_resistance(
+def _add_resistance(model: AssembledModel) -> None:
+    train = model.case.train
+    model.builder.set_resistance(
         _core.RunningResistance(
-            body=assembly.index(assembly.main_body),
+            body=model.body_index(model.main_body),
             constant=train.resistance_constant,
             linear=train.resistance_linear,
             quadratic=train.resistance_quadratic,

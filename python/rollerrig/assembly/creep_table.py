@@ -16,9 +16,6 @@ import numpy.typing as npt
 
 from rollerrig import _core
 
-TABLE_FORMAT = 1
-"""Version of the layout; a file of another one is refused."""
-
 TABLE_FILE = "tables/creep_table.npz"
 """Below the catalogue."""
 
@@ -32,7 +29,7 @@ def shipped_table() -> _core.CreepTable:
     """The table of the catalogue, read once.
 
     Raises:
-        CreepTableError: it is missing, truncated, changed or of another version.
+        CreepTableError: it is missing, truncated or changed.
     """
     source = files("rollerrig.catalog").joinpath(TABLE_FILE)
     try:
@@ -50,20 +47,14 @@ def read_table(data: bytes, name: str) -> _core.CreepTable:
         name: of the file, for messages.
 
     Raises:
-        CreepTableError: truncated, changed or of another version.
+        CreepTableError: truncated or changed.
     """
     try:
         with np.load(io.BytesIO(data), allow_pickle=False) as file:
-            content = {key: file[key] for key in file.files}
+            names = ("log_aspect_end", "rho_0", "aspects", "cells", "coefficients", "sha256")
+            content = {key: file[key] for key in names}
     except (ValueError, OSError, EOFError, zipfile.BadZipFile, KeyError):
         raise CreepTableError(f"{name}: not a creep table, or truncated; install rollerrig again") from None
-    version = content.get("format")
-    if version is None or version.size != 1 or int(version) != TABLE_FORMAT:
-        found = "none" if version is None else str(version)
-        raise CreepTableError(f"{name}: format {found}; this version reads format {TABLE_FORMAT}")
-    missing = {"log_aspect_end", "rho_0", "aspects", "cells", "coefficients", "sha256"} - content.keys()
-    if missing:
-        raise CreepTableError(f"{name}: {', '.join(sorted(missing))} missing; install rollerrig again")
     coefficients = np.ascontiguousarray(content["coefficients"], dtype=np.float32)
     if checksum(coefficients) != str(content["sha256"]):
         raise CreepTableError(f"{name}: the checksum of its numbers does not match; install rollerrig again")

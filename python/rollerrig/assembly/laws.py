@@ -1,18 +1,15 @@
 """Tables of the configuration as structs and laws of the core: of the same name, with the same parameters.
 
-    table, numbers that follow from the case -> [core_struct] -> object of the core
+    table, numbers that follow from the case -> [part_of] -> object of the core
     one direction of an element -> [force_laws] -> DirectionLaw of the core
     contact and adhesion of a case -> [core_laws] -> ContactLaws, AdhesionMap of the core
 
-The core has no defaults: each stands once, in `rollerrig.config`. A name that is missing on either side is an error.
+The core has no defaults: each stands once, in `rollerrig.config`.
 """
 
 import math
-from collections.abc import Collection
 from functools import lru_cache
 from typing import Any, TypeAlias, TypeVar, cast
-
-from pydantic import BaseModel
 
 from rollerrig import _core
 from rollerrig.assembly.creep_table import shipped_table
@@ -26,29 +23,14 @@ from rollerrig.config.validate.messages import validate
 S = TypeVar("S")
 
 
-def core_struct(struct: type[S], table: BaseModel | None = None, *, without: Collection[str] = (), **given: Any) -> S:
-    """An object of a class of the core.
+def part_of(struct: type[S], table: object, **given: Any) -> S:
+    """An object of a class of the core, its parameters from a table or another struct that may have more, or given.
 
     Args:
         struct: the class; its attribute `fields` has the names.
-        table: has a field for each parameter that is not given.
-        without: fields of the table that are no parameters of the struct.
+        table: has an attribute for each parameter that is not given.
         given: parameters by name, in place of the table's.
-
-    Raises:
-        TypeError: a parameter is neither in the table nor given, or the struct does not have it.
     """
-    fields = type(table).model_fields if table is not None else ()
-    values = {name: getattr(table, name) for name in fields if name not in without} | given
-    names = set(cast("Any", struct).fields)
-    missing, unknown = names - set(values), set(values) - names
-    if missing or unknown:
-        raise TypeError(f"{struct.__name__}: missing {sorted(missing)}, unknown {sorted(unknown)}")
-    return struct(**values)
-
-
-def part_of(struct: type[S], table: object, **given: Any) -> S:
-    """The same from a table, or another struct, that has more: of it only what the struct has and is not given."""
     names = cast("Any", struct).fields
     return struct(**{name: getattr(table, name) for name in names if name not in given}, **given)
 

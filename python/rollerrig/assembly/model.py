@@ -1,20 +1,27 @@
 """A checked case becomes the compiled model: the only caller of the core's ModelBuilder.
 
     Case -> [assemble] -> AssembledModel -> run, analysis
-            [Assembly] -> rollerrig.assembly.actuators /
+    Case -> [AssembledModel] -> plant in its builder -> rollerrig.assembly.actuators -> the same with actuators
 
 No physics here: positions are added up, names become indices, profiles become spline tables.
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 
 from rollerrig import _core
 from rollerrig.assembly.laws import Support, contact_laws, direction_law
 from rollerrig.assembly.model_parts import WheelInfo, static_loads
 from rollerrig.config import Case, ConfigError, Foundation, Restraint, Rig, Track, Vehicle
-from rollerrig.config.schema.support import NOWHERE, RAIL_CURVES, RailHeads, RollerLosses, rail_heads, rail_layout
+from rollerrig.config.schema.support import (
+    NOWHERE,
+    RAIL_CURVES,
+    RailHeads,
+    RollerLosses,
+    Side,
+    rail_heads,
+    rail_layout,
+)
 from rollerrig.config.schema.track import rails_of_run
 from rollerrig.config.schema.vehicle import DIRECTIONS, Body, Element
 from rollerrig.config.validate.check_track import distance_run, foremost_wheelset
@@ -33,39 +40,51 @@ Rows = Sequence[tuple[float, float]]
 Point = tuple[float, float, float]
 
 
-@dataclass(frozen=True)
 class AssembledModel:
-    """A compiled model and the names of its parts, in the order of the core's indices."""
+    """A compiled model and the names of its parts, in the order of the core's indices; constant once it is finished.
 
-    case: Case
+    Made of a case it is the plant in `builder`, to which more may be added before `finish` compiles it.
+    """
+
     core: _core.Model
     # the model whose equilibrium a run starts from: `core` itself but for a train, which starts on level track, coasting
     start_core: _core.Model
-    bodies: tuple[str, ...]
-    elements: tuple[str, ...]
-    wheels: tuple[WheelInfo, ...]
-    wheelsets: tuple[str, ...]
-    rollers: tuple[str, ...]
-    rails: tuple[str, ...]  # pieces of rail on an elastic foundation, and of sleepers; none where the rails are rigid
-    fixed: tuple[str, ...]
-    masses: dict[str, float]
-    inertias: dict[str, Point]  # principal moments of inertia of each body [kg m^2]
-    positions: dict[str, Point]
-    # static load of each axle: its own weight and what its springs carry in the design position [N]
-    axle_loads: dict[str, float]
-    preloads: dict[str, float]  # vertical preload of each element that carries load, force on its second body [N]
-    wheel_profile: ProfileTable
-    rail_profile: ProfileTable
-    right_rail_profile: ProfileTable
-    rail_origin_y: float  # lateral position of the highest point of the left rail or roller [m]
-    right_rail_origin_y: float  # the same of the right one, to the right [m]
-    line: Line | None  # curvature and cant of the track; None where it is straight, and on a rig
-    irregularity: RailIrregularity | None  # displacements of the rails, or of the rollers that stand for them
-    breakpoints: tuple[float, ...]  # times at which an input has a corner [s]
+    bodies: tuple[str, ...] = ()
+    elements: tuple[str, ...] = ()
+    wheels: tuple[WheelInfo, ...] = ()
+    rollers: tuple[str, ...] = ()
+    rails: tuple[str, ...] = ()  # pieces of rail on an elastic foundation, and of sleepers; none of rigid rails
     axles: tuple[_core.AxleParts, ...] = ()  # actuators of each axle; empty where the model was assembled without
     # adhesion of the case's rails; None without [adhesion], and where the model was assembled without actuators
     adhesion: _core.AdhesionMap | None = None
     bogies: int = 0  # that carry the magnets of a track brake, where the case has one
+
+    def __init__(self, case: Case) -> None:
+        self.case, self.support = case, case.support.data
+        self.vehicle: Vehicle = case.vehicle.data
+        self.cut = case.vehicle.part
+        self.fixed = self.cut.fixed
+        self.wheelsets, self.axle_names = tuple(body.name for body in case.vehicle.wheelsets), case.axle_names
+        self.builder = _core.ModelBuilder(gravity=case.gravity)
+        self.masses: dict[str, float] = {}
+        self.inertias: dict[str, Point] = {}  # principal moments of inertia of each body [kg m^2]
+        self.positions: dict[str, Point] = {}
+        self._profile_index: dict[ProfileTable, int] = {}
+        self._roller_of: dict[tuple[str, str], int] = {}
+        # vertical preload of each element that carries load, force on its second body [N], and static load of each axle: its
+        # own weight and what its springs carry in the design position [N]
+        preloads, loads = static_loads(self.vehicle, case.gravity)
+        own = self.vehicle.elements_in(self.cut)
+        self.preloads = {element.name: preloads[element.name] for element in own if element.name in preloads}
+        self.axle_loads = {name: loads[name] for name in self.wheelsets}
+        self.wheel_profile = profile_from_spec(self.vehicle.wheel.profile.arguments(), "wheel")
+        left, right = self.support.profile, self.support.right_profile
+        self.rail_profile = profile_from_spec(left.arguments(), "rail")
+        self.right_rail_profile = self.rail_profile if right is None else profile_from_spec(right.arguments(), "rail")
+        # distance of the highest point of the left and right rail or roller from the middle [m]
+        self.rail_origin_y = self._rail_origin(self.rail_profile)
+        self.right_rail_origin_y = self._rail_origin(self.right_rail_profile)
+        self._add_plant()
 
     def body_index(self, name: str) -> int:
         """Index of a body in the core.
@@ -79,126 +98,42 @@ class AssembledModel:
             raise KeyError(f"no body named {name!r}; there are {', '.join(self.bodies)}") from None
 
     @property
-    def axle_names(self) -> tuple[str, ...]:
-        """Axles of the train: wheelsets of the model, then `axle_N` for each simulated one, N its number along the train."""
-        table = self.case.train.axles
-        return (*self.wheelsets, *(f"axle_{k}" for k in table.simulated)) if table else self.wheelsets
-
-    @property
     def lateral_bodies(self) -> tuple[str, ...]:
         """Vehicle bodies that can move sideways: frames, wheelsets, car body where free."""
-        return tuple(b for b in self.vehicle_bodies if b not in self.fixed)
-
-    @property
-    def vehicle_bodies(self) -> tuple[str, ...]:
-        """Bodies of the vehicle, held ones included; no rollers, no rails."""
-        return tuple(b for b in self.bodies if b not in self.rollers and b not in self.rails)
-
-
-def assemble(case: Case) -> AssembledModel:
-    """Build the compiled model of a case, without its actuators (see `rollerrig.assembly.actuators`).
-
-    Args:
-        case: a checked case.
-
-    Returns:
-        The model; constant, it may be shared by any number of simulations.
-
-    Example:
-        >>> import rollerrig as rr
-        >>> rr.assemble(rr.load_case("wheelset_rollers")).bodies[1]
-        'wheelset_1'
-    """
-    return Assembly(case).finish()
-
-
-class Assembly:
-    """A model in the making: the plant of a case in `builder`, to which more may be added before `finish`."""
-
-    def __init__(self, case: Case) -> None:
-        self.case = case
-        self.vehicle: Vehicle = case.vehicle.data
-        self.cut = case.vehicle.part
-        self.support = case.support.data
-        self.builder = _core.ModelBuilder(gravity=case.gravity)
-        self.bodies: list[str] = []
-        self.elements: list[str] = []
-        self.rollers: list[str] = []
-        self.rails: list[str] = []
-        self.wheels: list[WheelInfo] = []
-        self.positions: dict[str, Point] = {}
-        self.masses: dict[str, float] = {}
-        self.inertias: dict[str, Point] = {}
-        self.profile_index: dict[ProfileTable, int] = {}
-        self.roller_of: dict[tuple[str, str], int] = {}
-        self.preloads, self.axle_loads = static_loads(self.vehicle, case.gravity)
-        self._add_plant()
-
-    def index(self, name: str) -> int:
-        """Index of a body in the core."""
-        return self.bodies.index(name)
+        others = {*self.fixed, *self.rollers, *self.rails}
+        return tuple(b for b in self.bodies if b not in others)
 
     @property
     def main_body(self) -> str:
         """The body that is held in the train, or else the heaviest one."""
-        fixed = self.cut.fixed
-        return fixed[0] if fixed else max(self.case.vehicle.bodies, key=lambda body: body.mass).name
+        return self.fixed[0] if self.fixed else max(self.case.vehicle.bodies, key=lambda body: body.mass).name
 
     def frame_of(self, wheelset: str) -> int:
         """The body that carries callipers and motor of a wheelset: what its springs stand under; or GROUND."""
         for element in self.vehicle.element:
             if element.carries_load and wheelset in element.between:
                 other = element.between[0] if element.between[1] == wheelset else element.between[1]
-                return self.index(other) if other in self.bodies else GROUND
+                return self.body_index(other) if other in self.bodies else GROUND
         return GROUND
 
-    def finish(self) -> AssembledModel:
-        """The model with what has been added so far."""
-        core = self.builder.finish()
-        return AssembledModel(
-            case=self.case,
-            core=core,
-            start_core=_core.coasting_model(core),
-            bodies=tuple(self.bodies),
-            elements=tuple(self.elements),
-            wheels=tuple(self.wheels),
-            wheelsets=tuple(self.wheelsets),
-            rollers=tuple(self.rollers),
-            rails=tuple(self.rails),
-            fixed=tuple(self.cut.fixed),
-            masses=self.masses,
-            inertias=self.inertias,
-            positions=self.positions,
-            axle_loads={name: self.axle_loads[name] for name in self.wheelsets},
-            preloads={name: self.preloads[name] for name in self.elements if name in self.preloads},
-            wheel_profile=self.wheel_profile,
-            rail_profile=self.rail_profiles["left"],
-            right_rail_profile=self.rail_profiles["right"],
-            rail_origin_y=self.rail_origins["left"],
-            right_rail_origin_y=self.rail_origins["right"],
-            line=self.line,
-            irregularity=self.irregularity,
-            breakpoints=self.breakpoints,
-        )
+    def finish(self) -> "AssembledModel":
+        """Compile what has been added so far."""
+        self.core = self.builder.finish()
+        self.start_core = _core.coasting_model(self.core)
+        return self
+
+    def _rail_origin(self, profile: ProfileTable) -> float:
+        """The gauge is taken `gauge_depth` below a rail's highest point."""
+        return self.support.gauge / 2 + abs(gauge_point(profile, self.support.gauge_depth))
 
     def _add_plant(self) -> None:
-        kept = {*self.cut.bodies, *self.cut.fixed}
+        kept = {*self.cut.bodies, *self.fixed}
         for body in self.vehicle.body:
             if body.name in kept:
                 self._add_vehicle_body(body)
-        wheelsets = self.case.vehicle.wheelsets
-        self.wheel_profile = profile_from_spec(self.vehicle.wheel.profile.arguments(), "wheel")
-        self.rail_heads = rail_heads(self.support)
-        left, other = profile_from_spec(self.support.profile.arguments(), "rail"), self.support.right_profile
-        right = left if other is None else profile_from_spec(other.arguments(), "rail")
-        self.rail_profiles: dict[Literal["left", "right"], ProfileTable] = {"left": left, "right": right}
-        # Distance of a rail's highest point from the middle: the gauge is taken `gauge_depth` below it.
-        self.rail_origins = {
-            side: self.support.gauge / 2 + abs(gauge_point(profile, self.support.gauge_depth))
-            for side, profile in self.rail_profiles.items()
-        }
         for element in self.vehicle.elements_in(self.cut):
             self._add_element(element)
+        wheelsets = self.case.vehicle.wheelsets
         if isinstance(self.support, Rig):
             for place, body in enumerate(wheelsets):
                 self._add_rollers(body, self.support, place)
@@ -207,21 +142,21 @@ class Assembly:
         elif self.support.foundation is not None:
             for body in wheelsets:
                 self._add_rails(body, self.support.foundation)
-        self.wheelsets = [body.name for body in wheelsets]
+        # curvature and cant of the track, None where it is straight and on a rig; displacements of the rails, or of the rollers
+        # that stand for them; times at which an input has a corner [s]
         self.line, self.irregularity = self._add_track_geometry()
         self._add_contacts(wheelsets)
-        self._add_heads()
         self.breakpoints = self._add_motion()
 
     def _add_vehicle_body(self, body: Body) -> None:
         x, y, z = body.position
         position = (x - self.cut.origin_x, y, z)
-        held = body.name in self.cut.fixed
+        held = body.name in self.fixed
         locked = [held or direction in body.locked for direction in DIRECTIONS]
         # A line with curves takes the main body along at the running speed. Curving slows a free vehicle down; it would fall
         # behind its own track frame, whose x axis is straight.
         curves = isinstance(self.support, Track) and bool(self.support.segment)
-        locked[0] |= curves and not self.cut.fixed and body.name == self.main_body
+        locked[0] |= curves and not self.fixed and body.name == self.main_body
         self._add_body(body.name, body.mass, body.inertia, position, locked, axisymmetric=body.kind == "wheelset")
 
     def _add_body(
@@ -234,7 +169,7 @@ class Assembly:
         **more: Any,
     ) -> int:
         """A body of the core; what `more` does not say of it is as in _PLAIN_BODY."""
-        self.bodies.append(name)
+        self.bodies += (name,)
         self.positions[name] = position
         self.masses[name] = mass
         self.inertias[name] = inertia
@@ -247,7 +182,16 @@ class Assembly:
         bx, by, bz = self.positions[b]
         point, loads = (x - self.cut.origin_x - bx, y - by, z - bz), {"z": self.preloads.get(element.name, 0.0)}
         key = f"vehicle.element.{element.name}"
-        self._join(element.name, self.index(a), self.index(b), point, element.laws, loads, key, clamped=element.clamped)
+        self._join(
+            element.name,
+            self.body_index(a),
+            self.body_index(b),
+            point,
+            element.laws,
+            loads,
+            key,
+            clamped=element.clamped,
+        )
 
     def _join(
         self,
@@ -271,7 +215,7 @@ class Assembly:
         except ValueError as error:
             allowed = "allowed: lighter bodies above it"
             raise ConfigError.of(self.case.name, key or name, str(error).partition(": ")[2], allowed) from None
-        self.elements.append(name)
+        self.elements += (name,)
         self.builder.add_element(_core.ForceElement(body_a=a, body_b=b, point_on_b=point, law=law, clamped=clamped))
 
     def _add_rollers(self, wheelset: Body, rig: Rig, place: int) -> None:
@@ -286,7 +230,7 @@ class Assembly:
         share = 1.0 / len(sides)
         load = share * (self.axle_loads[wheelset.name] + rig.roller_mass * self.case.gravity)
         for side in sides:
-            y = {"": 0.0, "_left": self.rail_origins["left"], "_right": -self.rail_origins["right"]}[side]
+            y = {"": 0.0, "_left": self.rail_origin_y, "_right": -self.right_rail_origin_y}[side]
             name = f"roller_{number}{side}"
             ixx, iyy, izz = rig.roller_inertia
             mass, inertia = share * rig.roller_mass, (share * ixx, share * iyy, share * izz)
@@ -294,9 +238,9 @@ class Assembly:
             own = {f"loss_{name}": share * torque for name, torque in torques.items()}
             own |= {"axisymmetric": True, "speed_controlled_radius": controlled}
             index = self._add_body(name, mass, inertia, (x, y, -rig.roller_radius), locked, **own)
-            self.rollers.append(name)
+            self.rollers += (name,)
             for wheel_side in ("left", "right") if side == "" else (side[1:],):
-                self.roller_of[(wheelset.name, wheel_side)] = index
+                self._roller_of[(wheelset.name, wheel_side)] = index
             if mounting is not None:
                 askew = dict(enumerate(mounting.misalignment)).get(place, 0.0)
                 self._mount(index, mounting.laws, load, askew)
@@ -306,7 +250,7 @@ class Assembly:
         x, mass, sleeper = wheelset.position[0] - self.cut.origin_x, foundation.rail_mass, foundation.sleeper
         number = wheelset.name.removeprefix("wheelset_")
         foot = (0.0, 0.0, -foundation.centre_height)
-        for side, y in (("left", self.rail_origins["left"]), ("right", -self.rail_origins["right"])):
+        for side, y in (("left", self.rail_origin_y), ("right", -self.right_rail_origin_y)):
             load, under = 0.5 * self.axle_loads[wheelset.name] + mass * self.case.gravity, GROUND
             place = (x, y, -foundation.rail_height)
             if sleeper is not None:
@@ -314,12 +258,12 @@ class Assembly:
                 self._mount(under, sleeper.laws, load + sleeper.mass * self.case.gravity)
             place = (*place[:2], foundation.centre_height - foundation.rail_height)
             index = self._add_piece(f"rail_{number}_{side}", mass, foundation.roll_inertia, place, foundation.laws)
-            self.roller_of[(wheelset.name, side)] = index
+            self._roller_of[(wheelset.name, side)] = index
             self._mount(index, foundation.laws, load, point=foot, under=under)
 
     def _add_piece(self, name: str, mass: float, inertia: float, place: Point, free: Mapping[str, Support]) -> int:
         """A piece of track that moves in the directions in which it has supports."""
-        self.rails.append(name)
+        self.rails += (name,)
         locked = [direction not in free for direction in DIRECTIONS]
         return self._add_body(name, mass, (inertia, inertia, inertia), place, locked, in_moving_frame=False)
 
@@ -343,48 +287,47 @@ class Assembly:
         heaviest = self.vehicle.heaviest_in(self.cut)
         name = restraint.body or (heaviest.name if heaviest else "")
         point = (0.0, 0.0, restraint.height - self.positions[name][2])
-        self._join("restraint", GROUND, self.index(name), point, {"x": restraint}, {})
+        self._join("restraint", GROUND, self.body_index(name), point, {"x": restraint}, {})
 
     def _add_contacts(self, wheelsets: Sequence[Body]) -> None:
-        changing = {side: heads.tables[0] for side, heads in self.rail_heads.items()}
-        laws = contact_laws(self.case.contact)
+        """Two contacts of each wheelset, left and right, and the heads that change along the rails or round the rollers."""
+        heads, laws = rail_heads(self.support), contact_laws(self.case.contact)
+        sides: tuple[tuple[Side, ProfileTable, float], ...] = (
+            ("left", self.rail_profile, self.rail_origin_y),
+            ("right", self.right_rail_profile, self.right_rail_origin_y),
+        )
         for body in wheelsets:
-            for side, rail in self.rail_profiles.items():
+            for side, rail, origin in sides:
                 contact = _core.ContactDescription(
-                    wheelset=self.index(body.name),
-                    roller=self.roller_of.get((body.name, side), GROUND),
+                    wheelset=self.body_index(body.name),
+                    roller=self._roller_of.get((body.name, side), GROUND),
                     roller_radius=self.support.roller_radius if isinstance(self.support, Rig) else 0.0,
                     right=side == "right",
                     wheel_profile=self._profile(self.wheel_profile),
-                    rail_profile=self._profile(changing.get(side, rail)),
+                    rail_profile=self._profile(heads[side].tables[0] if side in heads else rail),
                     wheel_radius=self.vehicle.wheel.radius,
                     tape_circle_y=self.vehicle.wheel.back_to_back / 2 + self.vehicle.wheel.tape_circle,
-                    rail_origin_y=self.rail_origins[side],
+                    rail_origin_y=origin,
                     size=self.vehicle.wheel.profile.length_scale,
                     laws=laws,
                 )
                 index = self.builder.add_contact(contact)
-                self.wheels.append(WheelInfo(f"{body.name}_{side}", body.name, side, index))
-
-    def _add_heads(self) -> None:
-        """Heads that change along the rails or round the rollers."""
-        if not self.rail_heads:
-            return
-        none = RailHeads((), NOWHERE)
-        left, right = (self.rail_heads.get(side, none) for side in self.rail_profiles)
-        self.builder.set_heads(
-            [self._profile(table) for table in left.tables],
-            left.place.rows,
-            [self._profile(table) for table in right.tables],
-            right.place.rows,
-            max(left.period, right.period),
-        )
+                self.wheels += (WheelInfo(f"{body.name}_{side}", body.name, side, index),)
+        if heads:
+            left, right = (heads.get(side, RailHeads((), NOWHERE)) for side, *_ in sides)
+            self.builder.set_heads(
+                [self._profile(table) for table in left.tables],
+                left.place.rows,
+                [self._profile(table) for table in right.tables],
+                right.place.rows,
+                max(left.period, right.period),
+            )
 
     def _profile(self, table: ProfileTable) -> int:
         """Index of a profile in the core, which gets it once."""
-        if table not in self.profile_index:
-            self.profile_index[table] = self.builder.add_profile(table.start, table.step, table.coefficients)
-        return self.profile_index[table]
+        if table not in self._profile_index:
+            self._profile_index[table] = self.builder.add_profile(table.start, table.step, table.coefficients)
+        return self._profile_index[table]
 
     def _add_track_geometry(self) -> tuple[Line | None, RailIrregularity | None]:
         """Where the track leads, and where its rails lie."""
@@ -414,16 +357,33 @@ class Assembly:
             corners += [time for time, _ in motion.torque_table]
             axle_share = 0.5 if isinstance(self.support, Rig) and self.support.coupling == "independent" else 1.0
             rows = [(time, axle_share * torque) for time, torque in motion.torque_table]
-            for index in map(self.index, self.rollers):
+            for index in map(self.body_index, self.rollers):
                 driven = _core.RollerTorque(roller=index, torque=rows, gear_ratio=1.0, rotor_inertia=0.0)
                 self.builder.add_roller_torque(driven)
         for torque in self.case.axle_torque:
             rows = [(0.0, torque.constant)] if torque.constant is not None else list(torque.table or ())
             corners += [time for time, _ in rows]
-            reaction = GROUND if torque.reacts_on == "none" else self.index(torque.reacts_on)
-            self.builder.add_axle_torque(axle_torque(self.index(torque.wheelset), reaction, rows))
+            reaction = GROUND if torque.reacts_on == "none" else self.body_index(torque.reacts_on)
+            self.builder.add_axle_torque(axle_torque(self.body_index(torque.wheelset), reaction, rows))
         duration = self.case.time.duration
         return tuple(sorted({time for time in corners if 0.0 < time < duration}))
+
+
+def assemble(case: Case) -> AssembledModel:
+    """Build the compiled model of a case, without its actuators (see `rollerrig.assembly.actuators`).
+
+    Args:
+        case: a checked case.
+
+    Returns:
+        The model; constant, it may be shared by any number of simulations.
+
+    Example:
+        >>> import rollerrig as rr
+        >>> rr.assemble(rr.load_case("wheelset_rollers")).bodies[1]
+        'wheelset_1'
+    """
+    return AssembledModel(case).finish()
 
 
 def axle_torque(wheelset: int, reaction: int, table: Rows) -> _core.AxleTorque:

@@ -7,18 +7,12 @@ from typing import Any
 
 from rollerrig import _core
 from rollerrig.assembly.model import AssembledModel
-from rollerrig.config import Case
 from rollerrig.config.schema.brakes import ReservoirAir
-
-
-def simulated_count(case: Case) -> int:
-    """Number of axles that are only simulated."""
-    return len(case.train.axles.simulated) if case.train.axles else 0
 
 
 def axle_loads(model: AssembledModel) -> list[float]:
     """Static load of each axle of the train, as `model.axle_names` [N]."""
-    tested = [model.axle_loads[name] for name in model.wheelsets]
+    tested = [*model.axle_loads.values()]
     table = model.case.train.axles
     if table is None:
         return tested

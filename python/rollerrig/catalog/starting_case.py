@@ -14,6 +14,7 @@ from rollerrig.config import load_case
 from rollerrig.config.errors import ConfigError, ConfigProblem, show_value
 from rollerrig.config.read import catalog_file, catalog_names, schema_uri
 from rollerrig.config.schema.vehicle import Vehicle
+from rollerrig.config.write.differences import OWN_KEYS
 from rollerrig.config.write.explain import KeyPlace, key_places, unit_text
 from rollerrig.config.write.toml import is_table, key_text, literal, literal_on_one_line, plain
 
@@ -72,9 +73,10 @@ def _table(table: Raw, above: str, lines: list[str]) -> None:
     lines += _offered(table, above)
     for key, value in inner.items():
         for item in value if isinstance(value, list) else [value]:
-            name = f"{above}{key}"
-            lines += ["", f"[[{name}]]" if isinstance(value, list) else f"[{name}]"]
-            _table(item, f"{name}.", lines)
+            name, own = f"{above}{key}", list[str]()
+            _table(item, f"{name}.", own)
+            heading = ["", f"[[{name}]]" if isinstance(value, list) else f"[{name}]"]
+            lines += own if own[:1] == [""] else [*heading, *own]  # the first: a table of tables alone
 
 
 def _place(key: str) -> KeyPlace | None:
@@ -100,7 +102,7 @@ def _offered(table: Raw, above: str) -> list[str]:
     """Plain keys that a table could have beside those it has: default and meaning, one line each."""
     table_of = above.rstrip(".")
     places = [one for one in key_places() if one.file == "case" and one.key.rpartition(".")[0] == table_of]
-    if not above or not places:
+    if not places or table_of.split(".")[0] in ("", *OWN_KEYS):  # a vehicle or support in use has its own values
         return []
     if len({place.table for place in places}) > 1:  # each has its own
         return [f"# It has several kinds: `rollerrig explain {above.rstrip('.')}` lists their keys."]

@@ -1,6 +1,6 @@
 """Numbers as people write them: the one formatter of terminal, reports, figures and messages.
 
-number, unit -> [this file] -> text without exponents of computers, negative zeros or round-off
+number -> [this file] -> text without exponents of computers, negative zeros or round-off
 """
 
 import math
@@ -8,7 +8,6 @@ from dataclasses import dataclass
 from html import escape
 
 _SUPERSCRIPT = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-_PREFIXES = {9: "G", 6: "M", 3: "k", 0: "", -3: "m", -6: "µ", -9: "n"}
 _THIN = "\u202f"
 """Between groups of three digits; it does not break."""
 
@@ -42,30 +41,6 @@ def _plain(value: float, digits: int) -> str:
     text = f"{value:z,.{max(0, digits - 1 - size)}f}"
     text = text.rstrip("0").rstrip(".") if "." in text else text
     return text.replace(",", _THIN if abs(value) >= 9999.5 else "")
-
-
-def quantity(value: float, unit: str, digits: int = 3, *, least: float = 0.0) -> str:
-    """A number with its unit, whose prefix leaves one to three digits before the point.
-
-    Args:
-        value: in `unit`.
-        unit: without a prefix, e.g. "Pa", "N m"; "" or "1": none.
-        digits: significant ones.
-        least: what is smaller is round-off and shown as zero, in `unit`.
-
-    Example:
-        >>> quantity(3.14e9, "Pa"), quantity(-2e-5, "m"), quantity(1e-13, "m", least=1e-9)
-        ('3.14 GPa', '-20 µm', '0 m')
-    """
-    if not math.isfinite(value):
-        return "–"
-    if unit in ("", "1"):
-        return number(0.0 if abs(value) < least else value, digits)
-    if value == 0.0 or abs(value) < least:
-        return f"0 {unit}"
-    rounded = float(f"{value:.{digits - 1}e}")  # 999.9 may become 1000, which has another prefix
-    power = max(-9, min(9, 3 * math.floor(math.log10(abs(rounded)) / 3)))
-    return f"{number(rounded / 10.0**power, digits)} {_PREFIXES[power]}{unit}"
 
 
 def percent(value: float | None, digits: int = 2, *, signed: bool = False) -> str:

@@ -35,7 +35,6 @@ from rollerrig.config.schema.case import ScaledFrom as ScaledFrom
 from rollerrig.config.schema.contact import Material as Material
 from rollerrig.config.schema.fit import FitPlan as FitPlan
 from rollerrig.config.schema.plan import Plan as Plan
-from rollerrig.config.schema.profile import ProfileSpec as ProfileSpec
 from rollerrig.config.schema.profile import Uic60 as Uic60
 from rollerrig.config.schema.programme import CRITERIA as CRITERIA
 from rollerrig.config.schema.programme import Limit as Limit

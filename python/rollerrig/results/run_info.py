@@ -156,7 +156,6 @@ class RunInfo:
         part: of the vehicle that was run.
         support: kind of the support.
         bodies, wheels: in the order of the coordinates.
-        normal_contact, creep_law: as in the case.
         actuators: tables of the case that act on the vehicle.
         motors_reproduce_brakes: whether the traction motors give the torque of the brakes.
         scaled_from: of a scaled model, the full-scale case and the factors; None at full scale.
@@ -180,8 +179,6 @@ class RunInfo:
     support: Literal["rig", "track"]
     bodies: tuple[BodyInfo, ...]
     wheels: tuple[str, ...]
-    normal_contact: str
-    creep_law: str
     actuators: tuple[str, ...]
     motors_reproduce_brakes: bool
     scaled_from: ScaledFrom | None
@@ -249,8 +246,6 @@ def describe(model: AssembledModel) -> RunInfo:
         support=support.kind,
         bodies=tuple(_body(model, name) for name in model.bodies),
         wheels=tuple(wheel.name for wheel in model.wheels),
-        normal_contact=case.contact.normal.kind,
-        creep_law=case.contact.creep.kind,
         actuators=tuple(key for key in ACTUATORS if getattr(case, key) is not None),
         motors_reproduce_brakes=case.brake is not None and case.brake.by_traction_motors,
         scaled_from=case.similitude,

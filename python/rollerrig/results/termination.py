@@ -11,24 +11,19 @@ import xarray as xr
 from rollerrig.assembly.model import AssembledModel
 from rollerrig.common.arrays import Array
 from rollerrig.config import Track
-from rollerrig.profiles.table import STEEPEST_SLOPE, ProfileTable
+from rollerrig.profiles.table import ProfileTable
 from rollerrig.results.dataset import Draft
 from rollerrig.track import Segment
 
 LAST_SECONDS = 0.5
 """Before the end: a flange climbs within this time, and in the end it carries nothing [s]."""
 
-NO_FURTHER = 0.2e-3
-"""A profile whose points reach no further than this beyond its table ends there [m]."""
-
-BESIDE = 1e-3
-"""A contact further from the end of its profiles did not come to it [m]: core/src/system/contact_monitor.cpp has 0.5 mm."""
-
 PATCH = ("wheel_abscissa", "rail_abscissa", "contact_angle", "normal")
 FORCES = ("lateral_force", "vertical_force")
 
+LESS = "Less force on the flange (speed, cant deficiency, friction) or a smaller step may keep it on its rail."
 FLEXIBLE = "The rails are rigid: support.foundation, as flexible_track has it, lets them give way."
-"""What to try where a wheel chatters or leaves its rail."""
+"""What to try where a wheel comes to the end of a profile, and where it chatters or leaves its rail."""
 
 
 def add_termination(draft: Draft, model: AssembledModel) -> None:
@@ -63,14 +58,13 @@ def contact_in_words(model: AssembledModel, wheel: str, status: str, last: xr.Da
     forces = [float(last[name].sel(wheel=wheel).squeeze()) for name in FORCES]
     parts = []
     if np.any(load > 0):
-        ends = (_end(model.wheel_profile, s), _end(_rail(model, wheel), y))
-        left, profile, place = min(ends, key=lambda end: end[0].min(where=load > 0, initial=np.inf))
-        k = int(np.argmin(np.where(load > 0, left, np.inf)))
+        left = np.array([_left(model.wheel_profile, s), _left(_rail(model, wheel), y)])
+        side, k = np.unravel_index(int(np.argmin(np.where(load > 0, left, np.inf))), left.shape)
         parts.append(f"It touches {_touch_in_words(model, wheel, s[k], y[k], angle[k], *forces)}")
         if status == "off_profile":
-            parts.append(_reach(profile, place[k], left[k]))
-    rigid = isinstance(model.case.support.data, Track) and not model.rails
-    if rigid and "reaches further" not in "".join(parts):
+            what = ("wheel", "rail")[side]
+            parts.append(f"That is {1e3 * left[side, k]:.1f} mm from the end of the {what}'s profile. {LESS}")
+    if isinstance(model.case.support.data, Track) and not model.rails:
         parts.append(FLEXIBLE)
     return "".join(f" {part}" for part in parts)
 
@@ -103,34 +97,12 @@ def _rail(model: AssembledModel, wheel: str) -> ProfileTable:
     return model.right_rail_profile if wheel.endswith("_right") else model.rail_profile
 
 
-def _end(profile: ProfileTable, places: Array) -> tuple[Array, ProfileTable, Array]:
+def _left(profile: ProfileTable, places: Array) -> Array:
     """How far the end of a profile is from places on it, along it as core/src/system/contact_monitor.cpp measures it [m]."""
     low, high = profile.domain
     near = np.where(2.0 * places < low + high, low, high)
     inside = np.nan_to_num(np.clip(places, low, high))
-    return np.hypot(near - inside, profile.evaluate(near) - profile.evaluate(inside)), profile, places
-
-
-def _reach(profile: ProfileTable, place: float, left: float) -> str:
-    """Whether a profile ends beside a contact, where its points end or where it becomes too steep: else longer ones are no use.
-
-    The place of the contact on it, and the distance along it from there to its end [m].
-    """
-    if not left < BESIDE:
-        return (
-            f"Both profiles reach {1e3 * left:.1f} mm or more beyond the contact: a longer one is of no use; the wheel jumps "
-            "(smaller step, less force on the flange)."
-        )
-    low, high = profile.domain
-    inner = place - low < high - place
-    end, last = (low, profile.outline[:, 0].min()) if inner else (high, profile.outline[:, 0].max())
-    what = f"The {profile.kind} profile"
-    if abs(last - end) < NO_FURTHER:
-        return f"{what} ends at {1e3 * end:.1f} mm: give one that reaches further."
-    return (
-        f"{what} goes on to {1e3 * last:.1f} mm, but is steeper than {math.degrees(math.atan(STEEPEST_SLOPE)):.0f} degrees from "
-        f"{1e3 * end:.1f} mm: a longer one is of no use, less force on the flange is (speed, cant deficiency, friction)."
-    )
+    return np.hypot(near - inside, profile.evaluate(near) - profile.evaluate(inside))
 
 
 def segment_in_words(model: AssembledModel, distance: float) -> str:

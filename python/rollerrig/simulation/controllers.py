@@ -24,15 +24,12 @@ from rollerrig.common.arrays import Array
 from rollerrig.common.input_files import LARGEST_TEXT, InputError, read_input
 from rollerrig.config import Case, Code, ConfigError
 from rollerrig.simulation.fmu_controller import FmuController, FmuError
+from rollerrig.simulation.fmu_file import MEASUREMENTS as MEASUREMENTS
 
 Measurements = dict[str, Any]
 
 COMMANDS: dict[str, _core.CommandField] = dict(_core.commands)
 """Table of the case -> its command, and what is allowed."""
-
-MEASUREMENTS = tuple(name for name, _, _ in _core.measurement_fields)
-"""What a controller is given beside `time`, an array over the axles each; on track only `axle_speed` means anything."""
-
 
 BRAKE_UNIT = "brake_unit"
 
@@ -100,11 +97,8 @@ def fmu_controller(case: Case, role: str) -> FmuController:
         ConfigError: it cannot be used.
     """
     table = getattr(case, role)
-    wheelsets = [body.name for body in case.vehicle.wheelsets]
-    train = case.train.axles
-    others = [f"axle_{k}" for k in train.simulated] if train and role != "rig_control" else []
-    command = COMMANDS[role].name
-    return FmuController(table.fmu, f"{role}.fmu", case.name, [*wheelsets, *others], command, table.sample_time)
+    axles = case.axle_names if role != "rig_control" else tuple(body.name for body in case.vehicle.wheelsets)
+    return FmuController(table.fmu, f"{role}.fmu", case.name, axles, COMMANDS[role].name, table.sample_time)
 
 
 def close_controllers(users: Mapping[str, UserController]) -> None:

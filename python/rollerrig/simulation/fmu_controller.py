@@ -28,7 +28,7 @@ from typing import Any
 import numpy as np
 
 from rollerrig.config.schema.actuators import ControllerFmu
-from rollerrig.simulation.fmu_file import FLOATS, FmuFile, Link, open_fmu
+from rollerrig.simulation.fmu_file import FLOATS, FmuFile, Link, in_one_line, open_fmu
 
 _ERROR, _FATAL = 3, 4
 """Statuses of both versions of the standard."""
@@ -93,7 +93,7 @@ class FmuController:
             raise
         except Exception as error:
             self._dead = getattr(error, "status", _ERROR) == _FATAL
-            raise FmuError(f"{_sentence(error)}{self._last_lines()}") from error
+            raise FmuError(f"{in_one_line(error)}{self._last_lines()}") from error
 
     def close(self) -> None:
         """End the instance and remove what was unpacked; another run may begin."""
@@ -223,8 +223,3 @@ def _set(fmu: Any, link: Link, values: list[Any]) -> None:
 def _kind(link: Link) -> str:
     """In the names of the standard's functions."""
     return "Integer" if link.kind == "Enumeration" else link.kind
-
-
-def _sentence(error: Exception) -> str:
-    """In one line."""
-    return " ".join(str(error).split()) or type(error).__name__

@@ -8,7 +8,6 @@ from __future__ import annotations
 import hashlib
 import io
 import math
-import struct
 import zipfile
 import zlib
 from collections.abc import Callable, Sequence
@@ -30,7 +29,8 @@ LARGEST_DESCRIPTION = 16 * MEGABYTE
 """Largest size of its modelDescription.xml [bytes]; 80 000 variables have some 16 MB."""
 OF_THE_TRAIN = ("track_brake_force", "force_of_others")
 """Measured quantities that are the same for each axle: a variable may take one number."""
-MEASURED = tuple(name for name, _, _ in _core.measurement_fields)
+MEASUREMENTS = tuple(name for name, _, _ in _core.measurement_fields)
+"""What a controller is given beside `time`, an array over the axles each; on track only `axle_speed` means anything."""
 FLOATS = ("Real", "Float64", "Float32")
 WHOLE_NUMBERS = tuple(f"{sign}Int{bits}" for sign in ("", "U") for bits in (8, 16, 32, 64))
 NUMBERS = (*FLOATS, "Integer", "Enumeration", "Boolean", *WHOLE_NUMBERS)
@@ -120,7 +120,7 @@ def _read(path: str, key: str, file: str) -> tuple[bytes, Any]:
     try:
         description = fmpy.read_model_description(io.BytesIO(content), validate=False)
     except Exception as error:  # whatever the reader of XML meets
-        raise refused(f"its modelDescription.xml cannot be read: {_first_line(error)}") from None
+        raise refused(f"its modelDescription.xml cannot be read: {in_one_line(error)}") from None
     if description.fmiVersion not in ("2.0", "3.0"):
         raise refused(f"it is of FMI {description.fmiVersion}; allowed: 2.0, 3.0")
     if description.coSimulation is None:
@@ -132,38 +132,19 @@ def _read(path: str, key: str, file: str) -> tuple[bytes, Any]:
         raise refused(f"it has no {library}; it runs on {', '.join(there) or 'no platform'}, this is {own}")
     try:
         with zipfile.ZipFile(io.BytesIO(content)) as archive:
-            missing = cut_off(archive.read(library))
+            archive.read(library)
     except (zipfile.BadZipFile, zlib.error, EOFError, NotImplementedError) as error:
-        raise refused(f"{library} in it cannot be unpacked: {_first_line(error)}") from None
-    if missing:
-        raise refused(f"{library} in it is cut: {_size(missing)} are missing at its end, its loading would crash")
+        raise refused(f"{library} in it cannot be unpacked: {in_one_line(error)}") from None
     return content, description
-
-
-def cut_off(library: bytes) -> int:
-    """Bytes that miss at the end of a shared library of Linux; 0 of a whole one, and of what is none of Linux.
-
-    The loader maps what the program headers say and dies of SIGBUS where the file ends before; nothing is executed here.
-    """
-    if library[:6] != b"\x7fELF\x02\x01" or len(library) < 64:  # 64 bits, little endian
-        return max(0, 64 - len(library)) if library[:4] == b"\x7fELF" else 0
-    first, size, count = struct.unpack_from("<Q", library, 32)[0], *struct.unpack_from("<HH", library, 54)
-    end = first + size * count
-    for at in range(first, end, max(size, 1)) if end <= len(library) and size >= 56 else ():
-        kind, offset, length = (
-            struct.unpack_from(form, library, at + place)[0] for form, place in (("<I", 0), ("<Q", 8), ("<Q", 32))
-        )
-        end = max(end, offset + length) if kind == 1 else end  # PT_LOAD
-    return int(max(0, end - len(library)))
 
 
 def _size(count: int) -> str:
     return f"{count / MEGABYTE:.3g} MB"
 
 
-def _first_line(error: Exception) -> str:
-    text = str(error).strip() or type(error).__name__
-    return text.splitlines()[0]
+def in_one_line(error: Exception) -> str:
+    """What an exception says."""
+    return " ".join(str(error).split()) or type(error).__name__
 
 
 class _Matcher:
@@ -177,18 +158,18 @@ class _Matcher:
     def inputs(self, command: str) -> tuple[Link, ...]:
         """Measured quantities that the FMU takes."""
         for signal in self._table.names:
-            if signal not in (*MEASURED, command):
-                known = (*MEASURED, command)
+            if signal not in (*MEASUREMENTS, command):
+                known = (*MEASUREMENTS, command)
                 self._refuse("names", signal, f"allowed: {', '.join(known)}", nearest(signal, known))
         found = []
-        for signal in MEASURED:
+        for signal in MEASUREMENTS:
             written = self._table.names.get(signal)
             link = self._usual(signal) if written is None else self._link(signal, written, "input", FLOATS)
             if link is not None:
                 found.append(link)
         if not found and not self.problems:
             takes = self._offers(lambda v: v.causality == "input")
-            self._refuse("names", "missing", f"no input is driven: {takes}; measured are {', '.join(MEASURED)}")
+            self._refuse("names", "missing", f"no input is driven: {takes}; measured are {', '.join(MEASUREMENTS)}")
         return tuple(found)
 
     def command(self, command: str) -> Link | None:

@@ -5,12 +5,12 @@ Case, AssembledModel -> [setup] -> _core.MechatronicSetup
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 from rollerrig import _core
 from rollerrig.assembly.actuators import electrodynamic_brake, friction_brake, pneumatics, track_brake
-from rollerrig.assembly.laws import angular, core_struct, part_of
+from rollerrig.assembly.laws import angular, part_of
 from rollerrig.assembly.model import AssembledModel
 from rollerrig.assembly.model_parts import ABSENT
 from rollerrig.assembly.train_axles import (
@@ -18,23 +18,18 @@ from rollerrig.assembly.train_axles import (
     axle_places,
     brake_delay,
     simulated_axles,
-    simulated_count,
     train_mass,
 )
 from rollerrig.config import Adhesion, Brake, Case, ForceSensor, Motor, Rig, RigControl, Sensors
 from rollerrig.config.schema.actuators import SlideProtection, TableSlideProtection, entry_numbers
 from rollerrig.config.schema.rig_control import (
     AnyAxleTorque,
-    AnyFeedback,
     KnownTorque,
     LeadCommand,
     ProportionalIntegral,
 )
 from rollerrig.simulation.controllers import UserController
 from rollerrig.simulation.virtual_train import load_transfer, rail_patch
-
-_TIMING = ("sample_time", "delay", "user", "fmu")
-"""Fields of a controller's table that say when it is asked, not what it does."""
 
 
 def mechatronic_setup(
@@ -51,8 +46,7 @@ def mechatronic_setup(
     if not case.sampled:
         return None
     control = case.rig_control or RigControl()
-    return core_struct(
-        _core.MechatronicSetup,
+    return _core.MechatronicSetup(
         step=case.time.sampling_step,
         speed=case.motion.speed,
         stop_speed=_stop_speed(case),
@@ -60,13 +54,12 @@ def mechatronic_setup(
         actuators=_actuators(model, control),
         sensors=_sensors(case.sensors),
         controllers=_controllers(model, controllers or {}),
-        protection=core_struct(_core.RollerProtection, control.protection),
+        protection=part_of(_core.RollerProtection, control.protection),
         frame=_frame(model),
-        rail_cell=_cell(case),
-        **_memory(case),
+        **_rail(case, "rail_cell"),
         sanding=_sanding(case),
         simulated=simulated_axles(model, wheelset_inertia(model)),
-        rail=virtual_rail(model) if simulated_count(case) else None,
+        rail=virtual_rail(model) if model.axle_names != model.wheelsets else None,
         brake_delay=brake_delay(model),
         **air_groups(model),
     )
@@ -77,7 +70,7 @@ def _sanding(case: Case) -> _core.Sanding | None:
     if table is None:
         return None
     start = law_of(_core.sanding_starts, table.start)
-    return core_struct(_core.Sanding, table, without=("axles", "saturation", "rail"), start=start)
+    return part_of(_core.Sanding, table, start=start)
 
 
 def _stop_speed(case: Case) -> float:
@@ -86,15 +79,11 @@ def _stop_speed(case: Case) -> float:
     return stop if case.brake is not None and case.motion.speed > stop else 0.0
 
 
-def _cell(case: Case) -> float:
-    """Length of the rail's cells [m]."""
-    return case.adhesion.cell_length if case.adhesion else float(Adhesion.model_fields["cell_length"].default)
-
-
-def _memory(case: Case) -> dict[str, Any]:
-    """Width over which a wheel's dissipated energy is spread, 0: of its patches, 1: energy per metre; its memory [m]."""
-    per_length = case.adhesion is not None and case.adhesion.recovery_per == "length"
-    return {"energy_width": float(per_length), "wheel_memory": case.adhesion.wheel_memory if case.adhesion else 0.0}
+def _rail(case: Case, cell: str) -> dict[str, Any]:
+    """The rail's memory: length of its `cell` [m], that of the wheels [m], width of energy, 0: of the patches, 1: per metre."""
+    adhesion = case.adhesion or Adhesion.model_validate({"rail": "dry"})
+    width = float(adhesion.recovery_per == "length")
+    return {cell: adhesion.cell_length, "energy_width": width, "wheel_memory": adhesion.wheel_memory}
 
 
 def _axles(model: AssembledModel) -> list[_core.AxleParts]:
@@ -108,7 +97,7 @@ def _axles(model: AssembledModel) -> list[_core.AxleParts]:
         has_motor=case.traction is not None,
         sands=False,
     )
-    return [*model.axles, *[simulated] * simulated_count(case)]
+    return [*model.axles, *[simulated] * (len(model.axle_names) - len(model.axles))]
 
 
 def _frame(model: AssembledModel) -> _core.TravellingFrame:
@@ -116,33 +105,30 @@ def _frame(model: AssembledModel) -> _core.TravellingFrame:
     if isinstance(model.case.support.data, Rig):
         return _core.TravellingFrame(train_mass=0.0, fixed_mass=0.0)
     mass = train_mass(model)
-    free = sum(model.masses[b] for b in model.vehicle_bodies if b not in model.fixed)
+    free = sum(model.masses[b] for b in model.lateral_bodies)
     return _core.TravellingFrame(train_mass=mass, fixed_mass=max(0.0, mass - free) if model.fixed else 0.0)
 
 
 # ---------------------------------------------------------------------------------------------------- parts
 
 
-def law_of(registry: Mapping[str, Any], table: Any, without: Collection[str] = (), **given: Any) -> Any:
+def law_of(registry: Mapping[str, Any], table: Any, **given: Any) -> Any:
     """The law of a registry of the core that a table names by its kind; its bandwidth is an angular frequency there."""
     if hasattr(table, "bandwidth"):
         given["bandwidth"] = angular(table.bandwidth)
-    return core_struct(registry[table.kind], table, without=("kind", *without), **given)
+    return part_of(registry[table.kind], table, **given)
 
 
 def motor(table: Motor) -> _core.Motor:
     """A drive, without its rotor: that is a body of the model."""
-    without = ("rotor_inertia", "gear_ratio")
-    own = {"envelope": table.envelope or (), "bandwidth": angular(table.bandwidth)}
-    return core_struct(_core.Motor, table, without=without, **own)
+    return part_of(_core.Motor, table, envelope=table.envelope or (), bandwidth=angular(table.bandwidth))
 
 
 def _actuators(model: AssembledModel, control: RigControl) -> _core.Actuators:
     case = model.case
     brake = case.brake or Brake(demand=((0.0, 0.0), (1.0, 0.0)))
     traction = case.traction
-    return core_struct(
-        _core.Actuators,
+    return _core.Actuators(
         brake=friction_brake(brake),
         pneumatics=pneumatics(brake),
         by_traction_motors=brake.by_traction_motors,
@@ -157,7 +143,7 @@ def _actuators(model: AssembledModel, control: RigControl) -> _core.Actuators:
 
 def _sensors(table: Sensors) -> _core.Sensors:
     flange = table.roller_torque
-    return core_struct(
+    return part_of(
         _core.Sensors,
         table,
         axles=law_of(_core.speed_sensors, table.axles),
@@ -169,7 +155,7 @@ def _sensors(table: Sensors) -> _core.Sensors:
 
 
 def _force_sensor(table: ForceSensor) -> _core.ForceSensor:
-    return core_struct(_core.ForceSensor, table, bandwidth=table.bandwidth and angular(table.bandwidth))
+    return part_of(_core.ForceSensor, table, bandwidth=table.bandwidth and angular(table.bandwidth))
 
 
 # ---------------------------------------------------------------------------------------------------- controllers
@@ -202,8 +188,8 @@ def controller_of(model: AssembledModel, name: str) -> Any:
         return law(pneumatics=pneumatics(case.brake), **air_groups(model))
     if name == "slide_protection":
         return slide_protection(table, radius)
-    search = core_struct(_core.SlipSearch, table.search, axle_inertia=wheelset_inertia(model))
-    return core_struct(law, table, without=_TIMING, wheel_radius=radius, search=search)
+    search = part_of(_core.SlipSearch, table.search, axle_inertia=wheelset_inertia(model))
+    return part_of(law, table, wheel_radius=radius, search=search)
 
 
 def slide_protection(table: SlideProtection | TableSlideProtection, wheel_radius: float) -> Any:
@@ -222,15 +208,13 @@ def rig_controller(model: AssembledModel) -> _core.RigControl:
     """
     control = model.case.rig_control
     assert control is not None
-    without = (*_TIMING, "load_transfer", "loads", "motor", "protection")
-    return core_struct(
+    return part_of(
         _core.RigControl,
         control,
-        without=without,
         assumed=assumed_parameters(model),
         estimator=estimator(control),
         axle_torque=axle_torque(control.axle_torque),
-        feedback=feedback(control.feedback),
+        feedback=law_of(_core.feedbacks, control.feedback),
         drive_command=drive_command(control),
         largest=control.feedback.largest,
         commanded_torque=control.estimator.torque == "commanded",
@@ -251,26 +235,20 @@ def virtual_rail(model: AssembledModel) -> _core.VirtualRail:
         contact=model.axles[0].contacts[0],
         adhesion=model.adhesion,
         patch=rail_patch(model),
-        cell=_cell(model.case),
-        **_memory(model.case),
+        **_rail(model.case, "cell"),
         sand_kept=model.case.sanding.kept if model.case.sanding else 1.0,
     )
 
 
 def estimator(control: RigControl) -> Any:
     """The estimator of contact force and axle torque."""
-    return law_of(_core.estimators, control.estimator, ("torque",))
-
-
-def feedback(table: AnyFeedback) -> Any:
-    """A feedback on the axles' speeds."""
-    return law_of(_core.feedbacks, table, ("largest",))
+    return law_of(_core.estimators, control.estimator)
 
 
 def axle_torque(table: AnyAxleTorque) -> Any:
     """Where the controller takes the torque of an axle from."""
     if isinstance(table, KnownTorque):
-        return law_of(_core.axle_torque_laws, table, ("correction",), bandwidth=angular(table.correction))
+        return law_of(_core.axle_torque_laws, table, bandwidth=angular(table.correction))
     return law_of(_core.axle_torque_laws, table)
 
 
@@ -297,7 +275,7 @@ def assumed_parameters(model: AssembledModel) -> _core.AssumedParameters:
         "wheel_radius": case.vehicle.data.wheel.radius,
     }
     chosen: dict[str, Any] = {name: getattr(control.assumed, name) or value for name, value in true.items()}
-    return core_struct(_core.AssumedParameters, **chosen)
+    return _core.AssumedParameters(**chosen)
 
 
 def rotor_inertia(table: Motor | None) -> float:
@@ -313,15 +291,14 @@ def wheelset_inertia(model: AssembledModel) -> float:
 
 def _virtual_train(model: AssembledModel) -> _core.VirtualTrain:
     case = model.case
-    return core_struct(
+    return part_of(
         _core.VirtualTrain,
         case.train,
-        without=("axles", "brake_signal_speed"),
         mass=train_mass(model),
         gravity=case.gravity,
         wheelset_inertia=wheelset_inertia(model),
         wheel_radius=case.vehicle.data.wheel.radius,
-        static_load=[model.axle_loads[name] for name in model.wheelsets],
+        static_load=[*model.axle_loads.values()],
         load_transfer=load_transfer(model),
         position=axle_places(model),
     )
@@ -344,7 +321,7 @@ def feedback_gains(model: AssembledModel) -> tuple[float, float]:
     control = model.case.rig_control
     assert control is not None
     table = control.feedback if isinstance(control.feedback, ProportionalIntegral) else ProportionalIntegral()
-    proportional, integral = _core.feedback_gains(feedback(table), assumed_parameters(model))
+    proportional, integral = _core.feedback_gains(law_of(_core.feedbacks, table), assumed_parameters(model))
     return proportional, integral
 
 

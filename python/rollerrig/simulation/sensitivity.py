@@ -26,7 +26,7 @@ from rollerrig.cases import as_case
 from rollerrig.common.arrays import Array
 from rollerrig.config import Case, ConfigError, ConfigProblem
 from rollerrig.config.errors import nearest, one_of
-from rollerrig.config.load.change import matching_paths, read_parts, value_in
+from rollerrig.config.load.change import matching_paths, parts_of, value_in, whole_key
 from rollerrig.config.write.differences import tables_of
 from rollerrig.config.write.explain import unit_of
 from rollerrig.results import COMPLETED, Outcome, run_draft
@@ -143,8 +143,8 @@ def number_of(case: Case, key: str) -> float:
     Raises:
         ConfigError: there is no such number, several that differ, or it is 0.
     """
-    tables = tables_of(case, as_written=False)
-    paths = matching_paths(tables, read_parts(key), key, case.name)
+    tables = tables_of(case)
+    paths = matching_paths(tables, parts_of(whole_key(key)), key, case.name)
     if isinstance(paths, ConfigProblem):
         raise ConfigError([paths.shortened()])
     found = {_number_at(tables, path, key, case.name) for path in paths}

@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 from rollerrig import _core
-from rollerrig.assembly.model import GROUND, AssembledModel, Assembly, assemble, axle_torque
+from rollerrig.assembly.model import GROUND, AssembledModel, assemble, axle_torque
 from rollerrig.assembly.train_axles import train_mass
 from rollerrig.cases import on_track, without_actuators
 from rollerrig.common.arrays import Array
@@ -54,23 +54,21 @@ def rail_patch(model: AssembledModel) -> _core.EquivalentPatch:
 
 def _axle_loads(case: Case, acceleration: float) -> Array:
     """Load of each axle on straight track, all axles sharing the force [N]."""
-    assembly = Assembly(_bare_on_track(case))
-    plain = assembly.finish()
-    free = sum(plain.masses[name] for name in plain.vehicle_bodies if name not in plain.fixed)
-    force = (train_mass(plain) if plain.fixed else free) * acceleration / len(plain.axle_names)
+    model = AssembledModel(_bare_on_track(case))
+    free = sum(model.masses[name] for name in model.lateral_bodies)
+    force = (train_mass(model) if model.fixed else free) * acceleration / len(model.axle_names)
     radius = case.vehicle.data.wheel.radius
     on_ground = case.brake is None and case.traction is not None and case.traction.suspension == "ground"
-    for name in plain.wheelsets:
-        wheelset, frame = assembly.index(name), GROUND if on_ground else assembly.frame_of(name)
-        assembly.builder.add_axle_torque(axle_torque(wheelset, frame, [(0.0, force * radius)]))
+    for name in model.wheelsets:
+        wheelset, frame = model.body_index(name), GROUND if on_ground else model.frame_of(name)
+        model.builder.add_axle_torque(axle_torque(wheelset, frame, [(0.0, force * radius)]))
         if frame != GROUND:
-            spin = plain.inertias[name][1] * acceleration / radius
-            assembly.builder.add_axle_torque(axle_torque(frame, GROUND, [(0.0, -spin)]))
+            spin = model.inertias[name][1] * acceleration / radius
+            model.builder.add_axle_torque(axle_torque(frame, GROUND, [(0.0, -spin)]))
     slope = acceleration / case.gravity
     resistance = _core.RunningResistance(body=GROUND, constant=0.0, linear=0.0, quadratic=0.0, gradient=slope)
-    assembly.builder.set_resistance(resistance)
-    model = assembly.finish()
-    forces = equilibrium_dataset(model)["vertical_force"].isel(time=0).to_numpy()
+    model.builder.set_resistance(resistance)
+    forces = equilibrium_dataset(model.finish())["vertical_force"].isel(time=0).to_numpy()
     return np.array([sum(forces[i] for i, w in enumerate(model.wheels) if w.wheelset == n) for n in model.wheelsets])
 
 

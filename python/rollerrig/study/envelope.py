@@ -17,7 +17,7 @@ import xarray as xr
 from rollerrig.analysis.envelope_borders import Border, borders, slides
 from rollerrig.analysis.rig_limits import LEAST_DURATION, NUMBERS, REGIONS, REPRODUCED, TRACKING_LIMIT
 from rollerrig.cases import as_case, rig_of
-from rollerrig.common.formatting import quantity
+from rollerrig.common.formatting import number
 from rollerrig.config import Case, ConfigError
 from rollerrig.config.validate.check_actuators import simulated_axles
 from rollerrig.plot import envelope as figures
@@ -160,7 +160,7 @@ class EnvelopeStudy(Study[xr.Dataset]):
             lines.append(f"Limits reached first in the others: {'; '.join(listed)}.")
         for side, torque in numbers["vehicle_torque_nm"].items():
             if torque is not None:
-                machine, most = "brake" if side == "brake" else "motor", quantity(torque, "N m")
+                machine, most = "brake" if side == "brake" else "motor", f"{number(1e-3 * torque, 3)} kN m"
                 assessment = {True: "reproduced on every rail and load", None: "below the map"}
                 found = assessment.get(numbers["vehicle_reproduced"][side], "not reproduced everywhere, see the table")
                 lines.append(f"Torque of the vehicle's own {machine}, up to {most} per axle: {found}.")

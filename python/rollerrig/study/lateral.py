@@ -196,7 +196,7 @@ class LateralStudy(Study[Found]):
     def runs(self) -> dict[str, Case]:
         """The cases that are run, by key of LABELS."""
         track = track_case(self.case)
-        rigid: dict[str, object] = {"support.mounting": None, "support.changes": None}
+        rigid: dict[str, object] = {"support.mounting": None}
         centred: dict[str, object] = {"disturbance": []}
         dry: dict[str, object] = {"adhesion.rail": "dry", "adhesion.piece": []}
         stiff = whole_creep_slope(track)

@@ -30,7 +30,7 @@ def pair(vehicle: str, support: str, duration: float) -> Case:
     under: dict[str, object] = {"use": support}
     whole = len(load_vehicle(vehicle).body) > 1 and vehicle not in CUT
     if whole and isinstance(load_support(support), Rig):
-        under["changes"] = {"restraint": ROD}
+        under["restraint"] = ROD
     return load_case("bogie_track").with_changes({
         "vehicle": {"use": vehicle, **({"cut": CUT[vehicle]} if vehicle in CUT else {})},
         "support": under,

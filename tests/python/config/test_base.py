@@ -32,7 +32,7 @@ def test_a_case_of_another_speed_is_four_lines_and_reads_as_the_same(bogie: Case
 @pytest.mark.parametrize("name", catalog_names("case"))
 def test_every_case_with_a_change_is_written_short_and_reads_as_the_same(name: str) -> None:
     changed = load_case(name).with_changes({"name": "mine", "gravity": 9.7})
-    text = changed.to_short_toml()
+    text = changed.to_short_toml(name)
     assert len(text.splitlines()) <= 3
     assert case_from_toml(text) == changed
 
@@ -84,7 +84,7 @@ def test_a_profile_named_beside_the_base_is_that_files_own(tmp_path: Path) -> No
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "wheel.toml").write_text('kind = "cone"\nconicity = "1:20"\n')
     (tmp_path / "mine" / "case.toml").write_text(
-        'base = "bogie_rollers_constant"\nvehicle.changes."wheel.profile" = "wheel.toml"\n'
+        'base = "bogie_rollers_constant"\nvehicle.wheel.profile = "wheel.toml"\n'
     )
     assert load_case(tmp_path / "mine" / "case.toml").vehicle.data.wheel.profile.kind == "cone"
 
@@ -202,4 +202,3 @@ def test_the_difference_of_two_cases(bogie: Case) -> None:
     softer = bogie.with_changes({"vehicle.element.primary_1_left.x.stiffness": "30 MN/m", "contact.friction": 0.25})
     assert "vehicle.element.primary_1_left.x.stiffness: 3.1391·10⁷ N/m -> 3·10⁷ N/m" in repr(bogie.diff(softer))
     assert "contact.friction.mu_0: 0.3 -> 0.25" in repr(bogie.diff(softer))
-    assert "<td>9.8 m/s^2</td>" in bogie.diff(changed)._repr_html_()

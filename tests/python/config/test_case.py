@@ -119,11 +119,15 @@ def test_a_file_may_change_what_it_uses(tmp_path: Path) -> None:
     text = spoil(
         catalog_text("bogie_rollers_constant"),
         'cut = "leading_bogie"',
-        'cut = "leading_bogie"\nchanges = { "body.front_frame.mass" = "3 t" }',
+        'cut = "leading_bogie"\nbody.front_frame.mass = "3 t"\nelement."primary_*".x.stiffness = "40 MN/m"'
+        '\nwheel.profile = { kind = "cone", conicity = "1:20" }',
     )
     text = spoil(text, 'use = "full_scale_rig"', 'use = "full_scale_rig"\nroller_radius_mm = 500')
     case = case_from_toml(text, folder=tmp_path)
     assert case.vehicle.data.body_named("front_frame").mass == 3000.0
+    assert case.vehicle.data.wheel.profile.arguments()["conicity"] == 0.05
+    stiffness = {e.x and e.x.stiffness for e in case.vehicle.data.element if e.name.startswith("primary_")}
+    assert stiffness == {40e6}
     assert rig_of(case).roller_radius == 0.5
     assert case_from_toml(case.to_toml()) == case
 
@@ -155,6 +159,6 @@ def test_profile_arguments_are_what_the_profiles_take() -> None:
 def test_a_profile_file_in_changes_stands_relative_to_the_case(tmp_path: Path, value: str) -> None:
     (tmp_path / "my head.prr").write_text("".join(f"{u} {-u * u / 80:.6f}\n" for u in range(-36, 37)))
     rig = 'use = "full_scale_rig"'
-    case = spoil(catalog_text("wheelset_rollers"), rig, f"{rig}\nchanges.profile = {value}")
+    case = spoil(catalog_text("wheelset_rollers"), rig, f"{rig}\nprofile = {value}")
     (tmp_path / "case.toml").write_text(case)
     assert str(tmp_path / "my head.prr") in load_case(tmp_path / "case.toml").to_toml()

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from rollerrig.config import Case, ConfigError, case_from_toml, load_case
 
 KEYS = st.sampled_from(
-    [*Case.model_fields, "use", "data", "cut", "body", "element", "kind", "profile", "wheel", "between", "changes"]
+    [*Case.model_fields, "use", "data", "cut", "body", "element", "kind", "profile", "wheel", "between"]
 ) | st.text(max_size=5)
 SCALARS = (
     st.none().map(lambda _: "460 mm")

@@ -139,12 +139,8 @@ def test_a_truncated_file_is_refused(keep: int) -> None:
         read_table(TABLE.read_bytes()[:keep], "table.npz")
 
 
-def test_other_versions_and_changed_numbers_are_refused() -> None:
-    with pytest.raises(CreepTableError, match=r"table.npz: format 99; this version reads format 1"):
-        read_table(changed(format=99), "table.npz")
-    with pytest.raises(CreepTableError, match="format none"):
-        read_table(changed(format=None), "table.npz")
-    with pytest.raises(CreepTableError, match="cells missing"):
+def test_changed_numbers_are_refused() -> None:
+    with pytest.raises(CreepTableError, match="not a creep table"):
         read_table(changed(cells=None), "table.npz")
     with np.load(io.BytesIO(TABLE.read_bytes())) as file:
         coefficients = file["coefficients"].copy()

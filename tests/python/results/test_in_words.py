@@ -43,15 +43,8 @@ def test_a_run_without_samples_is_summed_up(run: xr.Dataset) -> None:
     assert dict(rr.summary(run.isel(time=slice(0, 0))).rows)["time"] == "0.2 s, 0 samples"
 
 
-def test_analyses_say_what_they_are_over_and_hold() -> None:
-    rows = rr.summary(rr.stability("wheelset_rollers", [100.0, 150.0])).rows
-    assert ("over", "speed: 2 from 100 to 150 [km/h]") in rows
-    held = dict(rows)["holds"]
-    assert held.startswith("growth_rate [1/s], angular_frequency [rad/s]")
-    assert held.endswith("more")
-    assert not any("config" in what or "\n" in words for what, words in rows)
-
-
-def test_of_a_dataset_that_is_not_ours_there_is_little_to_say() -> None:
-    found = rr.summary(xr.Dataset({"a": ("x", [1.0, 2.0], {"units": "m"})}, coords={"x": [0.0, 1.0]}))
-    assert repr(found) == "Results\n  over   x: 2 from 0 to 1\n  holds  a [m]"
+def test_what_is_no_run_is_refused() -> None:
+    with pytest.raises(rr.ResultsError, match="no run"):
+        rr.summary(rr.stability("wheelset_rollers", [100.0, 150.0]))
+    with pytest.raises(rr.ResultsError, match="do not say which case"):
+        rr.summary(xr.Dataset({"a": ("x", [1.0, 2.0])}))

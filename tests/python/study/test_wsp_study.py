@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, get_args
+from typing import Any
 
 import numpy as np
 import pytest
@@ -20,7 +20,6 @@ from rollerrig.assembly.model import assemble
 from rollerrig.config import CRITERIA, Case, Programme, load_programme
 from rollerrig.config.load.resolve import resolve_programme
 from rollerrig.config.read import Document
-from rollerrig.config.schema.programme import CriterionName
 from rollerrig.results.run_info import RunInfo
 from rollerrig.study.assessment import overall
 from rollerrig.study.frame import Outcome
@@ -205,9 +204,8 @@ def _limit(**changes: Any) -> dict[str, Any]:
         (_limit(criterion="longest_look", at_most=1), "did you mean 'longest_lock'?"),
         (_limit(at_most=1, stops=["low_2"]), "limit[0].stops: 'low_2'; allowed: low_26, drag_30; did you mean 'low_26'?"),
         (_limit(at_most=1, stop="low_26"), "unknown key (= 'low_26'); allowed: criterion"),
-        (_limit(criterion="k_wet", at_least=0.5, stops=["drag_30"]), "limit[0].stops: 'drag_30'; allowed for k_wet:"),
+        (_limit(criterion="k_wet", at_least=0.5, stops=["drag_30"]), "limit[0].criterion: 'k_wet'; holds for no stop; allowed: "),
         (_limit(criterion="flat_length", at_most="3 s"), "limit[0].at_most: '3 s'; allowed: a number in m"),
-        ({"limit": 2 * _limit(at_most=1)["limit"]}, "limit[1].criterion: 'longest_lock'; allowed: one limit of it"),
         ({"stop": [{"name": "a", "kind": "unifrom", "speed": 10.0, "rail": "low"}]}, "did you mean 'uniform'?"),
         ({"stop": [SHORT["stop"][0]] * 2}, "stop[1].name: 'low_26'; allowed: each name once"),  # type: ignore[index]
         ({"stop": []}, "stop: []; allowed: at least 1 entries"),
@@ -221,8 +219,7 @@ def test_what_a_programme_may_not_say_is_refused_with_its_place(changes: dict[st
     assert message in "\n".join(map(str, problems))
 
 
-def test_every_criterion_has_a_name_and_a_measure() -> None:
-    assert tuple(CRITERIA) == get_args(CriterionName)
+def test_every_criterion_has_a_label_and_a_measure() -> None:
     assert all(label(name) for name in CRITERIA)
     assert {one.measure for one in CRITERIA.values()} <= set(MEASURED)
 
@@ -238,7 +235,7 @@ GOOD = {
     "drive_oscillation_spell_s": 0.25, "build_up_s": 1.5,
 }  # fmt: skip
 DRY = {**GOOD, "distance_m": 600.0, "beyond_peak_s": 0.0, "dump_cycles": 0.0}
-LIMITS: dict[CriterionName, float] = {
+LIMITS: dict[str, float] = {
     "k_wet": 0.5, "increase_over_dry": 1.0, "distance": 1000.0, "mean_deceleration": 0.5, "adhesion_utilisation": 0.6,
     "longest_lock": 0.4, "flat_length": 0.02, "large_slip_share": 0.1, "air": 1.5, "dump_cycles": 500.0,
 }  # fmt: skip
@@ -292,7 +289,7 @@ def test_a_good_stop_meets_every_criterion(on: Support) -> None:
 
 
 @pytest.mark.parametrize("name", LIMITS)
-def test_each_criterion_is_not_met_beyond_its_limit_and_undecided_across_it(name: CriterionName) -> None:
+def test_each_criterion_is_not_met_beyond_its_limit_and_undecided_across_it(name: str) -> None:
     measure, factor = CRITERIA[name].measure, CRITERIA[name].factor
     changed = "distance_m" if name in ("k_wet", "increase_over_dry") else measure
     limit = 1200.0 if changed == "distance_m" and name != "distance" else LIMITS[name] / factor

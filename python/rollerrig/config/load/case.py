@@ -7,13 +7,12 @@ All mistakes of a case and of the files it names are collected before ConfigErro
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
-from functools import cache
 from pathlib import Path
 from typing import Any, Literal, TypeVar, get_args
 
 from rollerrig.config.errors import ConfigError, ConfigProblem, problems_of, show_value, whole
 from rollerrig.config.load.adhesion_file import read_adhesion_file
-from rollerrig.config.load.change import BASE, WITHOUT, apply_changes, changed_tables, changes_in
+from rollerrig.config.load.change import BASE, WITHOUT, apply_changes, changed_tables, changes_in, leaves
 from rollerrig.config.load.code import place_code
 from rollerrig.config.load.contact_distance import with_gauge
 from rollerrig.config.load.resolve import (
@@ -86,59 +85,40 @@ class Case(CaseTables):
 
     def diff(self, other: "Case") -> Differences:
         """What is different in another case: dotted key -> (value here, value there), in SI; it prints a line per key."""
-        return differences(tables_of(self, as_written=False), tables_of(other, as_written=False))
+        return differences(tables_of(self), tables_of(other))
 
     def to_toml(self) -> str:
         """The whole case, nothing referred to by name, as TOML text that `load_case` reads again."""
         return to_toml(self, shared=[(part, "data") for part in OWN_KEYS])  # with_changes shares them
 
-    def to_short_toml(self) -> str:
-        """What differs from the nearest case of the catalogue, or all that has not its default value: a file to read and edit."""
-        changes, name = _nearest_base(self)
-        text = text_from_base(name, changes)
-        full = to_short_toml(self)
-        try:
-            same = len(text) < len(full) and case_from_toml(text, allow_code=True) == self
-        except ConfigError:
-            same = False
-        return text if same else full
+    def to_short_toml(self, base: str = "") -> str:
+        """What differs from a case of the catalogue, or all that has not its default value: a file to read and edit.
 
-    def save(self, path: str | Path) -> None:
+        Args:
+            base: name of that case; "": of the same name.
+        """
+        name, full = base or self.name, to_short_toml(self)
+        if name not in catalog_names("case"):
+            return full
+        try:
+            start, used = load_case(name), Differences()
+            for part in OWN_KEYS:
+                old, new = (getattr(case, part).use for case in (start, self))
+                used |= {f"{part}.use": (old, new)} if old != new else {}
+            near = start.with_changes({key: use for key, (_, use) in used.items() if use})
+            text = text_from_base(name, Differences({**used, **differences(plain(near), plain(self))}))
+            same = case_from_toml(text, allow_code=True) == self
+        except ConfigError:
+            return full
+        return text if same and len(text) < len(full) else full
+
+    def save(self, path: str | Path, base: str = "") -> None:
         """Write `to_short_toml` to a file that `load_case` reads.
 
         Raises:
             OSError: it cannot be written.
         """
-        Path(path).write_text(self.to_short_toml(), encoding="utf-8")
-
-
-@cache
-def _catalogue_tables(name: str) -> dict[str, Any]:
-    return tables_of(load_case(name))
-
-
-def _nearest_base(case: Case) -> tuple[Differences, str]:
-    """The case of the catalogue of that name, or the one from which least is different; and the differences."""
-    tables = tables_of(case)
-    names = [name for name in catalog_names("case") if name == case.name] or catalog_names("case")
-    found = ((differences(_from_named_parts(_catalogue_tables(name), tables), tables), name) for name in names)
-    changes, name = min(found, key=lambda pair: (len(pair[0]), pair[1]))
-    for part in OWN_KEYS:  # kept out of the comparison, not out of the file
-        use = tables[part].get("use")
-        if use != _catalogue_tables(name)[part].get("use"):
-            changes = Differences({f"{part}.use": (_catalogue_tables(name)[part].get("use"), use), **changes})
-    return changes, name
-
-
-def _from_named_parts(base: dict[str, Any], case: dict[str, Any]) -> dict[str, Any]:
-    """Tables of a base with the vehicle and support of the catalogue that the case names."""
-    found = dict(base)
-    for part, load in (("vehicle", load_vehicle), ("support", load_support)):
-        use = case[part].get("use")
-        if use != base[part].get("use"):
-            data = plain(load(use)) if use in catalog_names(part) else base[part]["data"]
-            found[part] = {**base[part], "use": use, "data": data}
-    return found
+        Path(path).write_text(self.to_short_toml(base), encoding="utf-8")
 
 
 def load_case(source: str | Path, *, allow_code: bool = False) -> Case:
@@ -329,7 +309,7 @@ def _part(
     resolve: Callable[[Document], tuple[T | None, Problems]],
     document: Document,
 ) -> tuple[T | None, Problems]:
-    """Resolve ``[vehicle]`` or ``[support]`` of a case and put the result in its ``data``."""
+    """Resolve ``[vehicle]`` or ``[support]`` of a case, with its other keys in place of the part's own, into its ``data``."""
     choice = raw.get(key)
     if not isinstance(choice, dict):
         return None, []
@@ -338,17 +318,17 @@ def _part(
     own, problems, prefix = _own_document(choice, key, document)
     if own is None:
         return None, problems
-    changes, labels = _overrides(choice, key)
-    changes = {name: relative_to(document.folder, name, value) for name, value in changes.items()}
+    beside = {name: choice.pop(name) for name in [*choice] if name not in OWN_KEYS[key]}
+    changes = {name: relative_to(document.folder, name, value) for name, value in leaves(beside)}
     tables = plain(own.raw)
     if key == "vehicle":
         tables, mistakes = placed(tables, own.file)
         problems += mistakes
-    problems += apply_changes(tables, changes, document.file, f"{key}.changes")
+    problems += apply_changes(tables, changes, document.file, key)
     part, mistakes = resolve(replace(own, raw=tables))
     for mistake in mistakes:
         if mistake.key in changes:  # the value stands in the case, not in the part's own file
-            problems.append(replace(mistake, file=document.file, key=labels[mistake.key]))
+            problems.append(replace(mistake, file=document.file, key=f"{key}.{mistake.key}"))
         else:
             problems.append(mistake.within(prefix) if mistake.file == document.file else mistake)
     if part is None or problems:
@@ -374,19 +354,6 @@ def _own_document(
         return None, [], ""
     allowed = f"needed: a {key} of the catalogue or a file; one of {', '.join(catalog_names(key))}"
     return None, [ConfigProblem(document.file, f"{key}.use", "missing", allowed)], ""
-
-
-def _overrides(choice: dict[str, Any], key: str) -> tuple[dict[str, Any], dict[str, str]]:
-    """Take the values out of ``choice`` that replace those of the part, and where each is written."""
-    changes: dict[str, Any] = {}
-    labels: dict[str, str] = {}
-    if isinstance(choice.get("changes"), dict):
-        changes = choice.pop("changes")
-        labels = {name: f'{key}.changes."{name}"' for name in changes}
-    if key == "support":
-        for name in [name for name in choice if name.startswith("roller_radius")]:
-            changes[name], labels[name] = choice.pop(name), f"{key}.{name}"
-    return changes, labels
 
 
 def _material(raw: dict[str, Any], document: Document) -> Problems:

@@ -14,7 +14,7 @@ from functools import cache
 from typing import Any
 
 from rollerrig.config.errors import ConfigProblem, nearest, one_of, show_value
-from rollerrig.config.load.resolve import relative_to
+from rollerrig.config.load.resolve import HEADS, relative_to
 from rollerrig.config.read import Document
 from rollerrig.config.schema.case import CaseTables
 from rollerrig.config.schema.units import AS_WRITTEN, KEY_SUFFIXES
@@ -108,6 +108,8 @@ def _write(raw: dict[str, Any], key: str, value: object, keys: set[str], file: s
     holder: Any = raw
     for part in path:
         if isinstance(holder, dict):
+            if part in HEADS and isinstance(holder.get(part), str):  # a name, in place of which a table is written
+                holder[part] = {}
             holder = holder.setdefault(part, {})
         elif (index := _index(holder, part)) is not None:
             holder = holder[index]
@@ -172,32 +174,25 @@ def whole_key(key: str) -> str:
     return f"{head}.data.{rest}" if is_short else key
 
 
-def read_parts(key: str) -> list[str]:
-    """Parts of the key at which a loaded case has what is written at another: radius of rollers in place of the rig's own."""
-    whole = whole_key(key)
-    return parts_of("support.data.roller_radius" if whole == "support.roller_radius" else whole)
-
-
 def changed_tables(
     case: CaseTables, changes: Mapping[str, object], file: str
 ) -> tuple[dict[str, Any], list[ConfigProblem]]:
     """Tables of a case with some values replaced, and the keys among them that lead nowhere.
 
     A vehicle or support that no change concerns stays the checked object that it is. Beside a new `vehicle.use` the other keys of
-    the vehicle are changes of the new one.
+    the vehicle are those of the new one.
     """
     own_file = "allowed: in a file; read that case and change it"  # another case would bring what nobody checked
     problems = [ConfigProblem(file, BASE, show_value(changes[BASE]), own_file)] if BASE in changes else []
-    full = {whole_key(key): value for key, value in changes.items() if key != BASE}
-    for part in OWN_KEYS:
-        short = [key for key in full if key.startswith(f"{part}.data.") and key not in changes]
-        if f"{part}.use" in full and short:
-            full[f"{part}.changes"] = {key.removeprefix(f"{part}.data."): full.pop(key) for key in short}
+    beside = [key for key in changes if whole_key(key) != key and f"{key.partition('.')[0]}.use" in changes]
+    full = {whole_key(key): value for key, value in changes.items() if key != BASE and key not in beside}
     kept = [part for part in OWN_KEYS if all(key.partition(".")[0] != part or key == "vehicle.cut" for key in full)]
     left_out = {part: {"data"} for part in kept}
     raw: dict[str, Any] = plain(case.model_dump(exclude_none=True, context=AS_WRITTEN, exclude=left_out))
     for part in kept:
         raw[part]["data"] = getattr(case, part).data
+    for part, _, key in (key.partition(".") for key in beside):
+        raw[part][key] = plain(changes[f"{part}.{key}"])
     return raw, problems + [problem.shortened() for problem in apply_changes(raw, full, file)]
 
 
@@ -207,9 +202,8 @@ def changes_in(document: Document, base: CaseTables) -> tuple[dict[str, object],
     changes: dict[str, object] = {}
     whole = plain(base)
     for key, value in leaves(tables):
-        short = key.replace("vehicle.changes.", "vehicle.", 1).replace("support.changes.", "support.", 1)
-        if value != {} or not exists(whole, short):  # an empty table asks for its defaults where there is none
-            changes[short] = relative_to(document.folder, short, value)
+        if value != {} or not exists(whole, key):  # an empty table asks for its defaults where there is none
+            changes[key] = relative_to(document.folder, key, value)
     problems = []
     taken = document.raw.get(WITHOUT, [])
     for key in taken if isinstance(taken, list) else [taken]:

@@ -20,7 +20,7 @@ from rollerrig.config.read import Document, read_document
 from rollerrig.config.schema.fit import FitPlan, FreeKey
 from rollerrig.config.schema.units import Quantity
 from rollerrig.config.validate.messages import validate
-from rollerrig.config.write.toml import plain
+from rollerrig.config.write.differences import tables_of
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -95,7 +95,7 @@ def _number(one: FreeKey, case: Case, file: str, at: str) -> FreeKeyNumber:
     def refuse(key: str, value: object, allowed: str) -> NoReturn:
         raise ConfigError.of(file, f"{at}.{key}", show_value(value), allowed)
 
-    there = value_at(case, plain(case.model_dump(exclude_none=True)) if "*" in one.key else {}, one.key, file)
+    there = value_at(case, tables_of(case) if "*" in one.key else {}, one.key, file)
     if isinstance(there, ConfigProblem):
         allowed = there.allowed.replace("put it into [changes]", "give the key a `start`")
         raise ConfigError([replace(there, key=f"{at}.key", value=show_value(one.key), allowed=allowed)])

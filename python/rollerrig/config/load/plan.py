@@ -13,7 +13,7 @@ from pydantic import BaseModel
 
 from rollerrig.config.errors import ConfigError, ConfigProblem, nearest, one_of, show_value, whole
 from rollerrig.config.load.case import Case, build_case
-from rollerrig.config.load.change import leaves, matching_paths, parts_of, read_parts, whole_key
+from rollerrig.config.load.change import leaves, matching_paths, parts_of, whole_key
 from rollerrig.config.load.code import Code, check_new_code, code_of
 from rollerrig.config.load.resolve import Problems, refer, relative_to
 from rollerrig.config.read import Document, read_document
@@ -21,7 +21,7 @@ from rollerrig.config.schema.base import quantity_of
 from rollerrig.config.schema.plan import Plan
 from rollerrig.config.schema.units import Quantity
 from rollerrig.config.validate.messages import NAMING_KEYS, validate
-from rollerrig.config.write.toml import plain
+from rollerrig.config.write.differences import tables_of
 
 
 @dataclass(frozen=True)
@@ -98,7 +98,7 @@ def plan_of_case(plan: Plan, case: Case, file: str) -> WholePlan:
     Raises:
         ConfigError: a key that is varied does not exist, or two have one name.
     """
-    raw = plain(case.model_dump(exclude_none=True))
+    raw = tables_of(case)
     quantities: list[Quantity | None] = []
     problems: Problems = []
     names = [variation.label for variation in plan.vary]
@@ -141,7 +141,7 @@ def numbers_below(case: Case, key: str) -> list[str]:
 
 def value_at(case: Case, raw: dict[str, Any], key: str, file: str) -> tuple[Quantity | None, Any] | ConfigProblem:
     """What stands at a dotted key of a case, whose plain tables are `raw`: its quantity and value; with `*` the first of all."""
-    path = read_parts(key)
+    path = parts_of(whole_key(key))
     if "*" in key:
         matching = matching_paths(raw, path, key, file)
         if isinstance(matching, ConfigProblem):

@@ -126,7 +126,7 @@ def _mirrored(value: Any) -> Any:
     return 0.0 - value if isinstance(value, int | float) and not isinstance(value, bool) else value
 
 
-_HEADS = ("profile", "right_profile")
+HEADS = ("profile", "right_profile")
 _POINT_FILES = (".txt", ".dat", ".csv", ".prw", ".prr", ".prf", ".xy")
 
 
@@ -204,7 +204,7 @@ def resolve_profile(name: str, document: Document, key: str) -> tuple[dict[str, 
 
 
 def _with_profiles(
-    table: Mapping[str, Any], document: Document, problems: Problems, at: str = "", keys: Iterable[str] = _HEADS
+    table: Mapping[str, Any], document: Document, problems: Problems, at: str = "", keys: Iterable[str] = HEADS
 ) -> dict[str, Any]:
     """A table with its profiles read; what is wrong with them goes to the problems."""
     resolved = dict(table)
@@ -233,6 +233,6 @@ def relative_to(folder: Path, key: str, value: object) -> object:
     last = key.rpartition(".")[2]
     if not isinstance(value, str) or not value or "\0" in value:
         return value
-    names_a_file = last in _HEADS and Path(value).suffix.lower() in (*_POINT_FILES, ".toml")
+    names_a_file = last in HEADS and Path(value).suffix.lower() in (*_POINT_FILES, ".toml")
     names_a_file |= last in ("path", "fmu", "file") or (last == "user" and ".py:" in value)
     return str((folder / value).absolute()) if names_a_file else value

@@ -22,7 +22,7 @@ from rollerrig.config.schema.ensemble import Ensemble
 from rollerrig.config.schema.faults import AnyFault
 from rollerrig.config.schema.rig_control import RigControl, Sensors
 from rollerrig.config.schema.support import AnySupport
-from rollerrig.config.schema.units import Damping, Quantity, RollerRadius, RunningSpeed, Torque
+from rollerrig.config.schema.units import Damping, Quantity, RunningSpeed, Torque
 from rollerrig.config.schema.vehicle import Body, Cut, Vehicle
 
 StrategyName = Literal["mmu", "dlr", "inrets"]
@@ -54,9 +54,10 @@ GRAVITY = 9.81
 class VehicleChoice(Table):
     """Which vehicle, and which part of it."""
 
-    use: str | None = optional(None, "a vehicle of the catalogue, or a file relative to this one")
+    use: str | None = optional(
+        None, "a vehicle of the catalogue, or a file relative to this one; keys beside it take the place of its own"
+    )
     data: Vehicle = needed("the vehicle itself, in place of `use`; after loading it is always here", instead_of="use")
-    changes: dict[str, Any] | None = optional(None, "values in place of its own by dotted key, written into `data`")
     cut: str = optional("vehicle", "the part that is run: a [cut.NAME] of the vehicle, or 'vehicle' for all")
 
     @property
@@ -78,12 +79,10 @@ class VehicleChoice(Table):
 class SupportChoice(Table):
     """Which rig or track."""
 
-    use: str | None = optional(None, "a support of the catalogue, or a file relative to this one")
-    data: AnySupport = needed("the support itself, in place of `use`; always here after loading", instead_of="use")
-    roller_radius: RollerRadius | None = optional(
-        None, "radius of the rollers in place of the rig's own; loading writes it into `data`"
+    use: str | None = optional(
+        None, "a support of the catalogue, or a file relative to this one; keys beside it take the place of its own"
     )
-    changes: dict[str, Any] | None = optional(None, "values in place of its own by dotted key, written into `data`")
+    data: AnySupport = needed("the support itself, in place of `use`; always here after loading", instead_of="use")
 
 
 class RollerEffects(Table):
@@ -328,6 +327,12 @@ class CaseTables(Named):
     def sampled(self) -> bool:
         """Whether actuators or controllers act on the vehicle, sampled in time."""
         return any((self.adhesion, self.brake, self.track_brake, self.traction, self.rig_control))
+
+    @property
+    def axle_names(self) -> tuple[str, ...]:
+        """Axles of the train: wheelsets under test, then `axle_N` for each simulated one, N its number along the train."""
+        simulated = self.train.axles.simulated if self.train.axles else ()
+        return (*(body.name for body in self.vehicle.wheelsets), *(f"axle_{k}" for k in simulated))
 
     @property
     def integration(self) -> Integration:

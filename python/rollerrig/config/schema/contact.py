@@ -232,4 +232,3 @@ AnyFriction = Annotated[
     BeforeValidator(_friction),
     OrShort({"type": ["number", "string"]}, words="a number"),
 ]
-FRICTION_LAWS = kinds(AnyFriction)

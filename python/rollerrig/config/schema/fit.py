@@ -4,8 +4,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import BeforeValidator, Discriminator, Field
 
-from rollerrig.config.schema.base import Mistakes, Name, Named, Table, by_kind, needed, optional
-from rollerrig.config.schema.plan import Lognormal, Normal, Value
+from rollerrig.config.schema.base import Mistakes, Named, Table, by_kind, needed, optional
+from rollerrig.config.schema.plan import Lognormal, Normal, OfKey, Value
 from rollerrig.config.schema.units import Quantity
 
 AnyPrior = Annotated[Normal | Lognormal, Discriminator("kind")]
@@ -13,21 +13,14 @@ LogTime = Annotated[float, Quantity("s", -1e9, 1e9)]
 Part = Annotated[float, Quantity("1", 0.0, 0.9)]
 
 
-class FreeKey(Table):
+class FreeKey(OfKey):
     """A number of the case that is sought."""
 
-    key: str = needed("dotted key of the case; with `*` all that match get the same value", min_length=1)
-    name: Name | None = optional(None, "name in results; absent: the end of the key")
     least: Value = needed("lower end of its range")
     most: Value = needed("upper end of its range")
     start: Value | None = optional(None, "value from which the search begins; absent: the case's own value")
     scale: Literal["linear", "logarithmic"] = optional("linear", "whether the number or its logarithm is sought")
     prior: AnyPrior | None = optional(None, "knowledge from before, as one more measurement; absent: none")
-
-    @property
-    def label(self) -> str:
-        """Its name in results."""
-        return self.name or next(part for part in reversed(self.key.split(".")) if not part.isdecimal()).strip("*[]_")
 
 
 class Output(Table):

@@ -49,14 +49,24 @@ class Triangular(Table):
 AnyDistribution = Annotated[Normal | Lognormal | Triangular, Discriminator("kind")]
 
 
-class Variation(Table):
-    """One thing that is varied: by a list, a range, or a distribution."""
+class OfKey(Table):
+    """What is said of a key of the case."""
 
     key: str = needed(
         "dotted key of the case, as in `--set`: `support.roller_radius`; with `*` all that match get the same value",
         min_length=1,
     )
     name: Name | None = optional(None, "name in results and figures; absent: the end of the key")
+
+    @property
+    def label(self) -> str:
+        """Its name in results."""
+        return self.name or next(part for part in reversed(self.key.split(".")) if not part.isdecimal()).strip("*[]_")
+
+
+class Variation(OfKey):
+    """One thing that is varied: by a list, a range, or a distribution."""
+
     values: tuple[Any, ...] | None = optional(None, "all values, also with units or as words", min_length=1)
     least: Value | None = optional(None, "lower end of a range; it cuts a distribution off")
     most: Value | None = optional(None, "upper end")
@@ -75,11 +85,6 @@ class Variation(Table):
             for key in ("least", "most"):
                 if getattr(self, key) is None:
                     yield key, "needed: `values`, or both `least` and `most`, or a distribution"
-
-    @property
-    def label(self) -> str:
-        """Its name in results."""
-        return self.name or next(part for part in reversed(self.key.split(".")) if not part.isdecimal()).strip("*[]_")
 
 
 class Design(Table):

@@ -96,18 +96,6 @@ class DragBraking(BrakedRun):
 
 
 AnyStop = Annotated[UniformStop | SteppedStop | PatchStop | DragBraking, Discriminator("kind")]
-CriterionName = Literal[
-    "k_wet",
-    "increase_over_dry",
-    "distance",
-    "mean_deceleration",
-    "adhesion_utilisation",
-    "longest_lock",
-    "flat_length",
-    "large_slip_share",
-    "air",
-    "dump_cycles",
-]
 
 
 @dataclass(frozen=True)
@@ -151,7 +139,7 @@ NUMBER = {"anyOf": [{"type": "number"}, {"type": "string"}]}
 class Limit(Table):
     """A limit, who set it, and the clause of a standard that it stands for."""
 
-    criterion: CriterionName = needed("criterion that is limited")
+    criterion: Literal[*CRITERIA] = needed("criterion that is limited")  # type: ignore[valid-type]
     at_least: float | None = optional(None, "least that is allowed, in the criterion's unit", json_schema_extra=NUMBER)
     at_most: float | None = optional(None, "most that is allowed, in the criterion's unit", json_schema_extra=NUMBER)
     stops: tuple[str, ...] = optional(

@@ -252,7 +252,6 @@ class NoFeedback(Feedback):
 
 
 AnyFeedback = Annotated[ProportionalIntegral | SlidingMode | NoFeedback, by_kind("proportional_integral")]
-FEEDBACKS = kinds(AnyFeedback)
 
 
 class Protection(Table):

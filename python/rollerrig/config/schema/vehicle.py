@@ -13,29 +13,22 @@ from rollerrig.config.schema.profile import AnyProfile
 from rollerrig.config.schema.units import (
     Angle,
     AngularDamping,
-    AngularSpeed,
-    AngularStiffness,
-    DamperSpeed,
     Damping,
-    Deflection,
     Force,
     Inertia,
     Mass,
     Position,
-    PositiveAngularDamping,
     PositiveAngularStiffness,
-    PositiveDamping,
     PositiveStiffness,
     Quantity,
-    Stiffness,
     Torque,
     WheelRadius,
 )
 
-ForceOverDeflection = Rows[Deflection, Force]
-ForceOverSpeed = Rows[DamperSpeed, Force]
+ForceOverDeflection = Rows[Annotated[float, Quantity("m", -10.0, 10.0)], Force]
+ForceOverSpeed = Rows[Annotated[float, Quantity("m/s", -1e3, 1e3)], Force]
 MomentOverAngle = Rows[Angle, Torque]
-MomentOverRate = Rows[AngularSpeed, Torque]
+MomentOverRate = Rows[Annotated[float, Quantity("rad/s", -1e5, 1e5)], Torque]
 Direction = Literal["x", "y", "z", "roll", "pitch", "yaw"]
 DIRECTIONS: tuple[Direction, ...] = ("x", "y", "z", "roll", "pitch", "yaw")
 
@@ -82,7 +75,7 @@ SHORTEST_RELAXATION = 1e-12
 class SeriesDamper(Table):
     """A damper in series with a spring (Maxwell)."""
 
-    damping: PositiveDamping = needed("damping")
+    damping: Annotated[float, Quantity("N s/m", 1e-6, 1e11)] = needed("damping")
     series_stiffness: PositiveStiffness = needed("stiffness of the spring in series")
 
     def _mistakes(self) -> Mistakes:
@@ -95,7 +88,7 @@ class SeriesDamper(Table):
 class AngularSeriesDamper(SeriesDamper):
     """A rotational damper in series with a rotational spring (Maxwell)."""
 
-    damping: PositiveAngularDamping = needed("damping")
+    damping: Annotated[float, Quantity("N m s/rad", 1e-6, 1e11)] = needed("damping")
     series_stiffness: PositiveAngularStiffness = needed("stiffness of the spring in series")
 
 
@@ -119,7 +112,7 @@ class LinearLaw(Law):
     with the slope of the last two.
     """
 
-    stiffness: Stiffness | None = optional(None, "force per deflection")
+    stiffness: Annotated[float, Quantity("N/m", 0.0, 1e13)] | None = optional(None, "force per deflection")
     table: ForceOverDeflection | None = optional(
         None, "rows [deflection, force] in place of a stiffness: a nonlinear spring or a bumpstop"
     )
@@ -134,7 +127,7 @@ class LinearLaw(Law):
 class AngularLaw(Law):
     """Moment of an element about one axis; all parts given act in parallel."""
 
-    stiffness: AngularStiffness | None = optional(None, "moment per angle")
+    stiffness: Annotated[float, Quantity("N m/rad", 0.0, 1e13)] | None = optional(None, "moment per angle")
     table: MomentOverAngle | None = optional(None, "rows [angle, moment] in place of a stiffness")
     damping: AngularDamping | None = optional(None, "moment per angular speed, in parallel with the spring")
     damping_table: MomentOverRate | None = optional(None, "rows [angular speed, moment] in place of a damping")

@@ -62,8 +62,7 @@ def _needs(case: CaseTables) -> Iterator[Mistake]:
 
 def _faults(case: CaseTables) -> Iterator[Mistake]:
     """Axles that are there, and what a fault of them needs."""
-    others = case.train.axles.simulated if case.train.axles else ()
-    axles = [*(body.name for body in case.vehicle.wheelsets), *(f"axle_{k}" for k in others)]
+    axles = case.axle_names
     for number, fault in enumerate(case.fault):
         at, kind = f"fault[{number}]", show_value(fault.kind)
         if case.brake is None or case.brake.electrodynamic is not None:

@@ -7,13 +7,13 @@ A run must end: each key may be in its range, and the numbers kept, steps integr
 """
 
 from collections.abc import Iterator, Mapping
-from typing import Any, get_args
+from typing import Any
 
 from rollerrig import _core
 from rollerrig.config.errors import ConfigProblem, Mistake, nearest, one_of, problems_of, show_value
 from rollerrig.config.schema.case import CaseTables
-from rollerrig.config.schema.programme import CRITERIA, CriterionName, Limit, Programme
-from rollerrig.config.schema.vehicle import DIRECTIONS, Vehicle
+from rollerrig.config.schema.programme import Programme
+from rollerrig.config.schema.vehicle import Vehicle
 from rollerrig.config.validate.check_actuators import DRIVE_OF_RIG_CONTROL, check_actuators
 from rollerrig.config.validate.check_profile import check_fit, check_patch
 from rollerrig.config.validate.check_track import check_heads, check_track
@@ -81,9 +81,6 @@ def _rail(case: CaseTables) -> Iterator[Mistake]:
         yield "adhesion.cell_length", f"{1e3 * adhesion.cell_length:g} mm", allowed
 
 
-_DISTURBANCES = ("longitudinal", "lateral", "vertical", "roll", "pitch", "yaw")
-
-
 def check_case_names(raw: Mapping[str, Any], vehicle: Vehicle) -> Iterator[Mistake]:
     """Names of cuts and bodies that the vehicle does not have; works on raw tables next to other mistakes."""
     choice = raw.get("vehicle")
@@ -139,19 +136,11 @@ def _restraint(case: CaseTables) -> Iterator[Mistake]:
 
 
 def _disturbances(case: CaseTables) -> Iterator[Mistake]:
+    """Which directions are free is found with the model, before the run."""
     bodies = [disturbance.body for disturbance in case.disturbance]
-    for disturbance in case.disturbance:
-        body = case.vehicle.data.body_named(disturbance.body)
-        if bodies.count(body.name) > 1:
-            yield "disturbance", show_value(body.name), "allowed: each body once"
-        for key, direction in zip(_DISTURBANCES, DIRECTIONS, strict=True):
-            value = getattr(disturbance, key)
-            if value and direction in body.locked:
-                allowed = f"allowed: no offset in a direction in which the vehicle locks {body.name}"
-                yield f"disturbance.{body.name}.{key}", show_value(value), allowed
-        if disturbance.pitch and body.kind == "wheelset":
-            allowed = "allowed: no pitch of a wheelset, a body of revolution"
-            yield f"disturbance.{body.name}.pitch", show_value(disturbance.pitch), allowed
+    for body in bodies:
+        if bodies.count(body) > 1:
+            yield "disturbance", show_value(body), "allowed: each body once"
 
 
 def check_programme(programme: Programme) -> Iterator[Mistake]:
@@ -161,31 +150,9 @@ def check_programme(programme: Programme) -> Iterator[Mistake]:
         if name in names[:number]:
             yield f"stop[{number}].name", show_value(name), "allowed: each name once"
     for number, limit in enumerate(programme.limit):
-        yield from [*_names(programme, limit, f"limit[{number}]")] or _reach(programme, number)
-
-
-def _names(programme: Programme, limit: Limit, key: str) -> Iterator[Mistake]:
-    """Stops that there are not, or in which the train does not stop where it should."""
-    stops = {stop.name: stop for stop in programme.stop}
-    for name in limit.stops:
-        if name not in stops:
-            yield f"{key}.stops", show_value(name), one_of(stops), nearest(name, tuple(stops))
-        elif not limit.holds_for(stops[name]):
-            others = ", ".join(other for other in get_args(CriterionName) if not CRITERIA[other].of_a_stop)
-            allowed = f"allowed for {limit.criterion}: stops in which the train stops; without that only {others} may be limited"
-            yield f"{key}.stops", show_value(name), allowed
-
-
-def _reach(programme: Programme, number: int) -> Iterator[Mistake]:
-    """A limit for no stop, or a second one for the same."""
-    limit, key = programme.limit[number], f"limit[{number}].criterion"
-    own = [stop for stop in programme.stop if limit.holds_for(stop)]
-    if not own:
-        allowed = "allowed here: a criterion that does not need a train that stops; no stop of this programme is such"
-        yield key, show_value(limit.criterion), allowed
-    for other in programme.limit[:number]:
-        twice = [stop.name for stop in own if other.criterion == limit.criterion and other.holds_for(stop)]
-        if twice:
-            allowed = f"allowed: one limit of it for {twice[0]}; name in `stops` what each of them holds for"
-            yield key, show_value(limit.criterion), allowed
-            return
+        unknown = [name for name in limit.stops if name not in names]
+        for name in unknown:
+            yield f"limit[{number}].stops", show_value(name), one_of(names), nearest(name, names)
+        if not unknown and not any(limit.holds_for(stop) for stop in programme.stop):
+            allowed = "holds for no stop; allowed: with one in which the train stops, which drag braking is not"
+            yield f"limit[{number}].criterion", show_value(limit.criterion), allowed

@@ -129,31 +129,19 @@ def check_patch(case: CaseTables) -> Iterator[Mistake]:
     support = case.support.data
     if not isinstance(support, Rig):
         return
-    wheel, roller = case.vehicle.data.wheel.radius, support.roller_radius
-    patch = patch_size(case, roller)
-    if patch <= LARGEST_SHARE * min(wheel, roller):
-        return
-    load, modulus = wheel_load(case), case.contact.material.young_modulus
-    reason = (
-        f"the patch between wheel and roller is about {_length(patch)} long to either side (load {load:.3g} N, "
-        f"E {modulus:.3g} Pa), and contact theory takes both for bodies much larger than it"
-    )
-    least = _least_radius(case) if patch_size(case, 1e3) <= LARGEST_SHARE * wheel else None
-    if least is None:
-        allowed = f"{reason}; the wheels of {_length(wheel)} are too small themselves: less load, or a harder material"
-        yield "vehicle.data.wheel.radius", _length(wheel), allowed
-        return
-    allowed = f"{reason}; allowed: at least {_length(least)}, or less load, or a harder material"
-    yield "support.data.roller_radius", _length(roller), allowed
-
-
-def patch_size(case: CaseTables, roller_radius: float) -> float:
-    """Half of the patch's length [m]."""
-    material = case.contact.material
-    curvature = 0.5 * (1.0 / case.vehicle.data.wheel.radius + 1.0 / roller_radius)  # (14)
-    shear, poisson = material.shear_modulus, material.poisson_ratio
-    ellipse = _core.hertz_ellipse(wheel_load(case), curvature, curvature, shear, poisson)
-    return float(ellipse[0])
+    wheel = case.vehicle.data.wheel.radius
+    radii = {"vehicle.data.wheel.radius": wheel, "support.data.roller_radius": support.roller_radius}
+    load, material = wheel_load(case), case.contact.material
+    curvature = 0.5 * sum(1.0 / radius for radius in radii.values())  # (14)
+    patch = _core.hertz_ellipse(load, curvature, curvature, material.shear_modulus, material.poisson_ratio)[0]
+    key, radius = min(radii.items(), key=lambda one: one[1])
+    if patch > LARGEST_SHARE * radius:
+        allowed = (
+            f"the patch between wheel and roller is about {1e3 * patch:.3g} mm long to either side (load {load:.3g} N, "
+            f"E {material.young_modulus:.3g} Pa), and contact theory takes both for bodies much larger than it; allowed: up to "
+            f"{LARGEST_SHARE:g} of the radius: larger wheels and rollers, less load, or a harder material"
+        )
+        yield key, f"{1e3 * radius:.3g} mm", allowed
 
 
 def wheel_load(case: CaseTables) -> float:
@@ -161,15 +149,3 @@ def wheel_load(case: CaseTables) -> float:
     bodies = case.vehicle.data.body
     wheelsets = sum(body.kind == "wheelset" for body in bodies)
     return case.gravity * sum(body.mass for body in bodies) / (2 * wheelsets)
-
-
-def _least_radius(case: CaseTables) -> float:
-    """Radius from which on a roller is large enough [m], rounded up to two digits."""
-    from scipy.optimize import brentq
-
-    exact = brentq(lambda radius: patch_size(case, radius) - LARGEST_SHARE * radius, 1e-6, 1e3)
-    return float(f"{1.05 * exact:.1e}")
-
-
-def _length(value: float) -> str:
-    return f"{1e3 * value:.3g} mm"

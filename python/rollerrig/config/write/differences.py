@@ -8,14 +8,12 @@ ones; else the whole list is one value.
 """
 
 from collections.abc import Iterator
-from html import escape
 from typing import Any
 
 from rollerrig.common.formatting import Summary, number
 from rollerrig.config.errors import show_value
 from rollerrig.config.schema.case import ACTUATORS, CaseTables, Contact, SupportChoice, VehicleChoice
 from rollerrig.config.schema.support import Rig
-from rollerrig.config.schema.units import AS_WRITTEN
 from rollerrig.config.validate.messages import named_items
 from rollerrig.config.write.explain import unit_of
 from rollerrig.config.write.toml import plain, text_of
@@ -32,11 +30,6 @@ class Differences(dict[str, tuple[Any, Any]]):
     def __repr__(self) -> str:
         return "\n".join(f"{key}: {a} -> {b}" for key, a, b in self.texts()) or "no difference"
 
-    def _repr_html_(self) -> str:
-        cells = (map(escape, row) for row in self.texts())
-        rows = "".join(f"<tr><th>{key}</th><td>{a}</td><td>{b}</td></tr>" for key, a, b in cells)
-        return f"<table><tr><th>key</th><th>here</th><th>there</th></tr>{rows}</table>" if rows else "no difference"
-
     def texts(self) -> Iterator[tuple[str, str, str]]:
         """Key and both values, with the unit."""
         for key, (a, b) in self.items():
@@ -50,15 +43,15 @@ def _shown(value: object, unit: str) -> str:
     return f"{number(value, 6)} {unit}".rstrip() if isinstance(value, float) else show_value(value)
 
 
-def tables_of(case: CaseTables, *, as_written: bool = True) -> Raw:
-    """All tables of a case as a file would have them, defaults too; or all numbers plain, in SI."""
-    raw: Raw = plain(case.model_dump(exclude_none=True, context=AS_WRITTEN if as_written else None))
+def tables_of(case: CaseTables) -> Raw:
+    """All tables of a case as a file would have them, defaults too; all numbers plain, in SI."""
+    raw: Raw = plain(case.model_dump(exclude_none=True))
     return raw
 
 
 def differences(here: Raw, there: Raw) -> Differences:
     """What is different, in the order of the tables."""
-    return Differences({_short_key(key, pair[1]): pair for key, pair in _different(here, there, "")})
+    return Differences({_short_key(key): pair for key, pair in _different(here, there, "")})
 
 
 def _different(here: Any, there: Any, key: str) -> Iterator[tuple[str, tuple[Any, Any]]]:
@@ -86,12 +79,11 @@ def _items(value: Any) -> Raw | None:
     return None
 
 
-def _short_key(key: str, value: object) -> str:
+def _short_key(key: str) -> str:
     """`vehicle.data.body` as `vehicle.body`, where that means the same."""
     head, _, rest = key.partition(".data.")
     own = OWN_KEYS.get(head, ())
-    means_it = rest.split(".")[0] not in own or (rest == "roller_radius" and value is not None)
-    return f"{head}.{rest}" if own and rest and means_it else key
+    return f"{head}.{rest}" if own and rest and rest.split(".")[0] not in own else key
 
 
 def text_from_base(name: str, changes: Differences) -> str:

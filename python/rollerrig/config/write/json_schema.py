@@ -35,8 +35,6 @@ ROOTS: dict[CatalogKind, type[BaseModel]] = {
     "fit": FitPlan,
 }
 
-_NOT_CHANGED = {"use", "data", "changes", "cut"}
-
 
 def json_schema(kind: CatalogKind = "case") -> Schema:
     """JSON Schema of one kind of file; `x-unit` is the SI unit of a number, `x-range` what it may be.
@@ -103,8 +101,9 @@ def _with_base(schema: Schema, tables: Schema) -> None:
     for choice, parts in choices.values():
         inside = {key: value for part in parts for key, value in tables[part]["properties"].items()}
         own = tables[choice]["properties"]
-        for key in [name for name in inside if name not in own and name not in _NOT_CHANGED]:  # in this order
+        for key in [name for name in inside if name not in own]:  # in this order
             own[key] = {"anyOf": [{"type": "object"}, inside[key]], "description": inside[key].get("description", "")}
+        _as_in_files(tables[choice])
         if "required" in tables[choice]:
             del tables[choice]["required"]
     for key, value in schema["properties"].items():

@@ -18,7 +18,7 @@ import numpy as np
 from rollerrig import _core
 from rollerrig.cases import as_case
 from rollerrig.common.arrays import Array
-from rollerrig.common.formatting import quantity
+from rollerrig.common.formatting import number
 from rollerrig.config import Case, ConfigError
 from rollerrig.config.errors import nearest, one_of
 from rollerrig.config.schema.units import Quantity
@@ -181,10 +181,14 @@ def _period(name: str, rate: str | float, step: float) -> float:
         return 1.0 / found
     steps = 1.0 / found / step
     if round(steps) < 1 or abs(steps - round(steps)) > 1e-6 * steps:
-        near = quantity(1.0 / (max(1, round(steps)) * step), "Hz")
+        near = _kilohertz(1.0 / (max(1, round(steps)) * step))
         allowed = f"allowed: a rate whose period is a multiple of time.sampling_step, {1e3 * step:g} ms; the nearest is {near}"
-        raise ConfigError.of(name, "rate", quantity(found, "Hz"), allowed)
+        raise ConfigError.of(name, "rate", _kilohertz(found), allowed)
     return round(steps) * step
+
+
+def _kilohertz(rate: float) -> str:
+    return f"{number(1e-3 * rate, 3)} kHz"
 
 
 def _chosen(name: str, variables: Sequence[_core.Variable], patterns: Sequence[str]) -> tuple[_core.Variable, ...]:
@@ -318,10 +322,10 @@ def check_rate(served: Served) -> float:
     rate = LOAD / longest if longest > 0 else float("inf")
     if rate < 1.0 / served.period:
         allowed = (
-            f"one core of this machine holds {quantity(rate, 'Hz')} of this case: 99 of 100 steps take at most "
+            f"one core of this machine holds {_kilohertz(rate)} of this case: 99 of 100 steps take at most "
             f"{1e3 * longest:.3g} ms, {100 * LOAD:.0f} % of a period is allowed"
         )
-        raise ConfigError.of(served.name, "rate", quantity(1.0 / served.period, "Hz"), allowed)
+        raise ConfigError.of(served.name, "rate", _kilohertz(1.0 / served.period), allowed)
     return rate
 
 

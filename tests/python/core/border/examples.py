@@ -18,7 +18,7 @@ import rollerrig as rr
 from rollerrig import _core
 from rollerrig.assembly.actuators import electrodynamic_brake, pneumatics, track_brake
 from rollerrig.assembly.creep_table import shipped_table
-from rollerrig.assembly.laws import core_struct
+from rollerrig.assembly.laws import part_of
 from rollerrig.assembly.model import assemble
 from rollerrig.config import Brake
 from rollerrig.config.schema.actuators import TableSlideProtection
@@ -184,10 +184,9 @@ class Examples:
             _core.DampingForceLaw(damping=1e4),
             _core.StiffnessForceLaw(stiffness=1e6),
             _core.DamperForceLaw(damping=1e4, series_stiffness=1e6),
-            core_struct(
+            part_of(
                 _core.ReservoirAir,
                 ReservoirAir(kind="reservoir", reservoir_pressure=8e5),
-                without=("kind", "axles_per_reservoir"),
                 pipe=_core.CylinderPipe(length=4.0, diameter=0.02, relay_conductance=5e-7),
             ),
             _core.PulsePeriod(teeth=100.0, pitch_error=0.01, averaging_time=5e-3, timeout=0.3, clock=1e6),
