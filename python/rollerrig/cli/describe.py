@@ -24,7 +24,7 @@ from rollerrig.irregularity import RailIrregularity
 from rollerrig.simulation.controllers import COMMANDS, fmu_controller, look_at_controller, users_controllers
 from rollerrig.simulation.fmu_controller import FmuError
 from rollerrig.simulation.mechatronics import estimator_response, feedback_gains, full_brake_torque, rig_controller
-from rollerrig.simulation.starting_state import degrees_of_freedom, equilibrium_dataset
+from rollerrig.simulation.starting_state import degrees_of_freedom, disturbances, equilibrium_dataset
 from rollerrig.track import equilibrium_speed, plane_acceleration
 
 Rows = list[dict[str, str]]
@@ -242,9 +242,11 @@ def describe_case(case: Case, *, run_code: bool = False) -> list[str]:
         run_code: whether controllers that it brings are made and checked; they are only looked at otherwise.
 
     Raises:
+        ConfigError: a disturbance moves what is locked.
         StartError: the model has no equilibrium.
     """
     model = assemble(case)
+    disturbances(model)  # refused here as before a run
     run = equilibrium_dataset(model).isel(time=0)
     lines = [f"{case.name}: {case.description}", ""]
     lines += _bodies(model) + [""]
