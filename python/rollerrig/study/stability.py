@@ -16,7 +16,7 @@ import xarray as xr
 from rollerrig import plot
 from rollerrig.analysis import SPEEDS_KMH
 from rollerrig.analysis.bifurcation import bifurcation
-from rollerrig.analysis.critical_speed import HIGHEST_KMH, LinearCriticalSpeed, linear_critical_speed, scan_linear
+from rollerrig.analysis.critical_speed import HIGHEST_KMH, LinearCriticalSpeed, scan_linear
 from rollerrig.analysis.limit_cycle import Diagram
 from rollerrig.analysis.limit_cycle_runs import LimitCycleSettings, limit_cycle_table, settling_run
 from rollerrig.analysis.mode_table import stability as modes_over_speed
@@ -26,6 +26,7 @@ from rollerrig.config import Case, Track
 from rollerrig.config.schema.contact import NORMAL_LAWS
 from rollerrig.plot.modes import shape_speed, shown_modes
 from rollerrig.results.termination import in_words
+from rollerrig.simulation.starting_state import StartError
 from rollerrig.study import limit_cycles as cycles
 from rollerrig.study.frame import Outcome, Study, dataset_rows
 from rollerrig.study.jobs import Chains, Done, Job, Progress, Round, job
@@ -191,14 +192,16 @@ def contact_effect(
     """Linear critical speed, and the limit cycle at one speed from a lateral offset, with one contact model."""
     support, normal, creep = names
     chosen = case.with_changes({"contact.normal": normal, "contact.creep": creep})
-    onset = linear_critical_speed(chosen, [v / 3.6 for v in speeds_kmh])
+    linear = scan_linear(chosen, speeds_kmh)
+    if linear.problem:
+        raise StartError(linear.problem)
     point, _ = settling_run(chosen, CONTACT_SETTINGS, CONTACT_SETTINGS.disturbance, run_speed_kmh / 3.6, None, progress)
     return {
         "support": support,
         "normal": normal,
         "creep": creep,
-        "linear_critical_speed_kmh": 3.6 * onset.speed if onset else math.nan,
-        "frequency_hz": onset.frequency if onset else math.nan,
+        "linear_critical_speed_kmh": linear.speed_kmh,
+        "frequency_hz": linear.onset.frequency if linear.onset else math.nan,
         "run_speed_kmh": run_speed_kmh,
         "limit_cycle_mm": 1e3 * point.amplitude,
         "guiding_force_kn": 1e-3 * point.guiding_force,
