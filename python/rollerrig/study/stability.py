@@ -99,12 +99,10 @@ def shape_blocks(modes: xr.Dataset) -> list[Block]:
         )
     ]
     critical = modes.attrs["linear_critical_mode"] or modes.attrs["hunting_mode"]
-    if critical and float(modes["frequency"].sel(mode=critical, speed=speed)) > 0.0:
-        figure = plot.mode_shape(modes, critical, speed)
-        blocks.append(Picture("critical_mode", figure, f"The mode '{critical}', from above and from behind."))
-    if suspension := [name for name in shown if name.startswith(SUSPENSION_WORDS)]:
-        caption = "Modes of the suspension, each in the view that shows most of it."
-        blocks.append(Picture("mode_shapes", plot.mode_shapes(modes, suspension, speed), caption))
+    oscillates = critical and float(modes["frequency"].sel(mode=critical, speed=speed)) > 0.0
+    if drawn := [n for n in shown if (oscillates and n == critical) or n.startswith(SUSPENSION_WORDS)]:
+        caption = "The critical mode and those of the suspension, each in the view that shows most of it."
+        blocks.append(Picture("mode_shapes", plot.mode_shapes(modes, drawn, speed), caption))
     ordered = sorted(shown, key=lambda name: not name.startswith("hunting"))
     return [*blocks, *(_shape_table(modes.sel(speed=speed, mode=name)) for name in ordered)]
 
