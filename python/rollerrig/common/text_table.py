@@ -2,7 +2,8 @@
 
     path -> [read_table] -> heading and cells of each column -> [name_and_unit, numbers]
 
-Cells are separated by commas, semicolons, tabs or blanks; a comma that separates no cells may be the decimal mark. Empty lines and those that begin with '#' are left out; rows count from the first one below the heading.
+Cells are separated by commas, semicolons, tabs or blanks; a comma that separates no cells may be the decimal mark. Empty lines
+and those that begin with '#' are left out; rows count from the first one below the heading.
 """
 
 import csv
