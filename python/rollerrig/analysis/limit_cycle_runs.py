@@ -124,7 +124,7 @@ def _settled(
 
 
 def _frequency(time: Array, lateral: Array) -> float:
-    """Of the wheelset that moves most [Hz]; 0: within less than two half-waves."""
+    """Frequency of the wheelset that moves most [Hz]; 0: within less than two half-waves."""
     if not time.size:
         return 0.0
     signal = lateral[:, int(np.argmax(np.ptp(lateral, axis=0)))]
