@@ -4,12 +4,16 @@ import subprocess
 import sys
 
 import rollerrig as rr
-from rollerrig.interfaces.plant import SlideProtection
+from rollerrig import _core
+from rollerrig.interfaces.plant import controller_part
 from rollerrig.interfaces.realtime import Client
 
 PORT = "127.0.0.1:50105"
 case = rr.load_case("adhesion_brake")
-protection = SlideProtection(case)
+protection = _core.ControllerPlant(controller_part(case, "slide_protection"))
+protection.start()
+names = [variable.name for variable in protection.variables]
+speeds, valves = ([names.index(f"wheelset_{i}.{what}") for i in (1, 2)] for what in ("axle_speed", "valve_command"))
 
 # The rig: a server in lock-step, faster than real time. Without --lock-step the same program drives it in real time.
 command = [sys.executable, "-c", "from rollerrig.cli import main; main()", "serve", "adhesion_brake", "--lock-step"]
@@ -21,9 +25,10 @@ with subprocess.Popen(
         distance, speed = rig.outputs.index("train.distance"), rig.outputs.index("train.speed")
         for sensors in rig.sensors():
             if sensors.state != "ended":
-                first, second = protection.step(sensors.time, [sensors.values[k] for k in axles])
-                valves = {"wheelset_1.valve_command": first, "wheelset_2.valve_command": second}
-                rig.command(dict.fromkeys(rig.inputs, 0.0) | valves)
+                for speed_input, k in zip(speeds, axles, strict=True):
+                    protection.set_input(speed_input, sensors.values[k])
+                protection.advance((round(sensors.time / protection.period) + 1) * protection.period)
+                rig.command(dict.fromkeys(rig.inputs, 0.0) | {names[k]: protection.get(k) for k in valves})
     server.wait()
 
 run = rr.simulate(case)

@@ -8,7 +8,6 @@ import numpy as np
 
 import rollerrig as rr
 from rollerrig import _core
-from rollerrig.analysis.axle_traction import axle_traction
 from rollerrig.assembly.laws import creep_law
 from rollerrig.contact_analysis.traction_curve import LoadedWheel, traction_coefficient
 from rollerrig.plot.style import COLOURS, MARKERS, house_style, new_grid
@@ -45,10 +44,13 @@ with house_style():
         }
         axes.plot(100 * creepage, curve(one["law"], one["numbers"]), style, color=COLOURS[number], label=name, **marks)
     case = rr.load_case("eurosprinter_traction")
-    run = axle_traction(rr.simulate(case), case.vehicle.data.wheel.radius).sel(axle="wheelset_1")
-    slip = run["creepage"].to_numpy()
+    run = rr.simulate(case)
+    axle = run.sel(axle="wheelset_1", body="wheelset_1", wheel=["wheelset_1_left", "wheelset_1_right"])
+    train = run["train_speed"] + axle["longitudinal_velocity"]  # the bogie yields on its traction rod
+    slip = ((case.vehicle.data.wheel.radius * axle["axle_speed"] - train) / run["train_speed"]).to_numpy()
+    traction = axle["creep_force"] / axle["vertical_force"].sum("wheel")
     shown = (slip > 0.003) & (slip < 0.25)
-    fitted.plot(100 * slip[shown], run["traction_coefficient"][shown], "k:", linewidth=2.0, label="bogie, leading axle")
+    fitted.plot(100 * slip[shown], traction[shown], "k:", linewidth=2.0, label="bogie, leading axle")
     for axes, title in ((published, "published parameters"), (fitted, "fitted to the means")):
         bars = {"fmt": "o", "color": "k", "markersize": 3.5, "linewidth": 0.9, "capsize": 2}
         label = "measured, ±3 standard errors"

@@ -120,7 +120,7 @@ def test_a_run_and_its_wheel_forces_are_drawn(run) -> None:
 
 def test_modes_are_drawn() -> None:
     modes = rr.stability("wheelset_rollers", [100.0, 150.0])
-    figures = (rr.plot.damping_over_speed, rr.plot.frequency_over_speed, rr.plot.root_locus, rr.plot.mode_shape)
+    figures = (rr.plot.damping_over_speed, rr.plot.frequency_over_speed, rr.plot.root_locus)
     for draw in (*figures, rr.plot.damping_map):
         assert drawn(draw(modes)) > 0
 

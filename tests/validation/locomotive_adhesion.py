@@ -21,7 +21,6 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from rollerrig import _core, load_case, simulate
-from rollerrig.analysis.axle_traction import axle_traction
 from rollerrig.analysis.estimation import estimate
 from rollerrig.assembly.laws import creep_law
 from rollerrig.common.free_number import FreeNumber
@@ -180,7 +179,17 @@ def traction(on_rig: bool = False) -> xr.Dataset:
     case = load_case("eurosprinter_traction")
     run = simulate(case.with_changes(ON_RIG) if on_rig else case)
     assert run.attrs["status"] == "ok"
-    return axle_traction(run, WHEEL.radius, of_virtual_axles=on_rig)
+    axles = [str(name) for name in run["axle"].to_numpy()]
+    train = run["train_speed"]
+    sides = [run["vertical_force"].sel(wheel=[f"{name}_{side}" for name in axles]) for side in ("left", "right")]
+    load = run["axle_speed"].copy(data=sum(side.to_numpy() for side in sides))
+    if on_rig:  # of the axles of the virtual train on its rail, loaded as the real ones
+        force, speed, own = run["virtual_force"], run["virtual_speed"], 0.0
+    else:  # a bogie yields on its traction rod
+        force, speed = run["creep_force"], run["axle_speed"]
+        own = run["longitudinal_velocity"].sel(body=axles).rename(body="axle")
+    creepage = (WHEEL.radius * speed - train - own) / train
+    return xr.Dataset({"creepage": creepage, "traction_coefficient": force / load, "load": load})
 
 
 def at(run: xr.Dataset, axle: str, creepage: Array, load: float | None = None) -> Array:

@@ -14,7 +14,7 @@ from pathlib import Path
 import numpy as np
 
 import rollerrig as rr
-from rollerrig.analysis.critical_speed import linear_critical_speed
+from rollerrig.analysis.critical_speed import scan_linear
 from rollerrig.config import Case
 
 sys.path[:0] = [str(Path(__file__).parents[1])]
@@ -27,8 +27,8 @@ PUBLISHED = 68.66
 """Critical speed of Cooperrider's bogie: Hopf bifurcation [m/s]."""
 RAIL_RADIUS = 0.3
 """Of the heads of `textbook_track` [m]."""
-SPEEDS = (30.0, 50.0, 65.0, 80.0, 110.0)
-"""Range in which critical speeds are looked for [m/s]."""
+SPEEDS = (108.0, 180.0, 234.0, 288.0, 396.0)
+"""Range in which critical speeds are looked for [km/h]."""
 ORBIT, REST, LARGE, SMALL = (70.0, 8e-3), (60.0, 8e-3), (68.4, 9e-3), (68.4, 1e-3)
 """Speed [m/s] and offset of wheelset 1 [m] of runs: the published two, and two just below the critical speed."""
 
@@ -48,7 +48,7 @@ def case(name: str = "cooperrider_bogie") -> Case:
 @cache
 def critical(name: str = "cooperrider_bogie") -> tuple[float, float]:
     """Linear critical speed of a case [m/s] and its frequency [Hz]."""
-    onset = linear_critical_speed(case(name), SPEEDS)
+    onset = scan_linear(case(name), SPEEDS).onset
     assert onset is not None
     return onset.speed, onset.frequency
 
@@ -194,7 +194,7 @@ critical speed were found; the numbers of this wheelset are ours.
 def wheelset() -> str:
     full = list(effects(Bogie(), rail_radius=RAIL_RADIUS, spin_inertia=0.0, weight=0.0).values())[2]
     real = case("suspended_wheelset").with_changes({"vehicle.body.wheelset_1.inertia": [700.0, 80.0, 700.0]})
-    spinning = linear_critical_speed(real, SPEEDS)
+    spinning = scan_linear(real, SPEEDS).onset
     assert spinning is not None
     rows = {
         "closed form": wheelset_formula(),

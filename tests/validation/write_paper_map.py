@@ -19,7 +19,7 @@ import numpy as np
 import pandas as pd
 
 import rollerrig as rr
-from rollerrig.analysis.critical_speed import linear_critical_speed
+from rollerrig.analysis.critical_speed import scan_linear
 from rollerrig.analysis.mode_table import Crossing
 from rollerrig.cases import on_track, part_of
 from rollerrig.config import Case
@@ -41,8 +41,8 @@ KEYS = {
     "creep_law": "contact.creep",
 }
 """Column of the data -> key of the case."""
-SPEEDS = (30 / 3.6, 400 / 3.6)
-"""Range in which critical speeds are looked for [m/s]."""
+SPEEDS = (30.0, 400.0)
+"""Range in which critical speeds are looked for [km/h]."""
 
 TEXT = """{heading}
 
@@ -126,7 +126,7 @@ def on_rig_and_rails() -> pd.DataFrame:
 
 def onset(row: dict[str, object]) -> Crossing:
     """Of the bogie on the rig."""
-    found = linear_critical_speed(case_of(row), SPEEDS)
+    found = scan_linear(case_of(row), SPEEDS).onset
     assert found is not None
     return found
 
@@ -135,7 +135,7 @@ def onset(row: dict[str, object]) -> Crossing:
 def on_rails(gauge: float, material: str, creep_law: str) -> Crossing:
     """Onset of the whole vehicle."""
     rig = case_of({"gauge": gauge, "material": material, "creep_law": creep_law})
-    found = linear_critical_speed(part_of(on_track(rig), "vehicle"), SPEEDS)
+    found = scan_linear(part_of(on_track(rig), "vehicle"), SPEEDS).onset
     assert found is not None
     return found
 

@@ -63,7 +63,7 @@ def accelerations(run: xr.Dataset, *, floor_height: float | None = None) -> xr.D
     names, bodies, framed, rows = [], [], [], []
     for body in info.sprung:
         x, _, z = body.position
-        on_wheelsets = any(info.body(below.body).role == "wheelset" for below in body.lower_bodies)
+        on_wheelsets = info.on_wheelsets(body)
         motion = run.sel(body=body.name)
         points = {f"{body.name}, centre": (0.0, 0.0, 0.0)}
         for below in body.lower_bodies:

@@ -45,6 +45,7 @@ class LinearCriticalSpeed:
     onset: Crossing | None = None  # the lowest speed above which an oscillation grows; None: there is none
     grows_at_start: tuple[str, ...] = ()  # names of the modes that grow already at the lowest speed
     problem: str = ""  # why nothing could be computed; '' if it could
+    searched_to_kmh: float = math.nan  # highest speed looked at [km/h]
 
     @property
     def speed_kmh(self) -> float:
@@ -52,25 +53,16 @@ class LinearCriticalSpeed:
         return math.nan if self.onset is None else 3.6 * self.onset.speed
 
 
-def linear_critical_speed(case: Case | Lineariser, speeds: Sequence[float]) -> Crossing | None:
-    """The lowest speed at which an oscillatory mode turns from damped to growing.
+def scan_linear(
+    case: Case | Lineariser, speeds_kmh: Sequence[float], above: bool = False, progress: Progress | None = None
+) -> LinearCriticalSpeed:
+    """Linear critical speed of one case; a missing equilibrium at the speeds asked for is returned as `problem`, not raised.
 
     Args:
         case: the case, or its lineariser.
-        speeds: range of speeds [m/s], rising; where they are far apart, further ones are put between them.
-
-    Returns:
-        The crossing, to `mode_table.SPEED_TOLERANCE`; None if nothing changes from damped to growing in the range.
-
-    Raises:
-        ValueError: speeds not rising or not positive.
-        StartError: no rolling equilibrium at one of the speeds.
-    """
-    return first_onset(zero_crossings(modes_over_speed(case, speeds)))
-
-
-def scan_linear(case: Case, speeds_kmh: Sequence[float], progress: Progress | None = None) -> LinearCriticalSpeed:
-    """Linear critical speed of one case between speeds [km/h]; a missing equilibrium is returned as `problem`, not raised.
+        speeds_kmh: range of speeds [km/h], rising; where they are far apart, further ones are put between them.
+        above: look up to HIGHEST_KMH where no oscillation grows at these speeds.
+        progress: called with the fraction done and a short text.
 
     Raises:
         KeyboardInterrupt: Ctrl-C came before the end.
@@ -82,26 +74,12 @@ def scan_linear(case: Case, speeds_kmh: Sequence[float], progress: Progress | No
         return LinearCriticalSpeed(problem=str(problem))
     if modes.followed.interrupted:
         raise KeyboardInterrupt
-    return LinearCriticalSpeed(first_onset(zero_crossings(modes)), growing_at_start(modes))
-
-
-def onset_from(
-    case: Case, speeds_kmh: Sequence[float], progress: Progress | None = None
-) -> tuple[Crossing | None, float]:
-    """Lowest onset of growth at the speeds asked for [km/h] or above them, up to HIGHEST_KMH; and the highest looked at [km/h].
-
-    Raises:
-        KeyboardInterrupt: Ctrl-C came before the end.
-        ValueError: speeds not positive and rising.
-        StartError: no rolling equilibrium at one of the speeds asked for.
-    """
-    here, highest = scan_linear(case, speeds_kmh, progress), speeds_kmh[-1]
-    if here.problem:
-        raise StartError(here.problem)
-    if here.onset is not None or here.grows_at_start or highest >= HIGHEST_KMH:
-        return here.onset, highest
-    above = scan_linear(case, [highest, HIGHEST_KMH], progress)
-    return above.onset, highest if above.problem else HIGHEST_KMH
+    highest = speeds_kmh[-1]
+    found = LinearCriticalSpeed(first_onset(zero_crossings(modes)), growing_at_start(modes), searched_to_kmh=highest)
+    if above and found.onset is None and not found.grows_at_start and highest < HIGHEST_KMH:
+        further = scan_linear(case, [highest, HIGHEST_KMH], progress=progress)
+        return found if further.problem else further
+    return found
 
 
 SAME = 2e-5  # part of a speed by which another must differ to be another one: thirds hit on speeds of runs but for rounding

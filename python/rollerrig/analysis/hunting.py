@@ -19,10 +19,11 @@ import xarray as xr
 
 from rollerrig import _core
 from rollerrig.analysis.limit_cycle import LEAST_AMPLITUDE, Decision, decide_motion
+from rollerrig.analysis.mode_names import roles
 from rollerrig.analysis.signals import FinalMotion, final_motion, half_waves
 from rollerrig.analysis.wheel_rail_forces import curved, irregular
 from rollerrig.assembly.model import AssembledModel, assemble
-from rollerrig.cases import at_speed, displaced, leading_wheelset
+from rollerrig.cases import at_speed, displaced
 from rollerrig.common.arrays import Array
 from rollerrig.config import Case
 from rollerrig.results import RunInfo, variable
@@ -97,9 +98,9 @@ def longest_step(case: Case) -> str:
 
 
 def observed_body(case: Case) -> str:
-    """The body whose lateral motion stands for the vehicle: the first frame, else the leading wheelset."""
-    frames = [body.name for body in case.vehicle.bodies if "frame" in body.name]
-    return frames[0] if frames else leading_wheelset(case).name
+    """The body whose lateral motion stands for the vehicle: the first bogie frame, else the leading wheelset."""
+    who = roles(case)
+    return (who.frames or who.wheelsets)[0]
 
 
 def hunting_run(job: tuple[Case, float, HuntingSettings], progress: Progress | None = None) -> HuntingRun:

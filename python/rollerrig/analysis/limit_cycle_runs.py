@@ -4,14 +4,15 @@ Case, speed, last state -> [settling_run: windows of time until settled] -> Cycl
 """
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 import xarray as xr
 
 from rollerrig import _core
-from rollerrig.analysis.hunting import NOT_DECIDED, HuntingSettings, hunting_case, not_decided
-from rollerrig.analysis.limit_cycle import CyclePoint, Decision, Diagram, decide
+from rollerrig.analysis.hunting import LATERAL, NOT_DECIDED, HuntingSettings, hunting_case, not_decided
+from rollerrig.analysis.limit_cycle import CyclePoint, Diagram, decide
 from rollerrig.analysis.signals import half_waves
 from rollerrig.assembly.model import AssembledModel, assemble
 from rollerrig.common.arrays import Array
@@ -23,7 +24,7 @@ from rollerrig.simulation.starting_state import starting_state
 LastState = tuple[float, Array]  # speed [m/s] and state in which a run ended
 
 PITCH = 4
-SAMPLES_BY = 8  # rows of results beyond those a window needs
+SAMPLES_BY = 8  # rows of results beyond one per output step
 
 
 @dataclass(frozen=True)
@@ -70,13 +71,73 @@ def settling_run(
     simulation = _core.Simulation(model.core)
     start = starting_state(model) if state is None else at_other_speed(simulation, model, state, speed)
     begin(simulation, model, start)
-    run = _Windows(simulation, model, settings)
-    while not run.finished:
-        if progress is not None:
-            progress(run.time / settings.longest, f"{3.6 * speed:.0f} km/h")  # Ctrl-C arrives here
-        run.advance()
-    point = run.point(speed)
+    point = _settled(simulation, model, settings, speed, progress)
     return point, (speed, simulation.state) if point.amplitude > 0.0 and point.status == "ok" else None
+
+
+def _settled(
+    simulation: _core.Simulation,
+    model: AssembledModel,
+    settings: LimitCycleSettings,
+    speed: float,
+    progress: Progress | None,
+) -> CyclePoint:
+    """What a run that has begun ends in, in windows of time until it is decided, over, or left the model's validity."""
+    longest, step, window = settings.longest, settings.output_step, settings.window
+    times, rows = (np.empty((math.ceil(longest / step) + SAMPLES_BY, *more)) for more in ((), (simulation.width,)))
+    wheelsets = [model.body_index(name) * len(_core.body_fields) + LATERAL for name in model.wheelsets]
+    code, at, ends, amplitudes, decision = _core.status_codes["ok"], 0.0, [0], list[float](), "open"
+    while code == _core.status_codes["ok"] and at < longest * (1 - 1e-9) and decision == "open":
+        if progress is not None:
+            progress(at / longest, f"{3.6 * speed:.0f} km/h")  # Ctrl-C arrives here
+        until, filled = min(at + window, longest), ends[-1]
+        code, more = march(simulation, until, times[filled:], rows[filled:], slice_length=window, begin_at=at)
+        at, ends = until, [*ends[-3:], filled + more]
+        lateral = rows[filled : ends[-1], wheelsets]
+        amplitudes.append(0.5 * float(np.ptp(lateral, axis=0).max()) if more else 0.0)
+        frequency = _frequency(times[ends[0] : ends[-1]], rows[ends[0] : ends[-1], wheelsets])
+        if 0.0 < frequency * window < 3.0 and len(amplitudes) == 1:
+            window = 4.0 / frequency  # slow running: fewer than three waves say little about the amplitude
+            amplitudes.clear()
+        decision = decide(amplitudes, window, ended=at >= longest * (1 - 1e-9))
+    ended, rate = outcome(simulation, model, code), _rate(amplitudes, window)
+    status, message = ended.status, ended.message
+    if status == "ok" and decision == "decays":
+        return CyclePoint(speed, 0.0, rate=rate, duration=at)
+    amplitude = amplitudes[-1] if amplitudes else 0.0
+    if status == "ok" and decision == "open":
+        status, message = NOT_DECIDED, not_decided(at, amplitude, rate)
+    run = run_dataset(model, times[ends[-2] : ends[-1]], rows[ends[-2] : ends[-1]], ended)
+    last = run[["lateral", "lateral_force"]].sel(body=list(model.wheelsets))
+    largest = {name: float(abs(one).max()) if one.size else math.nan for name, one in last.items()}
+    return CyclePoint(
+        speed=speed,
+        amplitude=amplitude if status == "ok" else math.nan,
+        peak=largest["lateral"],
+        frequency=frequency or math.nan,
+        guiding_force=largest["lateral_force"],
+        rate=rate,
+        duration=at,
+        status=status,
+        message="" if status == "ok" else message,
+    )
+
+
+def _frequency(time: Array, lateral: Array) -> float:
+    """Frequency of the wheelset that moves most [Hz]; 0: within less than two half-waves."""
+    if not time.size:
+        return 0.0
+    signal = lateral[:, int(np.argmax(np.ptp(lateral, axis=0)))]
+    waves = half_waves(time, signal, 0.25 * 0.5 * float(np.ptp(signal)) + 1e-9)
+    return 0.5 / float(waves.duration.mean()) if len(waves.duration) > 1 else 0.0
+
+
+def _rate(amplitudes: Sequence[float], window: float) -> float:
+    """Growth rate of the last amplitudes [1/s]; NaN: there are too few."""
+    last = amplitudes[-4:]
+    if len(last) < 2 or min(last) <= 0.0:
+        return math.nan
+    return float(np.polyfit(window * np.arange(len(last)), np.log(last), 1)[0])
 
 
 def at_other_speed(simulation: _core.Simulation, model: AssembledModel, state: LastState, speed: float) -> Array:
@@ -86,86 +147,6 @@ def at_other_speed(simulation: _core.Simulation, model: AssembledModel, state: L
     spins = [simulation.rate_index[model.body_index(body)][PITCH] for body in (*model.wheelsets, *model.rollers)]
     changed[[spin for spin in spins if spin >= 0]] *= speed / before
     return changed
-
-
-class _Windows:
-    """A run in windows of time, and the amplitude in each; `time` is how far it is [s]."""
-
-    def __init__(self, simulation: _core.Simulation, model: AssembledModel, settings: LimitCycleSettings) -> None:
-        self._simulation, self._model, self._settings = simulation, model, settings
-        self._amplitudes: list[float] = []
-        self._parts: list[xr.Dataset] = []
-        self.time, self._window = 0.0, settings.window
-        self._code: int = _core.status_codes["ok"]
-
-    @property
-    def finished(self) -> bool:
-        """Whether it is decided, has lasted long enough, or left the model's validity."""
-        return self._code != _core.status_codes["ok"] or self._is_over or self._decision != "open"
-
-    @property
-    def _is_over(self) -> bool:
-        return self.time >= self._settings.longest * (1 - 1e-9)
-
-    @property
-    def _decision(self) -> Decision:
-        return decide(self._amplitudes, self._window, ended=self._is_over)
-
-    def advance(self) -> None:
-        """One window more."""
-        step = self._settings.output_step
-        until = min(self.time + self._window, self._settings.longest)
-        room = math.ceil((until - self.time) / step) + SAMPLES_BY
-        times, rows = np.empty(room), np.empty((room, self._simulation.width))
-        self._code, filled = march(self._simulation, until, times, rows, slice_length=self._window, begin_at=self.time)
-        data = run_dataset(
-            self._model, times[:filled], rows[:filled], outcome(self._simulation, self._model, self._code)
-        )
-        part = data[["lateral", "lateral_force"]].sel(body=list(self._model.wheelsets)).load()
-        self._parts = [*self._parts[-2:], part]
-        self.time = until
-        lateral = part["lateral"].to_numpy()
-        self._amplitudes.append(0.5 * float(np.ptp(lateral, axis=0).max()) if len(lateral) else 0.0)
-        frequency = self._frequency()
-        if frequency * self._window < 3.0 and len(self._amplitudes) == 1 and frequency > 0.0:
-            self._window = 4.0 / frequency  # slow running: fewer than three waves say little about the amplitude
-            self._amplitudes.clear()
-
-    def _frequency(self) -> float:
-        lateral = xr.concat([part["lateral"] for part in self._parts], "time")
-        most = int(np.argmax(np.ptp(lateral.to_numpy(), axis=0)))
-        signal = lateral.to_numpy()[:, most]
-        waves = half_waves(lateral["time"].to_numpy(), signal, 0.25 * 0.5 * float(np.ptp(signal)) + 1e-9)
-        return 0.5 / float(waves.duration.mean()) if len(waves.duration) > 1 else 0.0
-
-    def _rate(self) -> float:
-        last = self._amplitudes[-4:]
-        if len(last) < 2 or min(last) <= 0.0:
-            return math.nan
-        return float(np.polyfit(self._window * np.arange(len(last)), np.log(last), 1)[0])
-
-    def point(self, speed: float) -> CyclePoint:
-        """What the run ended in."""
-        ended = outcome(self._simulation, self._model, self._code)
-        status, message = ended.status, ended.message
-        rate, amplitude = self._rate(), self._amplitudes[-1] if self._amplitudes else 0.0
-        if status == "ok" and self._decision == "decays":
-            return CyclePoint(speed, 0.0, rate=rate, duration=self.time)
-        if status == "ok" and self._decision == "open":
-            status, message = NOT_DECIDED, not_decided(self.time, amplitude, rate)
-        last = self._parts[-1]
-        largest = {name: float(abs(one).max()) if one.size else math.nan for name, one in last.items()}
-        return CyclePoint(
-            speed=speed,
-            amplitude=amplitude if status == "ok" else math.nan,
-            peak=largest["lateral"],
-            frequency=self._frequency() or math.nan,
-            guiding_force=largest["lateral_force"],
-            rate=rate,
-            duration=self.time,
-            status=status,
-            message="" if status == "ok" else message,
-        )
 
 
 CYCLE_COLUMNS = {  # attribute of a CyclePoint -> unit and meaning in the table

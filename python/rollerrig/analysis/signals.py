@@ -238,9 +238,7 @@ RIPPLE = 0.25
 """Half-waves smaller than this part of the amplitude are ripples on larger waves: they count for no frequency [1]."""
 
 
-def final_motion(
-    time: Array, signal: Array, part: float = 1 / 3, least_amplitude: float = LEAST_AMPLITUDE
-) -> FinalMotion:
+def final_motion(time: Array, signal: Array, part: float = 1 / 3) -> FinalMotion:
     """Amplitude, frequency and growth rate in the last part of a run.
 
     The rate compares the ranges of the two halves of that part: it is exact for an exponential, and an irregular limit
@@ -250,14 +248,13 @@ def final_motion(
         time: rising times [s].
         signal: values, shape of `time`.
         part: how much of the run counts as its end.
-        least_amplitude: half-waves below it are no motion.
     """
     start = time[-1] - part * (time[-1] - time[0])
     last = time >= start
     t, y = time[last], signal[last]
     amplitude = 0.5 * float(np.ptp(y)) if len(y) else 0.0
-    waves = half_waves(t, y, max(least_amplitude, RIPPLE * amplitude))
-    if amplitude < least_amplitude or len(waves.time) < 2:
+    waves = half_waves(t, y, max(LEAST_AMPLITUDE, RIPPLE * amplitude))
+    if amplitude < LEAST_AMPLITUDE or len(waves.time) < 2:
         return FinalMotion(0.0, float("nan"), float("nan"))
     early, late = (0.5 * float(np.ptp(half)) for half in np.array_split(y, 2))
     rate = float(np.log(late / early)) / (0.5 * float(t[-1] - t[0])) if late > 0 < early else float("-inf")

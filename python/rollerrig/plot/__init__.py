@@ -23,7 +23,6 @@ from rollerrig.plot.hunting import traction_sliding as traction_sliding
 from rollerrig.plot.modes import damping_map as damping_map
 from rollerrig.plot.modes import damping_over_speed as damping_over_speed
 from rollerrig.plot.modes import frequency_over_speed as frequency_over_speed
-from rollerrig.plot.modes import mode_shape as mode_shape
 from rollerrig.plot.modes import mode_shapes as mode_shapes
 from rollerrig.plot.modes import root_locus as root_locus
 from rollerrig.plot.modes import shape_speed as shape_speed

@@ -79,9 +79,7 @@ def hunting_over_time(runs: Sequence[tuple[float, xr.Dataset]], body: str, title
 
 
 @into_axes
-def amplitude_over_speed(
-    tables: Mapping[str, xr.Dataset], critical: Mapping[str, float] | None = None, title: str = ""
-) -> Figure:
+def amplitude_over_speed(tables: Mapping[str, xr.Dataset], critical: Mapping[str, float] | None = None) -> Figure:
     """Amplitude at the end of runs over speed: zero where the disturbance decayed, else that of the limit cycle.
 
     Runs that did not come to their end are crosses at the upper edge.
@@ -89,7 +87,6 @@ def amplitude_over_speed(
     Args:
         tables: label -> Dataset of `hunting_table`.
         critical: name -> speed [km/h], marked by a vertical line.
-        title: of the figure.
     """
     with panels(["lateral amplitude at the end [mm]"], "speed [km/h]", 4.8) as (figure, (axes,)):
         for number, (label, table) in enumerate(tables.items()):
@@ -106,7 +103,6 @@ def amplitude_over_speed(
                 axes.plot(speed[early], np.full(int(early.sum()), 0.97), **drawn)
         critical_lines(axes, critical or {})
         axes.set_ylim(-0.15, max(1.0, axes.get_ylim()[1]))  # where all decay the axis is not round-off
-        axes.set_title(title, loc="left")
         return figure
 
 

@@ -36,48 +36,23 @@ HALF_GAUGE, WHEEL_RADIUS = 0.75, 0.46
 
 
 @into_axes
-def mode_shape(modes: xr.Dataset, name: str = "", speed_kmh: float = math.nan) -> Figure:
-    """One mode from above and from behind, now and a quarter of a period later.
-
-    Args:
-        modes: Dataset of `stability`.
-        name: of the mode; by default the one that becomes unstable first, else the least damped hunting mode.
-        speed_kmh: the shape is that of the nearest speed in the table [km/h]; NaN: see `shape_speed`.
-    """
-    chosen = name or modes.attrs["linear_critical_mode"] or modes.attrs["hunting_mode"] or str(modes["mode"][0].item())
-    speed = speed_kmh if math.isfinite(speed_kmh) else shape_speed(modes)
-    one = modes.sel(mode=chosen).sel(speed=speed, method="nearest")
-    views = ("plan", "end") if view_of(one) != "side" else ("side", "end")
-    figure, panels = new_grid(2, 2, height=3.6, gridspec_kw={"width_ratios": (3.2, 1)})
-    for row, (phase, label) in enumerate(((0.0, "at its largest"), (90.0, "a quarter of a period later"))):
-        for axes, view in zip(panels[row], views, strict=True):
-            _draw(axes, one, view, phase)
-            axes.set_ylabel(f"{AXES[VIEWS[view][1]]} [m]")
-        panels[row][0].set_title(label, loc="left")
-    for axes, view in zip(panels[1], views, strict=True):
-        axes.set_xlabel(f"{AXES[VIEWS[view][0]]} [m]")
-    return figure
-
-
-@into_axes
-def mode_shapes(modes: xr.Dataset, names: Sequence[str], speed_kmh: float, columns: int = 3) -> Figure:
+def mode_shapes(modes: xr.Dataset, names: Sequence[str], speed_kmh: float) -> Figure:
     """Several modes, each in the view that shows most of it.
 
     Args:
         modes: Dataset of `stability`.
         names: of the modes.
         speed_kmh: the shapes are those of the nearest speed in the table [km/h].
-        columns: panels beside each other.
     """
-    rows = max(1, math.ceil(len(names) / columns))
-    figure, grid = new_grid(rows, columns, height=0.2 + 1.55 * rows)
+    rows = max(1, math.ceil(len(names) / 3))
+    figure, grid = new_grid(rows, 3, height=0.2 + 1.55 * rows)
     panels = grid.ravel()
     for axes in panels[len(names) :]:
         axes.set_visible(False)
     for axes, name in zip(panels, names, strict=False):
         one = modes.sel(mode=name).sel(speed=speed_kmh, method="nearest")
         view = view_of(one)
-        _draw(axes, one, view, 0.0)
+        _draw(axes, one, view)
         frequency, damping = float(one["frequency"]), 100 * float(one["damping"])
         axes.set_title(f"{name}\n{frequency:.2f} Hz, damping {damping:.1f} %", loc="left", fontsize=7.5)
         across, up = (AXES[axis] for axis in VIEWS[view])
@@ -104,7 +79,7 @@ def view_of(mode: xr.Dataset) -> str:
     return "plan" if parts["lateral"] + parts["yaw"] > 0.5 else "side"
 
 
-def _draw(axes: Axes, mode: xr.Dataset, view: str, phase_deg: float) -> None:
+def _draw(axes: Axes, mode: xr.Dataset, view: str) -> None:
     first, second = VIEWS[view]
     amplitude = mode["shape_amplitude"].fillna(0.0).to_numpy()
     motion = amplitude * np.exp(1j * np.radians(mode["shape_phase"].to_numpy()))
@@ -112,10 +87,10 @@ def _draw(axes: Axes, mode: xr.Dataset, view: str, phase_deg: float) -> None:
     wheelsets = places[roles == "wheelsets"]
     outlines = [_outline(str(role), place, view, wheelsets) for role, place in zip(roles, places, strict=True)]
     moved = [_displacement(points, part, str(role)) for points, part, role in zip(outlines, motion, roles, strict=True)]
-    # the phase at which what is drawn moves most; the same scale a quarter of a period later
+    # the phase at which what is drawn moves most
     drawn = np.concatenate([m[:, [first, second]].ravel() for m in moved])
     largest = drawn[np.argmax(np.abs(drawn))]
-    turn = np.exp(-1j * np.angle(largest)) * np.exp(1j * np.radians(phase_deg)) if largest else 1.0
+    turn = np.exp(-1j * np.angle(largest))
     scale = REACH[view] / abs(largest) if largest else 0.0
     order = np.argsort([{"wheelsets": 2, "bogie": 1}.get(str(role), 0) for role in roles])
     for k in order:

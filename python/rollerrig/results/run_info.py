@@ -221,6 +221,10 @@ class RunInfo:
         """
         return {body.name: body for body in self.bodies}[name]
 
+    def on_wheelsets(self, body: BodyInfo) -> bool:
+        """Whether wheelsets carry a body, as they do a bogie's frame."""
+        return any(self.body(below.body).role == "wheelset" for below in body.lower_bodies)
+
     @property
     def wheelsets(self) -> tuple[BodyInfo, ...]:
         """In the order of the vehicle."""

@@ -11,7 +11,7 @@ import numpy as np
 import xarray as xr
 
 from rollerrig.analysis import SPEEDS_KMH
-from rollerrig.analysis.critical_speed import onset_from
+from rollerrig.analysis.critical_speed import LinearCriticalSpeed, scan_linear
 from rollerrig.analysis.hunting import HuntingSettings
 from rollerrig.analysis.limit_cycle import KIND_SENTENCES, Branch, CyclePoint, Diagram, NotMadeError, diagram, trace
 from rollerrig.analysis.limit_cycle_runs import LastState, LimitCycleSettings, limit_cycle_table, settling_run
@@ -20,6 +20,7 @@ from rollerrig.common.arrays import Array
 from rollerrig.config import Case
 from rollerrig.plot import limit_cycle_diagram
 from rollerrig.results.dataset import variable
+from rollerrig.simulation.starting_state import StartError
 from rollerrig.study.critical_speeds import brackets, disturbance_chains, ended_early, narrowings
 from rollerrig.study.jobs import Chain, Chains, Done, Progress, Round, job, run_rounds
 from rollerrig.study.quantities import Quantities
@@ -221,7 +222,7 @@ def critical_speed(
 
     def rounds(_done: Done) -> Iterator[Round | Chains]:
         if "linear" in asked:
-            yield {_LINEAR: job(onset_from, chosen, speeds)}
+            yield {_LINEAR: job(scan_linear, chosen, speeds, True)}
         if "disturbance" in asked:
             yield disturbance_chains({"": chosen}, {"": speeds}, bracket_kmh, runs)
         if "continuation" in asked:
@@ -231,10 +232,11 @@ def critical_speed(
     if interrupted:
         raise KeyboardInterrupt
     found: dict[str, float | Array] = {}
-    searched_to = math.nan
+    linear: LinearCriticalSpeed = done.get(_LINEAR, LinearCriticalSpeed())
+    if linear.problem:
+        raise StartError(linear.problem)
     if _LINEAR in done:
-        onset, searched_to = done[_LINEAR]
-        found["linear_critical_speed"] = math.nan if onset is None else onset.speed
+        found["linear_critical_speed"] = linear.speed_kmh / 3.6
     if by := brackets([""], runs, done):
         found["critical_speed_by_disturbance"] = np.array([by[""].decays, by[""].persists])
     if "continuation" in asked:
@@ -245,7 +247,7 @@ def critical_speed(
     }
     ends = {"end": ["decays", "persists"]} if any(np.ndim(v) for v in found.values()) else {}
     attributes = {"case": chosen.name, "title": f"Critical speed of {chosen.name}"}
-    return xr.Dataset(variables, ends, attributes | {"linear_searched_to_kmh": searched_to})
+    return xr.Dataset(variables, ends, attributes | {"linear_searched_to_kmh": linear.searched_to_kmh})
 
 
 def limit_cycle(

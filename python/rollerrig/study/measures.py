@@ -5,7 +5,6 @@ case, table of the plan -> [measured] -> name -> number
 To add one: a table in `config/schema/plan.py`, a table of quantities, and a function here that gives their numbers.
 """
 
-import math
 from collections.abc import Callable, Mapping
 from functools import lru_cache
 from typing import Any
@@ -13,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from rollerrig import _core
-from rollerrig.analysis.critical_speed import onset_from
+from rollerrig.analysis.critical_speed import scan_linear
 from rollerrig.analysis.slide_statistics import TestRecord
 from rollerrig.analysis.wheel_rail_forces import filtered, wheel_forces
 from rollerrig.assembly.laws import core_law
@@ -24,6 +23,7 @@ from rollerrig.config.schema.programme import FlatWear
 from rollerrig.contact_analysis.static_contact import contact
 from rollerrig.results import COMPLETED, RunInfo
 from rollerrig.results.quantities import registered
+from rollerrig.simulation.starting_state import StartError
 from rollerrig.study.ensemble import recorded
 from rollerrig.study.jobs import Progress, whole_modes, whole_run
 from rollerrig.study.runs import wsp
@@ -86,8 +86,10 @@ def _stability(case: Case, _options: plan.StabilityMeasure, progress: Progressin
 
 def _onset(case: Case, options: plan.CriticalSpeedMeasure, progress: Progressing) -> Numbers:
     """Where an oscillatory mode begins to grow, looked for between two speeds and above them."""
-    onset, _ = onset_from(case, [3.6 * options.slowest, 3.6 * options.fastest], progress)
-    return {"linear_critical_speed": math.nan if onset is None else 3.6 * onset.speed}
+    found = scan_linear(case, [3.6 * options.slowest, 3.6 * options.fastest], True, progress)
+    if found.problem:
+        raise StartError(found.problem)
+    return {"linear_critical_speed": found.speed_kmh}
 
 
 def _contact(case: Case, options: plan.ContactMeasure, _progress: Progressing) -> Numbers:

@@ -16,7 +16,7 @@ import xarray as xr
 from rollerrig import plot
 from rollerrig.analysis import SPEEDS_KMH
 from rollerrig.analysis.bifurcation import bifurcation
-from rollerrig.analysis.critical_speed import HIGHEST_KMH, LinearCriticalSpeed, linear_critical_speed, scan_linear
+from rollerrig.analysis.critical_speed import HIGHEST_KMH, LinearCriticalSpeed, scan_linear
 from rollerrig.analysis.limit_cycle import Diagram
 from rollerrig.analysis.limit_cycle_runs import LimitCycleSettings, limit_cycle_table, settling_run
 from rollerrig.analysis.mode_table import stability as modes_over_speed
@@ -26,6 +26,7 @@ from rollerrig.config import Case, Track
 from rollerrig.config.schema.contact import NORMAL_LAWS
 from rollerrig.plot.modes import shape_speed, shown_modes
 from rollerrig.results.termination import in_words
+from rollerrig.simulation.starting_state import StartError
 from rollerrig.study import limit_cycles as cycles
 from rollerrig.study.frame import Outcome, Study, dataset_rows
 from rollerrig.study.jobs import Chains, Done, Job, Progress, Round, job
@@ -98,12 +99,10 @@ def shape_blocks(modes: xr.Dataset) -> list[Block]:
         )
     ]
     critical = modes.attrs["linear_critical_mode"] or modes.attrs["hunting_mode"]
-    if critical and float(modes["frequency"].sel(mode=critical, speed=speed)) > 0.0:
-        figure = plot.mode_shape(modes, critical, speed)
-        blocks.append(Picture("critical_mode", figure, f"The mode '{critical}', from above and from behind."))
-    if suspension := [name for name in shown if name.startswith(SUSPENSION_WORDS)]:
-        caption = "Modes of the suspension, each in the view that shows most of it."
-        blocks.append(Picture("mode_shapes", plot.mode_shapes(modes, suspension, speed), caption))
+    oscillates = critical and float(modes["frequency"].sel(mode=critical, speed=speed)) > 0.0
+    if drawn := [n for n in shown if (oscillates and n == critical) or n.startswith(SUSPENSION_WORDS)]:
+        caption = "The critical mode and those of the suspension, each in the view that shows most of it."
+        blocks.append(Picture("mode_shapes", plot.mode_shapes(modes, drawn, speed), caption))
     ordered = sorted(shown, key=lambda name: not name.startswith("hunting"))
     return [*blocks, *(_shape_table(modes.sel(speed=speed, mode=name)) for name in ordered)]
 
@@ -191,14 +190,16 @@ def contact_effect(
     """Linear critical speed, and the limit cycle at one speed from a lateral offset, with one contact model."""
     support, normal, creep = names
     chosen = case.with_changes({"contact.normal": normal, "contact.creep": creep})
-    onset = linear_critical_speed(chosen, [v / 3.6 for v in speeds_kmh])
+    linear = scan_linear(chosen, speeds_kmh)
+    if linear.problem:
+        raise StartError(linear.problem)
     point, _ = settling_run(chosen, CONTACT_SETTINGS, CONTACT_SETTINGS.disturbance, run_speed_kmh / 3.6, None, progress)
     return {
         "support": support,
         "normal": normal,
         "creep": creep,
-        "linear_critical_speed_kmh": 3.6 * onset.speed if onset else math.nan,
-        "frequency_hz": onset.frequency if onset else math.nan,
+        "linear_critical_speed_kmh": linear.speed_kmh,
+        "frequency_hz": linear.onset.frequency if linear.onset else math.nan,
         "run_speed_kmh": run_speed_kmh,
         "limit_cycle_mm": 1e3 * point.amplitude,
         "guiding_force_kn": 1e-3 * point.guiding_force,

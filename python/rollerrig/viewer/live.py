@@ -20,7 +20,7 @@ from rollerrig.interfaces.plant import assembled_model
 from rollerrig.simulation.starting_state import StartError
 from rollerrig.viewer import parts
 from rollerrig.viewer.contacts import PATCH, Standing, live_places
-from rollerrig.viewer.scene import head_of, plots
+from rollerrig.viewer.scene import MOTION, WHEEL, head_of, plots
 
 _RANGE = (0.1, 4.0)
 """Range of a gain, over its own value."""
@@ -94,11 +94,7 @@ def _slider(one: _core.Variable, label: str) -> Slider:
 FRAME = 1.0 / 30.0
 """Between two frames [s]."""
 
-_BODY = ("longitudinal", "lateral", "vertical", "roll", "pitch", "yaw")
-_FORCES = ("longitudinal_force", "lateral_force", "vertical_force")
-_WHEEL = {"creep": "longitudinal_creep_force"} | {
-    name: name for name in (*_FORCES, "longitudinal_sliding", "lateral_sliding", "rail_lateral", "rail_vertical")
-}
+_WHEEL = {"creep": "longitudinal_creep_force"} | {name: name for name in WHEEL}
 _AXLE = ("axle_speed", "roller_speed", "cylinder_pressure", "roller_torque", "traction_torque")
 _PUSH, _MOST_OFFSET, _MOST_YAW = 3e-3, 0.02, 0.05
 _PAUSE = 1.5
@@ -250,7 +246,7 @@ class LiveRun:
                 self._indices.append(self._variables[variable])
 
         for k, body in enumerate(model.bodies):
-            for name in _BODY if body not in model.fixed else ():
+            for name in MOTION if body not in model.fixed else ():
                 add(f"b{k}.{name}", f"{body}.{name}")
         for k, wheel in enumerate(model.wheels):
             for column, name in _WHEEL.items():

@@ -16,6 +16,7 @@ from rollerrig.common.arrays import Array, Mask
 from rollerrig.config import Element, Rig, Track
 from rollerrig.config.schema.vehicle import DIRECTIONS
 from rollerrig.profiles import ProfileTable
+from rollerrig.results.run_info import describe
 
 Table = dict[str, Any]
 
@@ -30,36 +31,22 @@ _AHEAD, _BEHIND, _LINE_STEP = 160.0, 120.0, 2.0
 
 def bodies(model: AssembledModel) -> list[Table]:
     """Name, kind, place and attachments of each body, in the order of the model."""
+    info = describe(model)
     ends: dict[str, list[list[float]]] = {name: [] for name in model.bodies}
     for element in _elements(model):
         for body, end in zip(element.between, (element.end_a, element.end_b), strict=True):
             ends[body].append(_relative(model, body, end))
     return [
         {
-            "name": name,
-            "kind": _kind(model, name),
-            "at": [round(value, 6) for value in model.positions[name]],
-            "fixed": name in model.fixed,
-            "ends": ends[name],
-            "sides": [side for side in SIDES if not name.endswith(SIDES) or name.endswith(side)],
+            "name": body.name,
+            "kind": {"vehicle body": "frame" if info.on_wheelsets(body) else "car body"}.get(body.role, body.role),
+            "at": [round(value, 6) for value in body.position],
+            "fixed": body.fixed,
+            "ends": ends[body.name],
+            "sides": [side for side in SIDES if not body.name.endswith(SIDES) or body.name.endswith(side)],
         }
-        for name in model.bodies
+        for body in info.bodies
     ]
-
-
-def _kind(model: AssembledModel, name: str) -> str:
-    if name in model.wheelsets:
-        return "wheelset"
-    if name in model.rollers:
-        return "roller"
-    if name in model.rails:
-        return "rail"
-    for element in _elements(model):
-        if element.carries_load and name in element.between:
-            other = element.between[1 - element.between.index(name)]
-            if other in model.wheelsets:
-                return "frame"
-    return "car body"
 
 
 def elements(model: AssembledModel) -> list[Table]:

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from rollerrig.analysis.critical_speed import linear_critical_speed
+from rollerrig.analysis.critical_speed import scan_linear
 from rollerrig.analysis.hunting import HuntingSettings
 from rollerrig.analysis.limit_cycle import (
     Branch,
@@ -272,7 +272,7 @@ def test_critical_speeds_by_the_three_definitions_are_in_order(bogie, found) -> 
     chains = disturbance_chains({"": bogie}, {"": [150.0, 190.0]}, 10.0, runs)
     done, _ = run_rounds(lambda _done: iter([chains]), None, (1.0,), 1, None)
     by = brackets([""], runs, done)[""]
-    linear = linear_critical_speed(bogie, [200 / 3.6, 300 / 3.6])
+    linear = scan_linear(bogie, [200.0, 300.0]).onset
     assert linear is not None
     assert 0.0 < by.persists - by.decays <= 10 / 3.6
     assert found.lowest_cycle - found.decays <= width

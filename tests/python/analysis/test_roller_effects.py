@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from rollerrig.analysis.critical_speed import linear_critical_speed
+from rollerrig.analysis.critical_speed import scan_linear
 from rollerrig.config import Case, load_case
 from rollerrig.simulation.run import simulate
 
@@ -17,7 +17,7 @@ def without(case: Case, *effects: str) -> Case:
 
 
 def critical_kmh(case: Case) -> float:
-    found = linear_critical_speed(case, np.arange(100.0, 420.0, 20.0) / 3.6)
+    found = scan_linear(case, np.arange(100.0, 420.0, 20.0).tolist()).onset
     assert found is not None
     return 3.6 * found.speed
 

@@ -9,7 +9,7 @@ import pytest
 
 from rollerrig.analysis import modes as linear_modes
 from rollerrig.analysis.control_loop import slow_wavelength
-from rollerrig.analysis.critical_speed import bracket, linear_critical_speed, scan_linear
+from rollerrig.analysis.critical_speed import bracket, scan_linear
 from rollerrig.analysis.hunting import HuntingSettings, hunting_run
 from rollerrig.analysis.mode_table import diverging, modes_over_speed, stability, zero_crossings
 from rollerrig.analysis.modes import Lineariser, eigensystem, oscillates
@@ -93,9 +93,9 @@ def test_below_the_critical_speed_a_run_dies_out_and_above_it_goes_on(bogie) -> 
 
 
 def test_track_is_stable_to_a_higher_speed_than_rollers(bogie) -> None:
-    speeds = [v / 3.6 for v in (200.0, 250.0, 300.0, 350.0)]
-    rig = linear_critical_speed(bogie, speeds)
-    track = linear_critical_speed(load_case("bogie_track"), speeds)
+    speeds = [200.0, 250.0, 300.0, 350.0]
+    rig = scan_linear(bogie, speeds).onset
+    track = scan_linear(load_case("bogie_track"), speeds).onset
     assert rig is not None
     assert track is not None
     assert track.speed > rig.speed
@@ -115,9 +115,8 @@ def test_critical_speeds_of_many_cases_are_those_of_each(bogie) -> None:
     assert speeds[0] < speeds[1] < speeds[2]
     assert found[3].onset is None
     assert math.isnan(speeds[3])
-    alone = linear_critical_speed(bogie, [60 / 3.6, 350 / 3.6])
-    assert alone is not None
-    assert 3.6 * alone.speed == speeds[1]  # the same to the last bit, on another process
+    alone = scan_linear(bogie, [60.0, 350.0])
+    assert alone.speed_kmh == speeds[1]  # the same to the last bit, on another process
 
 
 def test_a_case_without_equilibrium_is_told_by_the_scan(bogie) -> None:

@@ -7,7 +7,7 @@ import pytest
 
 import rollerrig as rr
 from rollerrig.analysis import mode_table
-from rollerrig.analysis.critical_speed import linear_critical_speed
+from rollerrig.analysis.critical_speed import scan_linear
 from rollerrig.analysis.modes import Lineariser, eigensystem
 from rollerrig.analysis.stability_sensitivity import suspension_parameters
 from rollerrig.simulation.sensitivity import changed_case
@@ -29,7 +29,7 @@ def test_critical_speed(found, key: str, monkeypatch: pytest.MonkeyPatch) -> Non
 
     def critical(factor: float) -> float:
         case = changed_case(rr.load_case("bogie_rollers_constant"), key, value * factor)
-        return 3.6 * linear_critical_speed(case, [speed - 2.0, speed + 2.0]).speed
+        return scan_linear(case, [3.6 * (speed - 2.0), 3.6 * (speed + 2.0)]).speed_kmh
 
     wide, narrow = ((critical(1 + w) - critical(1 - w)) / (2 * w * value) for w in (0.01, 0.005))
     assert float(own["critical_speed_derivative"]) == pytest.approx((4 * narrow - wide) / 3, rel=1e-5)

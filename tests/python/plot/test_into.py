@@ -53,7 +53,7 @@ def test_panels_take_several_axes(run) -> None:
 @pytest.mark.slow
 def test_figures_of_grids_and_colour_bars_take_axes() -> None:
     modes = rr.stability("wheelset_rollers", [100.0, 150.0])
-    for draw in (rr.plot.damping_map, rr.plot.root_locus, rr.plot.mode_shape):
+    for draw in (rr.plot.damping_map, rr.plot.root_locus):
         axes = Figure().subplots()
         assert draw(modes, axes=axes) is axes
         assert lines(axes) > 0

@@ -67,7 +67,7 @@ def test_numbers_are_registered_and_those_of_the_bogie(folder) -> None:
 @pytest.mark.slow
 def test_figures_are_drawn_and_shown(folder) -> None:
     drawn = {path.name for path in (folder / "figures").iterdir()}
-    names = ("frequency", "damping", "damping_map", "root_locus", "limit_cycles", "critical_mode", "mode_shapes")
+    names = ("frequency", "damping", "damping_map", "root_locus", "limit_cycles", "mode_shapes")
     assert drawn == {f"{name}.svg" for name in names}
     text = (folder / "report.html").read_text()
     assert text.count("<img") == len(drawn)
@@ -177,7 +177,7 @@ def test_the_report_of_a_lone_wheelset_is_in_the_singular_and_draws_no_hunting(t
     assert "wheelset red" in text
     assert "wheelsets" not in text.partition("Limitations")[0]
     assert "hunting" not in text.partition("Limitations")[0]
-    assert not (tmp_path / "figures" / "critical_mode.svg").exists()
+    assert not (tmp_path / "figures" / "mode_shapes.svg").exists()
 
 
 @pytest.mark.slow

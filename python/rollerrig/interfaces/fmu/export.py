@@ -112,7 +112,7 @@ def export_fmu(
         rates=rates,
         indicators=indicators,
     )
-    return _written(target, unit, fmi, _of_a_rig(unit), {"resources/rig.model": model}, carried, force=force)
+    return _written(target, unit, fmi, {"resources/rig.model": model}, carried, force=force)
 
 
 def _begun(case: Case | str, path: str | Path, fmi: str, kind: str, *, force: bool) -> tuple[Case, Path, list[Shell]]:
@@ -128,19 +128,11 @@ def _begun(case: Case | str, path: str | Path, fmi: str, kind: str, *, force: bo
 
 
 def _written(
-    target: Path, unit: Unit, fmi: str, text: str, resource: dict[str, bytes], carried: list[Shell], *, force: bool
+    target: Path, unit: Unit, fmi: str, resource: dict[str, bytes], carried: list[Shell], *, force: bool
 ) -> Path:
-    """The FMU as a zip file. The page that tools show stands first, as it is: by it the program knows its own files."""
-    needs = (f", processor with {shell.needs}" if shell.needs else "" for shell in carried)
-    runs_on = "".join(f"<li>{shell.platform}{more}</li>\n" for shell, more in zip(carried, needs, strict=True))
-    page = f"""<!DOCTYPE html>
-<html lang="en"><head><meta charset="utf-8">{PAGE.decode()}<title>{escape(unit.name)}</title></head><body>
-<h1>{escape(unit.name)}</h1>
-{text}<p>Runs on</p>
-<ul>
-{runs_on}</ul>
-</body></html>
-"""
+    """The FMU as a zip file. A page stands first, as it is: by it the program knows its own files."""
+    head = f'<meta charset="utf-8">{PAGE.decode()}<title>{escape(unit.name)}</title>'
+    page = f'<!DOCTYPE html><html lang="en"><head>{head}</head><body>Written by {TOOL}.</body></html>\n'
     files = {"documentation/index.html": page.encode(), "modelDescription.xml": DESCRIPTIONS[fmi](unit), **resource}
     files |= {shell.place(fmi, unit.identifier): shell.file.read_bytes() for shell in carried}
     stream = io.BytesIO()
@@ -151,24 +143,6 @@ def _written(
             entry.external_attr = 0o644 << 16
             archive.writestr(entry, content)
     return write_bytes(target, stream.getvalue(), force=force)
-
-
-def _of_a_rig(unit: Unit) -> str:
-    """What a user of the FMU of a case should know."""
-    steps = (
-        "Sensors and controllers are sampled; outputs are those of the last sampling step within a communication step."
-        if unit.sampled
-        else "The communication step does not change the steps inside."
-    )
-    kinds = {
-        "cs": f"<p>Co-simulation: {steps} Where the model leaves its validity, or the train has stopped, a step is "
-        "discarded, and the log names time and wheel.</p>\n",
-        "me": "<p>Model exchange: the tool integrates. Sampling and corners of tables are time events, lift-off is an event "
-        "indicator. Where the model leaves its validity, or the train has stopped, the simulation is asked to end, and "
-        "the log names time and wheel.</p>\n",
-    }
-    offered = "".join(text for kind, text in kinds.items() if unit.kind in (kind, "both"))
-    return f"<p>Roller rig, written by {TOOL}. SI; x forward, y to the left, z upwards.</p>\n{offered}"
 
 
 def export_part(case: Case | str, part: str, path: str | Path, *, fmi: str = "2", force: bool = False) -> Path:
@@ -210,8 +184,4 @@ def export_part(case: Case | str, part: str, path: str | Path, *, fmi: str = "2"
         sampled=True,
         variables=plant.variables,
     )
-    text = f"""<p>A controller alone, written by {TOOL}. It takes a sample every {unit.step:g} s: at the beginning of a
-step, with the inputs as they are then; its commands are outputs from the end of that step on. What lies between a sample and the
-command's acting is not part of it. SI.</p>
-"""
-    return _written(target, unit, fmi, text, {"resources/controller.part": content}, carried, force=force)
+    return _written(target, unit, fmi, {"resources/controller.part": content}, carried, force=force)
