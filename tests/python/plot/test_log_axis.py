@@ -12,9 +12,8 @@ from rollerrig.plot.style import logarithmic, new_figure
 
 @pytest.mark.slow
 @pytest.mark.parametrize("low", [0.0123, 0.9, 4.0, 350.0])
-@pytest.mark.parametrize(
-    ("width", "decades"), [*((7.0, n) for n in (0.2, 0.5, 0.9, 1.6, 2.5, 4.0, 7.0)), (2.6, 2.5), (2.6, 4.0), (2.6, 7.0)]
-)
+@pytest.mark.parametrize("decades", [0.2, 0.5, 0.9, 1.6, 2.5, 4.0, 7.0])
+@pytest.mark.parametrize("width", [2.6, 7.0])
 def test_numbers_have_room(low: float, decades: float, width: float) -> None:
     figure, (axes,) = new_figure(width=width)
     axes.plot([low, low * 10**decades], [0.0, 1.0])
@@ -24,11 +23,10 @@ def test_numbers_have_room(low: float, decades: float, width: float) -> None:
     seen = axes.get_xlim()
     shown = [
         label
-        for minor in (False, True)
-        for label, place in zip(axes.get_xticklabels(minor=minor), axes.get_xticks(minor=minor), strict=True)
-        if seen[0] <= place <= seen[1] and label.get_text()
+        for label, place in zip(axes.get_xticklabels(), axes.get_xticks(), strict=True)
+        if seen[0] <= place <= seen[1]
     ]
-    shown.sort(key=lambda label: label.get_window_extent().x0)
+    assert not any(label.get_text() for label in axes.get_xticklabels(minor=True))
     assert len(shown) >= (2 if decades >= 0.5 else 1)
     assert not any("e" in label.get_text() or "$" in label.get_text() for label in shown)
     boxes = [label.get_window_extent() for label in shown]
@@ -41,4 +39,4 @@ def test_an_ordinate_too() -> None:
     logarithmic(axes, "y")
     figure.canvas.draw()
     assert axes.get_yscale() == "log"
-    assert {"1", "10"} <= {label.get_text() for label in axes.get_yticklabels()}
+    assert {"0.5", "1", "10"} <= {label.get_text() for label in axes.get_yticklabels()}
