@@ -40,7 +40,7 @@ def prepare() -> tuple[Path, dict[str, bytes]]:
         "log.nc": bytes(netcdf_bytes(dataset(columns, units))),
         "record.npz": record(columns, units),
         RAILS: "\n".join(
-            ["distance [m],left_y [mm],left_z [mm],right_y [mm],right_z [mm]"]
+            ["distance [m],left_y_mm,left_z_mm,right_y_mm,right_z_mm"]
             + [f"{0.25 * k},{np.sin(k):.3f},{np.cos(k):.3f},0.1,{k % 3}" for k in range(ROWS)]
         ).encode(),
     }

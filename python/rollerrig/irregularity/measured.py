@@ -4,18 +4,21 @@
 
 Columns: `distance`, and either the displacements of both rails, `left_y`, `left_z`, `right_y`, `right_z`, or any of the
 components `alignment`, `vertical`, `cross_level`, `gauge`; one that is not there is zero. A unit follows its name in
-brackets: `distance [m]`. The gauge is the deviation from the nominal one, not the gauge itself.
+brackets or after an underscore: `distance [m]`, `vertical (mm)`, `left_y_mm`. The gauge is the deviation from the
+nominal one, not the gauge itself.
 """
 
-from collections.abc import Mapping, Sequence
+import math
+import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
 from rollerrig.common.arrays import Array
+from rollerrig.common.input_files import LARGEST_TABLE, read_input
 from rollerrig.common.splines import quasi_interpolant
-from rollerrig.common.text_table import name_and_unit, numbers, read_table
 from rollerrig.irregularity.rails import (
     COMPONENTS,
     RAILS,
@@ -31,6 +34,8 @@ LARGEST = 0.2
 LARGEST_SPACING = 2.0
 """Spacing of samples beyond which the waves that shake a vehicle are missing [m]."""
 FEWEST_ROWS = 8
+
+_HEADING = re.compile(r"\s*([a-z_]+?)\s*(?:[\[(]\s*([a-z]+)\s*[\])]|_(mm|cm|km|m))?\s*")
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,11 +54,16 @@ def read_measured_track(path: Path) -> MeasuredTrack:
         IrregularityError: the file is missing or malformed, or its numbers cannot be a track.
     """
     try:
-        columns = _columns(read_table(path))
+        lines = read_input(path, LARGEST_TABLE).decode("utf-8-sig", errors="replace").splitlines()
     except OSError as error:
         raise IrregularityError(f"{path}: cannot be read: {error.strerror or error}") from None
-    except ValueError as error:
-        raise IrregularityError(f"{path}: {error}") from None
+    numbered = [(i, line.split("#", 1)[0].strip()) for i, line in enumerate(lines, 1)]
+    numbered = [(i, line) for i, line in numbered if line]
+    if not numbered:
+        raise IrregularityError(f"{path}: the file is empty; it begins with a line of column names")
+    scales = _heading(path, numbered[0][1])
+    table = _numbers(path, numbered[1:], len(scales)) * list(scales.values())
+    columns = dict(zip(scales, table.T, strict=True))
     distance = columns.pop("distance")
     _check_distance(path, distance)
     _check_size(path, columns)
@@ -103,26 +113,51 @@ def measured_irregularity(
     return RailIrregularity(step, coefficients, fade_in)
 
 
-def _columns(table: Sequence[tuple[str, Sequence[str]]]) -> dict[str, Array]:
-    """Values by the names of their columns [m]; ValueError: they are no track."""
+def _heading(path: Path, line: str) -> dict[str, float]:
+    """Names of the columns, and what turns each into metres."""
     allowed = f"distance, and {', '.join(RAILS)} or some of {', '.join(COMPONENTS)}"
-    columns: dict[str, Array] = {}
-    for heading, cells in table:
-        name, unit = name_and_unit(heading.lower())
+    scales: dict[str, float] = {}
+    for text in _cells(line):
+        match = _HEADING.fullmatch(text.lower())
+        name, unit = (match[1], match[2] or match[3]) if match else (text, None)
         if name not in ("distance", *RAILS, *COMPONENTS):
-            raise ValueError(f"unknown column {heading!r}; allowed: {allowed}")
+            raise IrregularityError(f"{path}: unknown column {text.strip()!r}; allowed: {allowed}")
         if unit not in UNITS:
-            raise ValueError(f"column {heading!r}: no unit; allowed: {', '.join(UNITS)}, as in '{name} [mm]'")
-        if name in columns:
-            raise ValueError(f"column {name} stands there twice")
-        columns[name] = UNITS[unit] * numbers(name, cells)
-    given = columns.keys() - {"distance"}
+            units = f"{', '.join(UNITS)}, as in '{name} [mm]'"
+            raise IrregularityError(f"{path}: column {text.strip()!r}: no unit; allowed: {units}")
+        if name in scales:
+            raise IrregularityError(f"{path}: column {name} stands there twice")
+        scales[name] = UNITS[unit]
+    given = scales.keys() - {"distance"}
     complete = given == set(RAILS) or (given and given <= set(COMPONENTS))
-    if "distance" not in columns or not complete:
-        raise ValueError(f"columns {', '.join(columns)}; needed: {allowed}")
-    if (rows := len(columns["distance"])) < FEWEST_ROWS:
-        raise ValueError(f"{rows} rows; a measured track has at least {FEWEST_ROWS}")
-    return columns
+    if "distance" not in scales or not complete:
+        raise IrregularityError(f"{path}: columns {', '.join(scales)}; needed: {allowed}")
+    return scales
+
+
+def _cells(line: str) -> list[str]:
+    for separator in (";", ",", "\t"):
+        if separator in line:
+            decimal = "," if separator == ";" else "."
+            return [cell.strip().replace(decimal, ".") for cell in line.split(separator)]
+    return line.split()
+
+
+def _numbers(path: Path, lines: list[tuple[int, str]], columns: int) -> Array:
+    rows = []
+    for number, line in lines:
+        cells = _cells(line)
+        if len(cells) != columns:
+            raise IrregularityError(f"{path}: line {number}: {len(cells)} numbers; the header names {columns} columns")
+        try:
+            rows.append([float(cell) for cell in cells])
+        except ValueError:
+            raise IrregularityError(f"{path}: line {number}: {line!r} is not a row of numbers") from None
+        if not all(map(math.isfinite, rows[-1])):
+            raise IrregularityError(f"{path}: line {number}: {line!r} is not finite; remove or repair the row")
+    if len(rows) < FEWEST_ROWS:
+        raise IrregularityError(f"{path}: {len(rows)} rows; a measured track has at least {FEWEST_ROWS}")
+    return np.array(rows)
 
 
 def _check_distance(path: Path, distance: Array) -> None:

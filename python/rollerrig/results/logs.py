@@ -8,9 +8,11 @@ file that `rollerrig export` or `simulate` wrote has its columns by the same nam
 
 from __future__ import annotations
 
+import csv
+import re
 import subprocess
 import sys
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -18,8 +20,7 @@ from typing import Any
 import numpy as np
 
 from rollerrig.common.arrays import Array
-from rollerrig.common.input_files import LARGEST_TABLE, check_hdf5, check_input
-from rollerrig.common.text_table import name_and_unit, read_table
+from rollerrig.common.input_files import LARGEST_TABLE, check_hdf5, check_input, read_input
 from rollerrig.config.schema.units import unit_factor
 from rollerrig.results.other_formats import table_columns
 from rollerrig.results.run_info import ResultsError
@@ -63,9 +64,10 @@ def read_log(source: Log | Mapping[str, Any] | str | Path, name: str = "log") ->
         library, extra = _OPTIONAL[kind]
         raise ResultsError(f'{source}: needs {library}, not installed: pip install "rollerrig[{extra}]"') from None
     except Exception as error:  # whatever the libraries meet in a damaged file
-        reason = "" if kind == ".csv" else "no table of numbers: "
-        reason += (str(error).splitlines() or [""])[0]
-        raise (error if isinstance(error, ResultsError) else ResultsError(f"{source}: {reason}")) from None
+        reason = (str(error).splitlines() or [""])[0]
+        raise (
+            error if isinstance(error, ResultsError) else ResultsError(f"{source}: no table of numbers: {reason}")
+        ) from None
 
 
 def log_of(given: Columns, file: str) -> Log:
@@ -76,7 +78,8 @@ def log_of(given: Columns, file: str) -> Log:
     """
     columns, units = {}, {}
     for heading, values in given.items() if isinstance(given, Mapping) else given:
-        name, unit = name_and_unit(heading)
+        found = re.fullmatch(r"(.*?)\s*\[([^\[\]]*)\]", heading.strip())
+        name, unit = found.groups() if found else (heading.strip(), "")
         if not name:
             continue
         if name in columns:
@@ -149,6 +152,33 @@ def time_problem(time: Array) -> str:
     return ""
 
 
+def _csv(path: str | Path) -> Columns:
+    text = read_input(path, LARGEST_TABLE).decode("utf-8-sig")
+    lines = [line for line in text.splitlines() if line.strip() and not line.startswith("#")]
+    if not lines:
+        raise ResultsError(f"{path}: an empty file; needed: a heading and rows of numbers")
+    separator = max(",;\t", key=lines[0].count)
+    head, *rows = csv.reader(lines, delimiter=separator)
+    for number, row in enumerate(rows, 1):
+        if len(row) < len(head) or any(cell.strip() for cell in row[len(head) :]):  # each row may end in a separator
+            hint = "; decimal commas need ; or tabs between the cells" if separator == "," else ""
+            raise ResultsError(f"{path}: row {number} has {len(row)} cells, the heading {len(head)}{hint}")
+    decimal = "." if separator == "," else _decimal_mark(path, rows)
+    return [(name, [row[k].strip().replace(decimal, ".") for row in rows]) for k, name in enumerate(head)]
+
+
+def _decimal_mark(path: str | Path, rows: list[list[str]]) -> str:
+    """That of the cells; a comma beside points may part thousands."""
+    found = {}
+    for mark in ".,":
+        number = re.compile(rf"\s*[+-]?(\d+[{mark}]\d*|[{mark}]\d+)([eE][+-]?\d+)?\s*")
+        found[mark] = next((cell for row in rows for cell in row if mark in cell and number.fullmatch(cell)), "")
+    if all(found.values()):
+        shown = f"a point in '{found['.']}', a comma in '{found[',']}'"
+        raise ResultsError(f"{path}: {shown}; allowed: one of them, as the decimal mark of all cells")
+    return "," if found[","] else "."
+
+
 def _try(path: str | Path, reading: str) -> None:
     """Refuses a file on which its library ends the process, or never ends: it is read in a process of its own first."""
     trial = [sys.executable, "-P", "-c", f"import sys; {reading}", str(check_input(path, LARGEST_TABLE))]
@@ -214,13 +244,6 @@ def _record(path: str | Path) -> Mapping[str, Any]:
     return {"time [s]": period * np.arange(len(sensors)), **dict(zip(heads, sensors.T, strict=True))}
 
 
-READERS: Mapping[str, Callable[[str | Path], Columns]] = {
-    ".csv": read_table,
-    ".mat": _mat,
-    ".mf4": _mdf,
-    ".nc": _netcdf,
-    ".parquet": _parquet,
-    ".npz": _record,
-}
+READERS = {".csv": _csv, ".mat": _mat, ".mf4": _mdf, ".nc": _netcdf, ".parquet": _parquet, ".npz": _record}
 _OPTIONAL = {".parquet": ("pyarrow", "parquet"), ".mf4": ("asammdf", "mdf")}
 """Library that a kind of file needs, and the extra of the package that brings it."""

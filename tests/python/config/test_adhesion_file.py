@@ -45,15 +45,18 @@ def test_friction_passes_from_point_to_point(tmp_path: Path) -> None:
         ("distance [m],friction\n0,0.1\n10,0.1\n30,0.1\n", "row 3: 30 m follows 10 m, a gap; allowed: rows 10 m apart"),
         ("distance [m],friction\n0,0.1\n10,\n", "row 2, column 'friction': '' is no number"),
         ("distance [m],friction\n10,0.1\n0,0.2\n", "row 2: 0 m follows 10 m; allowed: distances that rise"),
-        ("distance [m],friction\n0,0.1\nnan,0.2\n", "row 2, column 'distance [m]': 'nan' is no number"),
+        ("distance [m],friction\n0,0.1\nnan,0.2\n", "row 2: nan m follows 0 m"),
         ("distance [m],friction\n0,0.1\n10,1.2\n", "row 2: friction 1.2; allowed: 0 to 1"),
         ("distance [m],friction\n0,0.1\n", "1 rows; allowed: 2 to 10000"),
-        ("distance [m],friction\n0,0.1\n10\n", "row 2 has 1 cells, the heading 2"),
-        ("distance [m];friction\n0;0,1\n10;0.2\n", "a point in '0.2', a comma in '0,1'; allowed: one of them"),
+        ("distance [m],friction\n0,0.1\n10\n", "row 2: 1 cells; needed: 2, as in the heading"),
+        (
+            "distance [m];friction\n0;0,1\n10;0,2\n",
+            "cells are separated by ';'; needed: commas between cells, and points",
+        ),
         ("distance [m],mu\n0,0.1\n10,0.1\n", "columns distance [m], mu; needed: 'distance [m]', and 'friction'"),
         ("place,friction\n0,0.1\n10,0.1\n", "columns place, friction; needed: 'distance [m]'"),
         ("distance [m],condition\n0,low\n10,wett\n", "row 2: 'wett'; allowed: dry, eurosprinter, wet, low, very_low"),
-        ("", "an empty file; needed: a heading and rows"),
+        ("", "no table: needed is a heading"),
     ],
 )
 def test_a_map_that_is_none_is_refused_by_file_and_row(tmp_path: Path, rows: str, message: str) -> None:

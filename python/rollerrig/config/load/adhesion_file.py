@@ -7,12 +7,12 @@ as `rollerrig reconstruct` writes `adhesion_map.csv`: it passes smoothly from on
 A condition, by name, begins at its row; before the first one the rail is `rail`.
 """
 
+import csv
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from rollerrig.common.input_files import LARGEST_TEXT
-from rollerrig.common.text_table import numbers, read_table
+from rollerrig.common.input_files import LARGEST_TEXT, read_input
 from rollerrig.config.errors import ConfigProblem, nearest, show_value
 from rollerrig.config.schema.adhesion import CONDITIONS
 
@@ -31,7 +31,7 @@ def read_adhesion_file(raw: Mapping[str, Any], file: str, folder: Path) -> tuple
     if table.get("piece"):
         return table, [ConfigProblem(file, "adhesion.piece", "given", "allowed without adhesion.file")]
     try:
-        return {**table, **_pieces(table, dict(read_table(folder / name, LARGEST_TEXT)))}, []
+        return {**table, **_pieces(table, _rows(folder / name))}, []
     except OSError as error:
         return table, [ConfigProblem(file, key, show_value(name), f"not read: {error.strerror}")]
     except ValueError as error:
@@ -57,25 +57,41 @@ def rail_of_points(
     return {"rail": condition(values[0]), "piece": pieces, "blend": spacing}
 
 
-def _pieces(table: Mapping[str, Any], columns: Mapping[str, Sequence[str]]) -> dict[str, Any]:
-    """Keys of [adhesion] that say what the columns of the file say."""
-    at = next((name for name in _DISTANCES if name in columns), None)
-    kinds = [name for name in ("friction", "condition") if name in columns]
+def _rows(path: Path) -> list[dict[str, str]]:
+    try:
+        text = read_input(path, LARGEST_TEXT).decode("utf-8-sig")
+        lines = [line for line in text.splitlines() if line.strip() and not line.startswith("#")]
+        head, *rows = csv.reader(lines)
+    except (csv.Error, ValueError):
+        raise ValueError("no table: needed is a heading and a row for each place, separated by commas") from None
+    names = [name.strip() for name in head]
+    if len(names) == 1 and ";" in names[0]:
+        raise ValueError("cells are separated by ';'; needed: commas between cells, and points in numbers")
+    for number, row in enumerate(rows, 1):
+        if len(row) != len(names):
+            raise ValueError(f"row {number}: {len(row)} cells; needed: {len(names)}, as in the heading")
+    if not 2 <= len(rows) <= _MOST_ROWS:
+        raise ValueError(f"{len(rows)} rows; allowed: 2 to {_MOST_ROWS}")
+    return [dict(zip(names, map(str.strip, row), strict=True)) for row in rows]
+
+
+def _pieces(table: Mapping[str, Any], rows: list[dict[str, str]]) -> dict[str, Any]:
+    """Keys of [adhesion] that say what the rows say."""
+    at = next((name for name in _DISTANCES if name in rows[0]), None)
+    kinds = [name for name in ("friction", "condition") if name in rows[0]]
     if at is None or len(kinds) != 1:
-        raise ValueError(f"columns {', '.join(columns)}; needed: '{_DISTANCES[0]}', and 'friction' or 'condition'")
-    if not 2 <= len(columns[at]) <= _MOST_ROWS:
-        raise ValueError(f"{len(columns[at])} rows; allowed: 2 to {_MOST_ROWS}")
-    places = numbers(at, columns[at]).tolist()
+        raise ValueError(f"columns {', '.join(rows[0])}; needed: '{_DISTANCES[0]}', and 'friction' or 'condition'")
+    places = _numbers(rows, at)
     for number, (a, b) in enumerate(zip(places, places[1:], strict=False), 2):
         if not b > a:
             raise ValueError(f"row {number}: {b:g} m follows {a:g} m; allowed: distances that rise")
     if kinds == ["condition"]:
-        return _conditions(places, columns["condition"])
+        return _conditions(places, [row["condition"] for row in rows])
     step = places[1] - places[0]
     for number, (a, b) in enumerate(zip(places, places[1:], strict=False), 2):
         if abs(b - a - step) > _EVEN * max(step, abs(b)):
             raise ValueError(f"row {number}: {b:g} m follows {a:g} m, a gap; allowed: rows {step:g} m apart")
-    friction = numbers("friction", columns["friction"]).tolist()
+    friction = _numbers(rows, "friction")
     for number, mu in enumerate(friction, 1):
         if not 0.0 <= mu <= 1.0:
             raise ValueError(f"row {number}: friction {mu:g}; allowed: 0 to 1")
@@ -101,3 +117,13 @@ def _conditions(places: Sequence[float], names: Sequence[str]) -> dict[str, Any]
             hint = f"; did you mean '{guess}'?" if guess else ""
             raise ValueError(f"row {number}: '{name}'; allowed: {', '.join(CONDITIONS)}{hint}")
     return {"piece": [{"distance": s, "rail": name} for s, name in zip(places, names, strict=True)]}
+
+
+def _numbers(rows: Sequence[Mapping[str, str]], name: str) -> list[float]:
+    found = []
+    for number, row in enumerate(rows, 1):
+        try:
+            found.append(float(row[name]))
+        except ValueError:
+            raise ValueError(f"row {number}, column '{name}': '{row[name]}' is no number") from None
+    return found
