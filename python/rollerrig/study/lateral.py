@@ -79,7 +79,8 @@ CHAOTIC = ("tracking_rms", "real_sliding_largest_mps", "amplitude_before_mm", "a
 
 CAUSES = (
     "Unbraked no wheel slides: hunting that dies there too dies of the flatter creep curve of the contaminated rail (k_A, k_S), "
-    "or of Polach's, softer near the limit of friction; the pair with k_A = k_S = 1 separates the slide from the rail."
+    "or of the case's own creep law where that is Polach's, softer near the limit of friction; the pair with k_A = k_S = 1 "
+    "separates the slide from the rail."
 )
 
 

@@ -220,9 +220,11 @@ def critical_speed(
     speeds = [float(v) for v in speeds_kmh]
     runs, cycles = HuntingSettings(), LimitCycleSettings(tolerance_kmh=bracket_kmh)
 
-    def rounds(_done: Done) -> Iterator[Round | Chains]:
+    def rounds(done: Done) -> Iterator[Round | Chains]:
         if "linear" in asked:
             yield {_LINEAR: job(scan_linear, chosen, speeds, True)}
+            if problem := done[_LINEAR].problem:
+                raise StartError(problem)
         if "disturbance" in asked:
             yield disturbance_chains({"": chosen}, {"": speeds}, bracket_kmh, runs)
         if "continuation" in asked:
@@ -233,9 +235,7 @@ def critical_speed(
         raise KeyboardInterrupt
     found: dict[str, float | Array] = {}
     linear: LinearCriticalSpeed = done.get(_LINEAR, LinearCriticalSpeed())
-    if linear.problem:
-        raise StartError(linear.problem)
-    if _LINEAR in done:
+    if "linear" in asked:
         found["linear_critical_speed"] = linear.speed_kmh / 3.6
     if by := brackets([""], runs, done):
         found["critical_speed_by_disturbance"] = np.array([by[""].decays, by[""].persists])

@@ -14,6 +14,7 @@ from rollerrig.analysis.critical_speed import HIGHEST_KMH, bracket
 from rollerrig.analysis.hunting import HuntingRun, hunting_table
 from rollerrig.analysis.modes import DIRECTIONS, Lineariser
 from rollerrig.analysis.signals import FinalMotion
+from rollerrig.simulation.starting_state import StartError
 from rollerrig.study.compare import between
 from rollerrig.study.critical_speeds import ended_early_sentence
 from rollerrig.study.limit_cycles import critical_speed
@@ -99,6 +100,14 @@ def test_each_definition_has_its_own_name_and_unit() -> None:
     assert float(by.sel(end="decays")) == pytest.approx(90.0)
     assert math.isnan(by.sel(end="persists"))
     assert {value.attrs["units"] for value in found.data_vars.values()} == {"km/h"}
+
+
+def test_without_an_equilibrium_no_run_begins(monkeypatch: pytest.MonkeyPatch) -> None:
+    torque = {"wheelset": "wheelset_1", "reacts_on": "none", "constant": 60_000.0}  # beyond friction
+    case = load_case("wheelset_rollers").with_changes({"axle_torque": [torque]})
+    monkeypatch.setattr("rollerrig.study.limit_cycles.disturbance_chains", lambda *_: pytest.fail("a run"))
+    with pytest.raises(StartError, match="no rolling equilibrium"):
+        critical_speed(case, methods=["linear", "disturbance"], speeds_kmh=[60.0, 90.0])
 
 
 def test_an_unknown_definition_is_refused() -> None:

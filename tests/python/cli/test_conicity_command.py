@@ -89,7 +89,7 @@ def test_a_table_that_ends_early_is_kept_and_told(tmp_path: Path) -> None:
     [
         (("s102", "en_60e1_1_40"), "did you mean 's1002'"),
         (("en_60e1_1_40", "s1002"), "cannot be used as a wheel"),
-        (("s1002", "en_60e1_1_40", "--gauge-mm", "1"), "support.gauge"),
+        (("s1002", "en_60e1_1_40", "--gauge-mm", "1.435"), "'--gauge-mm': Input should be greater than or equal to 10"),
         (("s1002", "en_60e1_1_40", "--gauge-mm", "1600"), "the wheels miss the rails"),
         (("s1002", "en_60e1_1_40", "--amplitudes-mm", "0:4:1"), "above 0"),
         (("s1002", "en_60e1_1_40", "--amplitudes-mm", "9"), "above 0 and up to the largest shift, 8 mm"),

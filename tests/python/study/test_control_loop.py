@@ -46,10 +46,8 @@ EXCITED = {
     "brake.demand": [[0.0, 0.0], [0.2, 0.0], [0.21, "0.2 bar"]],
 }
 """A light brake application excites the loop."""
-WINDOW, LEAST_WINDOWS = (
-    0.1,
-    4,
-)  # of the RMS values from which a growth rate is measured [s], and how many it takes at least
+WINDOW = 0.1  # of the RMS values from which a growth rate is measured [s]
+LEAST_WINDOWS = 4  # that it takes
 LINEAR_RANGE = (1e-10, 2e-2)  # tracking errors between rounding and saturation of torque and adhesion [rad/s]
 
 
