@@ -87,6 +87,22 @@ def wheelsets_lateral(run: xr.Dataset) -> xr.DataArray:
     return run["lateral"].sel(body=names)
 
 
+def motor_limited(model: Case, mapped: xr.Dataset) -> float | None:
+    """Part of the time in which the brake's or the demanded torque is beyond the motors of a model [-]; None: no limit.
+
+    `mapped` is its run at full scale.
+    """
+    if model.traction is None or model.traction.motor.envelope is None or "brake_torque" not in mapped:
+        return None
+    factors = factors_of(model)
+    speeds, torques = np.array(model.traction.motor.envelope).T
+    limit = factors.factor("N m") * np.interp(np.abs(mapped["axle_speed"]) / factors.factor("rad/s"), speeds, torques)
+    demanded = mapped["torque_factor"] * mapped["traction_demand"]
+    if RunInfo.of(mapped).motors_reproduce_brakes:
+        demanded = demanded + mapped["brake_torque"]
+    return float((np.abs(demanded) > limit * (1 + 1e-9)).mean())
+
+
 def axle_torque(run: xr.Dataset) -> xr.DataArray:
     """Torque of brake and motor on each axle, positive forward [N m]."""
     by_motors = RunInfo.of(run).motors_reproduce_brakes  # then the motor's torque holds the brake's

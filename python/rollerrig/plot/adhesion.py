@@ -209,10 +209,11 @@ def motions(runs: Mapping[str, tuple[Array, Array]], slide: float) -> Figure:
 
 
 def leading_axle(runs: Mapping[str, xr.Dataset], signals: Sequence[Signal], height: float) -> Figure:
-    """A panel per signal of the leading axle or of the train, of a height [inches]; a colour per run, by label."""
+    """A panel per signal of the leading axle or of the train, of a height [inches]; a colour and a style per run, by label."""
     with panels([label for label, _, _ in signals], "time [s]", height) as (figure, axes):
         for panel, (_, signal, factor) in zip(axes, signals, strict=True):
             for number, (label, run) in enumerate(runs.items()):
                 values = factor * (run[signal] if isinstance(signal, str) else signal(run))
-                line(panel, run["time"], values.isel(axle=0, missing_dims="ignore"), number, label=label)
+                style = STYLES[number % len(STYLES)]
+                line(panel, run["time"], values.isel(axle=0, missing_dims="ignore"), number, style, label)
     return figure

@@ -184,6 +184,7 @@ class ScaleStudy(ModelStudy):
             "model_mapped_back": model,
             "fidelity": compared.pop("model"),
             "error_budget": compared,
+            "motor_limited_share": scaled_model.motor_limited(self.model, results.mapped["model"]),
         }
 
     def summary(self, results: Scaled, numbers: Numbers) -> list[str]:
@@ -194,6 +195,8 @@ class ScaleStudy(ModelStudy):
         for name, of in {"mapped back": numbers["fidelity"], "ideal, the repeatability of the test": ideal}.items():
             if said := self.quantities.said(of, "fidelity"):
                 found.append(f"Model less full scale, {name}: {said}.")
+        if share := numbers["motor_limited_share"]:
+            found.append(f"The motors cannot exert the demanded torque in {percent(share, 3)} of the time.")
         return found + [f"{label}: {run.attrs['status_message']}" for label, run in early.items()]
 
     def files(self, results: Scaled, numbers: Numbers) -> Mapping[str, Any]:

@@ -46,6 +46,7 @@ def test_motors_that_stand_in_give_the_brakes_torque_as_far_as_they_can(brake: O
     demanded, exerted = np.abs(model["brake_torque"]), np.abs(axle_torque(model))
     assert float(demanded.max()) > 1.2 * limit
     assert float(exerted.max()) == pytest.approx(limit, rel=1e-3)  # the motor's lag comes within it by then
+    assert brake.numbers["motor_limited_share"] == pytest.approx(float((demanded > limit).mean()), abs=2e-3)
     strong = brake.results.mapped["material"]  # friction brakes, as at full scale
     assert float(np.abs(axle_torque(strong)).max()) > 1.2 * limit
 
