@@ -62,7 +62,8 @@ def influence(assembly: Assembly, state: np.ndarray, wheel: int, rail: str, deri
         table[rail][row, derivative] = sign * size
         if derivative:
             table[rail][row, 0] = -sign * size * (np.mod(along, period) - row * step)
-        assembly.builder.set_irregularity(period, step, *(table[name] for name in RAILS), 0.0, True)
+        rails = {name: _core.UniformSpline(0.0, step, table[name]) for name in RAILS}
+        assembly.parts["irregularity"] = _core.Irregularity(period=period, fade_in=0.0, steered=True, **rails)
         rates.append(_core.Simulation(assembly.finish().core).derivative(late, state)[0])
     return (rates[1] - rates[0]) / (2 * size)
 

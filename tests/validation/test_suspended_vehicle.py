@@ -95,7 +95,7 @@ def modes(springs: str) -> list[Mode]:
     case = suspended(**SPRINGS[springs])
     assembly = Assembly(case)
     if SPRINGS[springs].get("weightless"):
-        assembly.builder.set_gravity(0.0)
+        assembly.parts["gravity"] = 0.0
     model = assembly.finish()
     simulation = _core.Simulation(model.core)
     matrix = simulation.jacobian(0.0, np.zeros(simulation.state_count))[0]

@@ -12,7 +12,7 @@ from typing import Any
 from rollerrig import _core
 from rollerrig.assembly.laws import adhesion_map, core_law, core_struct, part_of
 from rollerrig.assembly.model import GROUND, AssembledModel, Assembly, assemble, axle_torque
-from rollerrig.assembly.model_parts import ABSENT
+from rollerrig.assembly.model_parts import ABSENT, add_part
 from rollerrig.config import Brake, Case, Track, Traction
 from rollerrig.config.schema.brakes import AnyTrackBrake, MagneticTrackBrake, ReservoirAir
 
@@ -29,44 +29,36 @@ def assemble_with_actuators(case: Case, *, torque_on_all: bool = False) -> Assem
         case: the case.
         torque_on_all: whether an axle without a motor takes a torque, too.
     """
-    assembly = Assembly(case)
-    adhesion = _add_adhesion(assembly)
+    adhesion = adhesion_map(case.adhesion, case.sanding) if case.adhesion is not None else None
+    # on the wheels on track; on a rig for the virtual train alone
+    assembly = Assembly(case, adhesion if isinstance(case.support.data, Track) else None)
     axles = [_add_axle(assembly, number, torque_on_all=torque_on_all) for number in range(len(assembly.wheelsets))]
     _add_resistance(assembly)
     bogies = _add_track_brakes(assembly)
     if case.contact.pure_rolling:
         for name in assembly.wheelsets:
-            assembly.builder.add_rolling_constraint(assembly.index(name))
+            add_part(assembly.parts, "rolling_wheelsets", assembly.index(name))
     return replace(assembly.finish(), axles=tuple(axles), adhesion=adhesion, bogies=bogies)
 
 
-def _add_adhesion(assembly: Assembly) -> _core.AdhesionMap | None:
-    """The adhesion of the case's rails: on the wheels on track; on a rig for the virtual train alone."""
-    if assembly.case.adhesion is None:
-        return None
-    adhesion = adhesion_map(assembly.case.adhesion, assembly.case.sanding)
-    for wheel in assembly.wheels if isinstance(assembly.support, Track) else ():
-        assembly.builder.set_adhesion(wheel.contact, adhesion)
-    return adhesion
-
-
 def _add_axle(assembly: Assembly, number: int, *, torque_on_all: bool) -> _core.AxleParts:
-    case, builder, name = assembly.case, assembly.builder, assembly.wheelsets[number]
+    case, parts, name = assembly.case, assembly.parts, assembly.wheelsets[number]
     wheelset, frame = assembly.index(name), assembly.frame_of(name)
     brake = torque = roller = roller_torque = ABSENT
     if case.brake is not None and not case.brake.by_traction_motors:
-        brake = builder.add_brake(_core.AxleBrake(wheelset=wheelset, reaction=frame, brake=friction_brake(case.brake)))
+        own = _core.AxleBrake(wheelset=wheelset, reaction=frame, brake=friction_brake(case.brake))
+        brake = add_part(parts, "brakes", own)
     machine = case.brake.electrodynamic if case.brake else None
     brakes = machine is not None and (machine.axles is None or name in machine.axles)
     if case.traction is not None:
-        torque = builder.add_axle_torque(_traction_motor(assembly, name, frame, case.traction))
+        torque = add_part(parts, "axle_torques", _traction_motor(assembly, name, frame, case.traction))
     elif brakes or torque_on_all:
-        torque = builder.add_axle_torque(axle_torque(wheelset, frame, []))
+        torque = add_part(parts, "axle_torques", axle_torque(wheelset, frame, []))
     if assembly.rollers:
         roller = assembly.index(assembly.rollers[number])
     if assembly.rollers and case.rig_control is not None:
         drive = part_of(_core.RollerTorque, case.rig_control.motor, roller=roller, torque=[])
-        roller_torque = builder.add_roller_torque(drive)
+        roller_torque = add_part(parts, "roller_torques", drive)
     return _core.AxleParts(
         wheelset=wheelset,
         contacts=[wheel.contact for wheel in assembly.wheels if wheel.wheelset == name],
@@ -144,18 +136,16 @@ def _add_track_brakes(assembly: Assembly) -> int:
     frames = {assembly.frame_of(name) for name in assembly.wheelsets}
     bodies = {assembly.index(assembly.main_body) if frame == GROUND else frame for frame in frames}
     for body in sorted(bodies) if isinstance(assembly.support, Track) else ():
-        assembly.builder.add_track_brake(_core.BodyTrackBrake(body=body, brake=track_brake(table, 1)))
+        add_part(assembly.parts, "track_brakes", _core.BodyTrackBrake(body=body, brake=track_brake(table, 1)))
     return len(bodies)
 
 
 def _add_resistance(assembly: Assembly) -> None:
     train = assembly.case.train
-    assembly.builder.set_resistance(
-        _core.RunningResistance(
-            body=assembly.index(assembly.main_body),
-            constant=train.resistance_constant,
-            linear=train.resistance_linear,
-            quadratic=train.resistance_quadratic,
-            gradient=train.gradient,
-        )
+    assembly.parts["resistance"] = _core.RunningResistance(
+        body=assembly.index(assembly.main_body),
+        constant=train.resistance_constant,
+        linear=train.resistance_linear,
+        quadratic=train.resistance_quadratic,
+        gradient=train.gradient,
     )

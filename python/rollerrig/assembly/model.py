@@ -1,4 +1,4 @@
-"""A checked case becomes the compiled model: the only caller of the core's ModelBuilder.
+"""A checked case becomes the compiled model: the only caller of the core's model_of.
 
     Case -> [assemble] -> AssembledModel -> run, analysis
             [Assembly] -> rollerrig.assembly.actuators /
@@ -11,10 +11,10 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 from rollerrig import _core
-from rollerrig.assembly.laws import Support, contact_laws, direction_law
-from rollerrig.assembly.model_parts import WheelInfo, static_loads
+from rollerrig.assembly.laws import Support, contact_laws, direction_law, friction
+from rollerrig.assembly.model_parts import WheelInfo, add_part, no_parts, static_loads
 from rollerrig.config import Case, ConfigError, Foundation, Restraint, Rig, Track, Vehicle
-from rollerrig.config.schema.support import NOWHERE, RAIL_CURVES, RailHeads, RollerLosses, rail_heads, rail_layout
+from rollerrig.config.schema.support import NOWHERE, RAIL_CURVES, RollerLosses, rail_heads, rail_layout
 from rollerrig.config.schema.track import rails_of_run
 from rollerrig.config.schema.vehicle import DIRECTIONS, Body, Element
 from rollerrig.config.validate.check_track import distance_run, foremost_wheelset
@@ -113,14 +113,15 @@ def assemble(case: Case) -> AssembledModel:
 
 
 class Assembly:
-    """A model in the making: the plant of a case in `builder`, to which more may be added before `finish`."""
+    """A model in the making: the plant of a case in `parts`, to which more may be added before `finish`."""
 
-    def __init__(self, case: Case) -> None:
+    def __init__(self, case: Case, adhesion: _core.AdhesionMap | None = None) -> None:
         self.case = case
         self.vehicle: Vehicle = case.vehicle.data
         self.cut = case.vehicle.part
         self.support = case.support.data
-        self.builder = _core.ModelBuilder(gravity=case.gravity)
+        self.adhesion = adhesion  # of the rails under the wheels, in place of the case's friction
+        self.parts = no_parts(case.gravity, contact_laws(case.contact))
         self.bodies: list[str] = []
         self.elements: list[str] = []
         self.rollers: list[str] = []
@@ -154,7 +155,7 @@ class Assembly:
 
     def finish(self) -> AssembledModel:
         """The model with what has been added so far."""
-        core = self.builder.finish()
+        core = _core.model_of(_core.ModelParts(**self.parts))
         return AssembledModel(
             case=self.case,
             core=core,
@@ -239,7 +240,8 @@ class Assembly:
         self.masses[name] = mass
         self.inertias[name] = inertia
         given = _PLAIN_BODY | more
-        return self.builder.add_body(_core.Body(mass=mass, inertia=inertia, position=position, locked=locked, **given))
+        body = _core.Body(mass=mass, inertia=inertia, position=position, locked=locked, **given)
+        return add_part(self.parts, "bodies", body)
 
     def _add_element(self, element: Element) -> None:
         a, b = element.between
@@ -272,7 +274,8 @@ class Assembly:
             allowed = "allowed: lighter bodies above it"
             raise ConfigError.of(self.case.name, key or name, str(error).partition(": ")[2], allowed) from None
         self.elements.append(name)
-        self.builder.add_element(_core.ForceElement(body_a=a, body_b=b, point_on_b=point, law=law, clamped=clamped))
+        element = _core.ForceElement(body_a=a, body_b=b, point_on_b=point, law=law, clamped=clamped)
+        add_part(self.parts, "elements", element)
 
     def _add_rollers(self, wheelset: Body, rig: Rig, place: int) -> None:
         """The rollers under a wheelset, which is the `place`-th from the front."""
@@ -347,7 +350,7 @@ class Assembly:
 
     def _add_contacts(self, wheelsets: Sequence[Body]) -> None:
         changing = {side: heads.tables[0] for side, heads in self.rail_heads.items()}
-        laws = contact_laws(self.case.contact)
+        own = friction(self.case.contact, self.adhesion)
         for body in wheelsets:
             for side, rail in self.rail_profiles.items():
                 contact = _core.ContactDescription(
@@ -361,54 +364,59 @@ class Assembly:
                     tape_circle_y=self.vehicle.wheel.back_to_back / 2 + self.vehicle.wheel.tape_circle,
                     rail_origin_y=self.rail_origins[side],
                     size=self.vehicle.wheel.profile.length_scale,
-                    laws=laws,
+                    friction=own,
                 )
-                index = self.builder.add_contact(contact)
+                index = add_part(self.parts, "contacts", contact)
                 self.wheels.append(WheelInfo(f"{body.name}_{side}", body.name, side, index))
 
     def _add_heads(self) -> None:
         """Heads that change along the rails or round the rollers."""
         if not self.rail_heads:
             return
-        none = RailHeads((), NOWHERE)
-        left, right = (self.rail_heads.get(side, none) for side in self.rail_profiles)
-        self.builder.set_heads(
-            [self._profile(table) for table in left.tables],
-            left.place.rows,
-            [self._profile(table) for table in right.tables],
-            right.place.rows,
-            max(left.period, right.period),
-        )
+        period = max(heads.period for heads in self.rail_heads.values())
+        for side, heads in self.rail_heads.items():
+            profiles = [self._profile(table) for table in heads.tables]
+            self.parts[f"{side}_heads"] = _core.RailHeads(
+                profiles=profiles, place=heads.place.rows.tolist(), period=period
+            )
 
     def _profile(self, table: ProfileTable) -> int:
         """Index of a profile in the core, which gets it once."""
         if table not in self.profile_index:
-            self.profile_index[table] = self.builder.add_profile(table.start, table.step, table.coefficients)
+            spline = _core.UniformSpline(table.start, table.step, table.coefficients)
+            self.profile_index[table] = add_part(self.parts, "profiles", spline)
         return self.profile_index[table]
 
     def _add_track_geometry(self) -> tuple[Line | None, RailIrregularity | None]:
         """Where the track leads, and where its rails lie."""
         line = self.support.line if isinstance(self.support, Track) else None
-        if line is not None:
-            self.builder.set_line(line.curvature.rows, line.cant.rows, line.cant_base)
-        rails_laid = rail_layout(self.support) if isinstance(self.support, Track) else None
-        if rails_laid is not None:
-            self.builder.set_rails(*(rails_laid[name].rows for name in RAIL_CURVES))
+        if isinstance(self.support, Track):
+            laid = rail_layout(self.support) or dict.fromkeys(RAIL_CURVES, NOWHERE)
+            left, right = (
+                _core.RailLayout(**{name: laid[f"{side}_{name}"].rows.tolist() for name in ("y", "z", "roll")})
+                for side in self.rail_profiles
+            )
+            curvature, cant, base = (line.curvature, line.cant, line.cant_base) if line else (NOWHERE, NOWHERE, 1.5)
+            self.parts["line"] = _core.Line(
+                curvature=curvature.rows.tolist(), cant=cant.rows.tolist(), cant_base=base, left=left, right=right
+            )
         chosen = self.support.irregularity
         if chosen is None:
             return line, None
         distance = distance_run(self.case.motion, self.case.time.duration)
         rails = rails_of_run(chosen, foremost_wheelset(self.case), distance)
-        left_y, left_z, right_y, right_z = (rails.coefficients[rail] for rail in RAILS)
-        steered = not isinstance(self.support, Rig) or self.support.steered
-        steps = rails.period, rails.step
-        self.builder.set_irregularity(*steps, left_y, left_z, right_y, right_z, rails.fade_in, steered)
+        self.parts["irregularity"] = _core.Irregularity(
+            **{name: _core.UniformSpline(0.0, rails.step, rails.coefficients[name]) for name in RAILS},
+            period=rails.period,
+            fade_in=rails.fade_in,
+            steered=not isinstance(self.support, Rig) or self.support.steered,
+        )
         return line, rails
 
     def _add_motion(self) -> tuple[float, ...]:
         motion = self.case.motion
         speed = [(0.0, motion.speed)] if motion.speed_table is None else list(motion.speed_table)
-        self.builder.set_speed(speed)
+        self.parts["speed"] = speed
         corners = [time for time, _ in speed]
         if motion.torque_table is not None:
             corners += [time for time, _ in motion.torque_table]
@@ -416,12 +424,12 @@ class Assembly:
             rows = [(time, axle_share * torque) for time, torque in motion.torque_table]
             for index in map(self.index, self.rollers):
                 driven = _core.RollerTorque(roller=index, torque=rows, gear_ratio=1.0, rotor_inertia=0.0)
-                self.builder.add_roller_torque(driven)
+                add_part(self.parts, "roller_torques", driven)
         for torque in self.case.axle_torque:
             rows = [(0.0, torque.constant)] if torque.constant is not None else list(torque.table or ())
             corners += [time for time, _ in rows]
             reaction = GROUND if torque.reacts_on == "none" else self.index(torque.reacts_on)
-            self.builder.add_axle_torque(axle_torque(self.index(torque.wheelset), reaction, rows))
+            add_part(self.parts, "axle_torques", axle_torque(self.index(torque.wheelset), reaction, rows))
         duration = self.case.time.duration
         return tuple(sorted({time for time in corners if 0.0 < time < duration}))
 
