@@ -30,11 +30,14 @@ void bind_curves(nb::module_& m) {
           "start"_a, "step"_a, "pieces"_a)
       .def_ro("start", &UniformSpline::start)
       .def_ro("step", &UniformSpline::step)
-      .def_prop_ro("pieces", [](UniformSpline const& spline) {
-        std::vector<double> rows;
-        for (auto const& piece : spline.pieces) rows.insert(rows.end(), piece.begin(), piece.end());
-        return owned_array<nb::shape<-1, 4>>(std::move(rows), {spline.pieces.size(), 4});
-      });
+      .def_prop_ro(
+          "pieces",
+          [](UniformSpline const& spline) {
+            std::vector<double> rows;
+            for (auto const& piece : spline.pieces) rows.insert(rows.end(), piece.begin(), piece.end());
+            return owned_array<nb::shape<-1, 4>>(std::move(rows), {spline.pieces.size(), 4});
+          },
+          nb::rv_policy::move);
   bind_struct<RailLayout>(m, "RailLayout", "Where one rail was laid; curves: rows of start and coefficients.");
   bind_struct<RailHeads>(m, "RailHeads", "Heads of one side that change along the line, or round its rollers.");
   bind_struct<Line>(m, "Line", "Curvature, cant and place of the rails along the line.");

@@ -59,6 +59,7 @@ struct ModelParameters::Walk {
       using V = std::remove_cvref_t<decltype(value)>;
       std::string_view const name = field.name;
       if (name.starts_with("sand") && !(own.setup_ && own.setup_->sanding)) return;
+      if constexpr (std::is_same_v<V, VirtualRail>) return;  // what it is follows from the case
       if constexpr (std::is_same_v<S, Friction>)
         if (name == "gauge_face" ? s.gauge_face < 0.0 : s.map != nullptr) return;
       std::string const inner = name == "law" || std::is_same_v<V, FrictionLaw> ? owner : owner + "." + field.name;

@@ -19,25 +19,27 @@ enum class Method : int {
 
 struct Options {
   Method method = Method::rodas4;
-  double step = 0;                                                ///< [s] fixed step; 0 lets the error choose it
-  double relative_tolerance = 1e-6;                               ///< [-] of each state
-  std::vector<double> absolute_tolerance = {1e-9};                ///< [unit of the state] one, or one per state
-  double initial_step = 0;                                        ///< [s] 0 lets the integrator guess
-  double maximum_step = std::numeric_limits<double>::infinity();  ///< [s]
-  double final_time = std::numeric_limits<double>::infinity();    ///< [s] hit exactly
-  double output_step = 0;                                         ///< [s] grid of outputs; 0: every step's end
-  std::vector<double> breakpoints = {};                           ///< [s] hit exactly: kinks and jumps of inputs
-  std::int64_t max_steps = 100'000'000;                           ///< accepted and rejected together
+  double step = 0, relative_tolerance = 1e-6;
+  std::vector<double> absolute_tolerance = {1e-9};
+  double initial_step = 0, maximum_step = std::numeric_limits<double>::infinity();
+  double final_time = std::numeric_limits<double>::infinity(), output_step = 0;
+  std::vector<double> breakpoints = {};
+  std::int64_t max_steps = 100'000'000;  ///< accepted and rejected together
 
   static constexpr auto fields() {
     using P = Options;
-    return members(Member{"method", &P::method}, Member{"step", &P::step, not_negative},
-                   Member{"relative_tolerance", &P::relative_tolerance, positive},
-                   Member{"absolute_tolerance", &P::absolute_tolerance, Range{1e-30, largest_number, "1e-30 or more"}},
-                   Member{"initial_step", &P::initial_step, not_negative},
-                   Member{"maximum_step", &P::maximum_step, positive_or_infinite},
-                   Member{"final_time", &P::final_time, Range{0.0, largest_number, "a time", false, true, true}},
-                   Member{"output_step", &P::output_step, not_negative}, Member{"breakpoints", &P::breakpoints});
+    return members(
+        Member{"method", &P::method},
+        Member{"step", &P::step, "s", "fixed step; 0 lets the error choose it", not_negative},
+        Member{"relative_tolerance", &P::relative_tolerance, "1", "relative tolerance of each state", positive},
+        Member{"absolute_tolerance", &P::absolute_tolerance, "m, rad, m/s, rad/s",
+               "tolerance of all states, or of each", Range{1e-30, largest_number, "1e-30 or more"}},
+        Member{"initial_step", &P::initial_step, "s", "first step; 0 lets the integrator guess", not_negative},
+        Member{"maximum_step", &P::maximum_step, "s", "longest step", positive_or_infinite},
+        Member{"final_time", &P::final_time, "s", "end of the run, hit exactly",
+               Range{0.0, largest_number, "a time", false, true, true}},
+        Member{"output_step", &P::output_step, "s", "interval of the outputs; 0: each step's end", not_negative},
+        Member{"breakpoints", &P::breakpoints, "s", "times of kinks and jumps of inputs, hit exactly"});
   }
   void check() const {
     need(method >= Method::rk4 && method <= Method::rodas4,

@@ -50,10 +50,10 @@ struct AssembledModel {
 
   static constexpr auto fields() {
     using P = AssembledModel;
-    return members(Member{"name", &P::name}, Member{"model", &P::model}, Member{"setup", &P::setup},
-                   Member{"names", &P::names}, Member{"options", &P::options},
-                   Member{"t0", &P::start_time, "s", "time at the start"}, Member{"x0", &P::start},
-                   Member{"disturbances", &P::disturbances});
+    return members(
+        Member{"name", &P::name}, Member{"model", &P::model}, Member{"setup", &P::setup}, Member{"names", &P::names},
+        Member{"options", &P::options}, Member{"t0", &P::start_time, "s", "time at the start"},
+        Member{"x0", &P::start, "m, rad, m/s, rad/s", "state at the start"}, Member{"disturbances", &P::disturbances});
   }
   /// Throws std::invalid_argument for what cannot be run, or lacks a name.
   void check() const;

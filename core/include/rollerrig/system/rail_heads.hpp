@@ -24,7 +24,8 @@ struct RailHeads {
 
   static constexpr auto fields() {
     using P = RailHeads;
-    return members(Member{"profiles", &P::profiles, an_index}, Member{"place", &P::place},
+    return members(Member{"profiles", &P::profiles, an_index},
+                   Member{"place", &P::place, "1", "number of the head that lies there, over the distance"},
                    Member{"period", &P::period, "m", "circumference of a roller; 0: none", not_negative});
   }
   bool empty() const { return profiles.empty(); }

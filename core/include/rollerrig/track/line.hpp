@@ -43,7 +43,10 @@ struct RailLayout {
   PiecewiseCubic roll{};    ///< about that point; positive where a left rail leans inwards [rad]
 
   static constexpr auto fields() {
-    return members(Member{"y", &RailLayout::y}, Member{"z", &RailLayout::z}, Member{"roll", &RailLayout::roll});
+    using P = RailLayout;
+    return members(Member{"y", &P::y, "m", "displacement of the head's highest point to the left"},
+                   Member{"z", &P::z, "m", "displacement of it upwards"},
+                   Member{"roll", &P::roll, "rad", "turn of the head about it"});
   }
   bool empty() const { return y.empty() && z.empty() && roll.empty(); }
 
@@ -134,7 +137,8 @@ struct Line {
 
   static constexpr auto fields() {
     using P = Line;
-    return members(Member{"curvature", &P::curvature}, Member{"cant", &P::cant},
+    return members(Member{"curvature", &P::curvature, "1/m", "curvature of the plan"},
+                   Member{"cant", &P::cant, "m", "cant, positive where the right rail is raised"},
                    Member{"cant_base", &P::cant_base, "m", "distance over which cant is measured", positive},
                    Member{"left", &P::left}, Member{"right", &P::right});
   }

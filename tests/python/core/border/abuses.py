@@ -161,11 +161,24 @@ def calls_spoiled(calls: dict[str, Call]) -> Iterator[Case]:
 
 def model_spoiled(recipe: Recipe) -> Iterator[Case]:
     """Each number in a model's description spoiled in turn, the model built, and everything done with it."""
-    for number, (where, spoiled) in enumerate(spoiled_parts(recipe.parts)):
-        yield (
-            f"{recipe.name}{where} #{number} = {label(innermost(spoiled))}",
-            lambda spoiled=spoiled: exercise(recipe, spoiled, recipe.setup),
-        )
+    own, seen = fields(recipe.parts), set()
+    for name, value in own.items():
+        several = isinstance(value, list) and any(map(described, value))
+        for i, item in enumerate(value if several else [value]):
+            for number, (where, spoiled) in enumerate(spoiled_parts(item)):
+                place = f"{name}{where} #{number}"
+                if place in seen:
+                    continue  # of another body, another contact
+                seen.add(place)
+                changed = [*value[:i], spoiled, *value[i + 1 :]] if several else spoiled
+                parts = Lazily(_core.ModelParts, own | {name: changed})
+                yield (
+                    f"{recipe.name}, {place} = {label(spoiled)}",
+                    lambda parts=parts: exercise(recipe, parts, recipe.setup),
+                )
+        for number, spoiled in enumerate(sequences(value) if several else ()):
+            parts = Lazily(_core.ModelParts, own | {name: spoiled})
+            yield (f"{recipe.name}, {name} #{number} of all", lambda parts=parts: exercise(recipe, parts, recipe.setup))
     for number, (where, spoiled) in enumerate(spoiled_parts(recipe.setup)):
         yield (
             f"{recipe.name}, setup{where} #{number}",

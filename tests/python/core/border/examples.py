@@ -54,6 +54,7 @@ def described(value: Any) -> bool:
     own = type(value)
     return (
         own.__module__ == _core.__name__
+        and own is not _core.AssembledModel  # its numbers are spoiled in whole models
         and hasattr(own.__init__, "__nb_signature__")
         and all(isinstance(getattr(own, name, None), property) for name in parameters(own.__init__))
     )
