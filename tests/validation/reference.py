@@ -11,7 +11,7 @@ from catalogued import profile_table
 from rollerrig import _core
 from rollerrig.assembly.laws import creep_law
 from rollerrig.assembly.model import AssembledModel, assemble
-from rollerrig.assembly.model_parts import add_part, no_parts
+from rollerrig.assembly.model_parts import Parts, add_part, no_parts
 from rollerrig.config import load_case
 from rollerrig.profiles import ProfileTable, gauge_point
 
@@ -48,6 +48,14 @@ def benchmark_contact(roller_radius: float | None, normal: str = "hertz") -> _co
 
 
 def static_contact_of(
+    wheel: ProfileTable, rail: ProfileTable, roller_radius: float | None, origin: float, normal: str = "hertz"
+) -> _core.StaticWheelsetContact:
+    """A wheelset of radius 460 mm and these profiles, ready to be pressed down."""
+    parts = wheelset_parts(wheel, rail, roller_radius, origin, normal)
+    return _core.StaticWheelsetContact(_core.model_of(_core.ModelParts(**parts)), 0, 1)
+
+
+def wheelset_parts(
     wheel: ProfileTable,
     rail: ProfileTable,
     roller_radius: float | None,
@@ -55,8 +63,9 @@ def static_contact_of(
     normal: str = "hertz",
     creep: str = "kalker_saturated",
     normal_damping: float = 1e5,
-) -> _core.StaticWheelsetContact:
-    """A wheelset of radius 460 mm and these profiles, ready to be pressed down; no roller radius: on rails."""
+    friction: float = 0.3,
+) -> Parts:
+    """Of a wheelset of radius 460 mm, left wheel first; no roller radius: on rails."""
     laws = _core.ContactLaws(
         material=_core.Material(shear_modulus=SHEAR_MODULUS, poisson_ratio=POISSON_RATIO),
         normal=_core.Hertz(merging_criterion=0.0) if normal == "hertz" else _core.Strips(),
@@ -71,27 +80,22 @@ def static_contact_of(
         add_part(parts, "bodies", axisymmetric(height))
     for profile in (wheel, rail):
         add_part(parts, "profiles", _core.UniformSpline(profile.start, profile.step, profile.coefficients))
-    left, right = (
-        add_part(
-            parts,
-            "contacts",
-            _core.ContactDescription(
-                wheelset=0,
-                roller=1 if roller_radius else -1,
-                roller_radius=roller_radius or 0.0,
-                right=right,
-                wheel_profile=0,
-                rail_profile=1,
-                wheel_radius=0.46,
-                tape_circle_y=0.75,
-                rail_origin_y=origin,
-                size=1.0,
-                friction=_core.Friction(law=_core.Constant(mu_0=0.3), map=None, gauge_face=-1.0),
-            ),
+    for right in (False, True):
+        contact = _core.ContactDescription(
+            wheelset=0,
+            roller=1 if roller_radius else -1,
+            roller_radius=roller_radius or 0.0,
+            right=right,
+            wheel_profile=0,
+            rail_profile=1,
+            wheel_radius=0.46,
+            tape_circle_y=0.75,
+            rail_origin_y=origin,
+            size=1.0,
+            friction=_core.Friction(law=_core.Constant(mu_0=friction), map=None, gauge_face=-1.0),
         )
-        for right in (False, True)
-    )
-    return _core.StaticWheelsetContact(_core.model_of(_core.ModelParts(**parts)), left, right)
+        add_part(parts, "contacts", contact)
+    return parts
 
 
 def axisymmetric(height: float) -> _core.Body:

@@ -102,34 +102,6 @@ std::vector<StaticPatch> StaticWheelsetContact::patches(WheelsetPosition const& 
   return list;
 }
 
-PointWrench<double> StaticWheelsetContact::creep(WheelsetPosition const& p, bool right,
-                                                 ContactMotion<double> const& motion) const {
-  WheelContact const& contact = *contact_[right];
-  ContactLaws const& laws = model_->laws;
-  auto const at = pose(p, right);
-  WheelPatches<double> found;
-  auto const strips = std::make_unique<WheelStrips<double>>();
-  int count = 0;
-  std::array const wheel{NormalContact<double, Patch<double>>{{contact.pair, laws.material, contact.nodes.get()},
-                                                              &at,
-                                                              &found,
-                                                              &count,
-                                                              follows_strips(laws.creep) ? strips.get() : nullptr}};
-  normal_patches<double, Patch<double>>(laws.normal, wheel);
-  std::vector<MovingPatch<double>> moving;
-  for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k)
-    moving.push_back({&found[k], &at.o, &motion, &contact.friction, &(*strips)[k]});
-  add_creep_forces<double>(laws, 0.0, moving);
-  PointWrench<double> sum{};
-  for (auto const& m : moving) {
-    auto const& patch = *m.patch;
-    Vec3<double> const force = patch.force - patch.normal.total() * patch.point.n;
-    sum.force += force;
-    sum.moment += cross(patch.point.p, force) + patch.moment - patch.weight * patch.pressure_moment;
-  }
-  return sum;
-}
-
 std::vector<StaticPatch> StaticWheelsetContact::minima(WheelsetPosition const& position, bool right,
                                                        double reach) const {
   WheelContact const& contact = *contact_[right];

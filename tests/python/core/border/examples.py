@@ -320,7 +320,6 @@ class Examples:
             "StaticWheelsetContact.solve": Call(contact.solve, place | {"load": 1e5, "free_to_roll": True}),
             "StaticWheelsetContact.touch_height": Call(contact.touch_height, place | {"right": True}),
             "StaticWheelsetContact.patches": Call(contact.patches, at_height),
-            "StaticWheelsetContact.creep": Call(contact.creep, at_height | {"motion": [30.0] + 11 * [0.0]}),
             "StaticWheelsetContact.seconds_per_contact": Call(
                 contact.seconds_per_contact, at_height | {"wheels": 2, "repeats": 2}
             ),
