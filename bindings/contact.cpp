@@ -58,18 +58,6 @@ void bind_contact(nb::module_& m) {
       along, across, height, turned, tilted, side, Argument{"wheels", Range{1.0, 64.0, "between 1 and 64"}},
       Argument{"repeats", Range{1.0, 1e5, "between 1 and 100000"}});
   def_method(
-      contact, "creep",
-      "Creep force [N] and its moment about the crown point [N m] on one wheel. Motion: velocity and angular velocity "
-      "of the "
-      "wheelset, then of the roller's material at the crown point [m/s, rad/s].",
-      +[](Contact& self, double x, double y, double z, double yaw, double roll, bool right,
-          std::array<double, 12> const& motion) {
-        auto const vector = [&](std::size_t k) { return Vec3<double>{motion[k], motion[k + 1], motion[k + 2]}; };
-        auto const w = self.creep({x, y, z, roll, yaw}, right, {vector(0), vector(3), vector(6), vector(9)});
-        return std::array{w.force.x, w.force.y, w.force.z, w.moment.x, w.moment.y, w.moment.z};
-      },
-      along, across, height, turned, tilted, side, Argument{"motion"});
-  def_method(
       contact, "minima", "All minima of the gap closer than `reach` [m] of one side.",
       +[](Contact& self, double x, double y, double z, double yaw, double roll, bool right, double reach) {
         return self.minima({x, y, z, roll, yaw}, right, reach);

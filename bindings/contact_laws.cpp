@@ -46,9 +46,8 @@ CreepQuery<double> query_of(double a, double b, double adhesion, double shear_mo
   return {{0.0, 0.0, 0.0}, f, adhesion, a, b, log_aspect, direction};
 }
 
-std::array<double, 4> stiffness(double a, double b, double shear_modulus, double poisson_ratio) {
-  auto const f = query_of(a, b, 1.0, shear_modulus, poisson_ratio, 1.0).stiffness;
-  return {f.f11, f.f22, f.f23, f.f33};
+KalkerStiffness<double> stiffness(double a, double b, double shear_modulus, double poisson_ratio) {
+  return query_of(a, b, 1.0, shear_modulus, poisson_ratio, 1.0).stiffness;
 }
 
 /// On an ellipse of a b = 1 with mu N = G = 1: reduced units.
@@ -82,7 +81,6 @@ auto friction_over_slip(FrictionLaw const& law, Column const& slip) {
 }
 
 auto rail_friction(AdhesionMap const& map, Column const& at) {
-  map.check();
   std::size_t const n = at.shape(0);
   std::vector<double> out(n);
   for (std::size_t i = 0; i < n; ++i) out[i] = map(at(i), 0.0, 0.0).friction;
@@ -180,6 +178,7 @@ void bind_contact_laws(nb::module_& m) {
   bind_struct<RailAdhesion>(m, "RailAdhesion", "A rail that recovers by the energy dissipated on it.");
   bind_struct<AdhesionMap>(m, "AdhesionMap", "Pieces along the rail [m] or over time [s], and where they begin.");
   bind_struct<Friction>(m, "Friction", "One law, or a map in its place.");
+  bind_struct<KalkerStiffness<double>>(m, "KalkerStiffness", "f_ij of eq. (22).");
   bind_struct<Material>(m, "Material", "Elastic constants of both bodies.");
   bind_struct<NormalDamping>(m, "NormalDamping", "Damper of eq. (12).");
   bind_struct<RollerEffects>(m, "RollerEffects", "Which of a roller's differences from a rail count.");
@@ -218,9 +217,9 @@ void bind_contact_laws(nb::module_& m) {
             new (self) RollingReference(a_over_b, poisson_ratio, RollingGrid::for_ellipse(a_over_b, fineness));
           },
           "a_over_b"_a, "poisson_ratio"_a, "fineness"_a)
-      .def_static("on_rows", &on_rows, "rows"_a, "spacing"_a, "poisson_ratio"_a, "elements"_a,
-                  "For a patch given by rows: y and x of the middle, half-length [c], load, rising y at equal spacing.")
-      .def("kalker_coefficients", &RollingReference::kalker_coefficients, "C11, C22, C23, C33 of this grid.");
+      .def_static(
+          "on_rows", &on_rows, "rows"_a, "spacing"_a, "poisson_ratio"_a, "elements"_a,
+          "For a patch given by rows: y and x of the middle, half-length [c], load, rising y at equal spacing.");
   def_method(
       reference, "solve",
       "Force along, across, moment, fraction of the patch that sticks, steps, converged; per row of xi, eta, chi.",

@@ -6,13 +6,15 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
 #include <array>
 #include <memory>
 #include <string>
 #include <vector>
 
 #include "rollerrig/fields.hpp"
-#include "rollerrig/math/piecewise_linear.hpp"
+#include "rollerrig/integrate/options.hpp"
+#include "rollerrig/math/curves.hpp"
 #include "rollerrig/math/vector.hpp"
 
 namespace nb = nanobind;
@@ -40,6 +42,7 @@ struct translated_caster {
 
 using Triple = std::array<double, 3>;
 using Rows2 = std::vector<std::array<double, 2>>;
+using Rows5 = std::vector<std::array<double, 5>>;
 
 inline rollerrig::Vec3<double> vector_from(Triple const& a) { return {a[0], a[1], a[2]}; }
 inline Triple triple_from(rollerrig::Vec3<double> const& v) { return {v.x, v.y, v.z}; }
@@ -54,15 +57,45 @@ inline Rows2 rows_from(rollerrig::PiecewiseLinear const& table) {
   for (std::size_t i = 0; i < table.x.size(); ++i) rows.push_back({table.x[i], table.y[i]});
   return rows;
 }
+inline rollerrig::PiecewiseCubic curve_from(Rows5 const& rows) {
+  rollerrig::PiecewiseCubic curve;
+  for (auto const& [start, c0, c1, c2, c3] : rows)
+    curve.start.push_back(start), curve.coefficient.push_back({c0, c1, c2, c3});
+  return curve;
+}
+inline Rows5 rows_from_curve(rollerrig::PiecewiseCubic const& curve) {
+  Rows5 rows;
+  for (std::size_t i = 0; i < curve.start.size(); ++i) {
+    auto const& c = curve.coefficient[i];
+    rows.push_back({curve.start[i], c[0], c[1], c[2], c[3]});
+  }
+  return rows;
+}
 inline rollerrig::TimeTable time_table_from(Rows2 const& rows) { return {table_from(rows)}; }
 inline Rows2 rows_from_time_table(rollerrig::TimeTable const& table) { return rows_from(table.points); }
 
+inline constexpr char const* method_names[] = {"rk4", "exponential_rk4", "exponential_adams", "dormand_prince",
+                                               "rodas4"};  ///< of integrate::Method
+inline rollerrig::integrate::Method method_named(std::string const& name) {
+  auto const found = std::find(std::begin(method_names), std::end(method_names), name);
+  return static_cast<rollerrig::integrate::Method>(found - std::begin(method_names));  // another one: Options::check()
+}
+inline std::string name_of_method(rollerrig::integrate::Method const& method) {
+  return method_names[static_cast<std::size_t>(method)];
+}
+
+template <>
+struct type_caster<rollerrig::integrate::Method>
+    : translated_caster<rollerrig::integrate::Method, std::string, method_named, name_of_method> {};
 template <>
 struct type_caster<rollerrig::Vec3<double>>
     : translated_caster<rollerrig::Vec3<double>, Triple, vector_from, triple_from> {};
 template <>
 struct type_caster<rollerrig::PiecewiseLinear>
     : translated_caster<rollerrig::PiecewiseLinear, Rows2, table_from, rows_from> {};
+template <>
+struct type_caster<rollerrig::PiecewiseCubic>
+    : translated_caster<rollerrig::PiecewiseCubic, Rows5, curve_from, rows_from_curve> {};
 template <>
 struct type_caster<rollerrig::TimeTable>
     : translated_caster<rollerrig::TimeTable, Rows2, time_table_from, rows_from_time_table> {};

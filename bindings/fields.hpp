@@ -28,9 +28,9 @@ void bind_field(nb::class_<Record>& type, nb::dict& units, char const* name, Val
   units[name] = unit;
 }
 
-/// Binds a struct by its own list of fields: Python gives every one of them by name, each within its range, and may read it:
-/// defaults live in Python. Nothing of it can be written, so that what was checked stays so. The class has their names and units
-/// as `fields`.
+/// Binds a struct by its own list of fields: Python gives every one of them by name, each within its range and together as the
+/// struct's own check() asks, and may read it: defaults live in Python. Nothing of it can be written, so that what was checked stays
+/// so. The class has their names and units as `fields`.
 template <rollerrig::Described S>
 nb::class_<S> bind_struct(nb::module_& m, char const* name, char const* doc) {
   nb::class_<S> type(m, name, doc);
@@ -39,8 +39,10 @@ nb::class_<S> bind_struct(nb::module_& m, char const* name, char const* doc) {
     auto const make = [owner = std::string(name)](S* self, Values... values) {
       S::fields()([&](auto const&... own) {
         (check_value(values, own.range, owner, own.label()), ...);
-        new (self) S{};
-        ((self->*own.member = std::move(values)), ...);
+        S made{};
+        ((made.*own.member = std::move(values)), ...);
+        if constexpr (requires { made.check(); }) made.check();
+        new (self) S(std::move(made));
       });
     };
     if constexpr (sizeof...(field) == 0)
@@ -51,6 +53,14 @@ nb::class_<S> bind_struct(nb::module_& m, char const* name, char const* doc) {
   });
   type.attr("fields") = units;
   return type;
+}
+
+/// The numbers of a struct that the core counts in, by name.
+template <rollerrig::Described S>
+nb::dict dict_of(S const& s) {
+  nb::dict d;
+  S::fields()([&](auto const&... field) { ((d[field.name] = s.*field.member), ...); });
+  return d;
 }
 
 /// kalker_saturated -> KalkerSaturated; with a family behind it where names alone say too little

@@ -35,25 +35,6 @@ auto estimate(AnyEstimator const& estimator, AssumedParameters const& assumed, d
   return owned_array<nb::shape<-1, 2>>(std::move(found), {samples.shape(0), 2});
 }
 
-/// The virtual rail takes its laws from a contact of the model, its adhesion from a map if there is one.
-VirtualRail virtual_rail(Model const& model, int contact, std::shared_ptr<AdhesionMap const> adhesion,
-                         EquivalentPatch const& patch, double cell, double energy_width, double wheel_memory,
-                         double sand_kept) {
-  VirtualRail rail;
-  ContactLaws const& laws = model.contact(contact, "contact").laws;
-  rail.creep = laws.creep;
-  rail.creepage_regularisation_speed = laws.creepage_regularisation_speed;
-  rail.friction = laws.friction;
-  rail.friction.map = std::move(adhesion);
-  if (rail.friction.map) rail.friction.map->check();
-  rail.wheel_load = patch.load, rail.a = patch.a, rail.b = patch.b, rail.cell = cell;
-  rail.width = energy_width > 0.0 ? energy_width : patch.width;
-  rail.wheel_memory = wheel_memory, rail.sand_kept = sand_kept;
-  rail.log_aspect = std::log(rail.a / rail.b);
-  rail.stiffness = kalker_stiffness(laws, rail.log_aspect, rail.a, rail.b, 1.0);
-  return rail;
-}
-
 void bind_actuators(nb::module_& m) {
   bind_struct<Motor>(m, "Motor", "A drive from torque command to torque.");
   def_function(m, "reflected_inertia", "Of a geared rotor on the axle that it drives [kg m^2].", &reflected_inertia,
@@ -138,21 +119,7 @@ void bind_controllers(nb::module_& m) {
         return equivalent_patch(load, a, b);
       },
       Argument{"load", positive}, Argument{"a", not_negative}, Argument{"b", not_negative});
-  nb::class_<VirtualRail>(m, "VirtualRail", "The degraded rail under the virtual train.")
-      .def(
-          "__init__",
-          [](VirtualRail* self, std::shared_ptr<Model const> const& model, int contact,
-             std::shared_ptr<AdhesionMap const> adhesion, EquivalentPatch const& patch, double cell,
-             double energy_width, double wheel_memory, double sand_kept) {
-            check_value(cell, positive, "VirtualRail", "cell");
-            check_value(energy_width, not_negative, "VirtualRail", "energy_width");
-            check_value(wheel_memory, not_negative, "VirtualRail", "wheel_memory");
-            check_value(sand_kept, fraction, "VirtualRail", "sand_kept");
-            new (self) VirtualRail(
-                virtual_rail(*model, contact, std::move(adhesion), patch, cell, energy_width, wheel_memory, sand_kept));
-          },
-          nb::kw_only(), "model"_a, "contact"_a, "adhesion"_a.none(), "patch"_a, "cell"_a, "energy_width"_a,
-          "wheel_memory"_a, "sand_kept"_a, nb::keep_alive<1, 2>());
+  bind_struct<VirtualRail>(m, "VirtualRail", "The degraded rail under the virtual train.");
   bind_laws<AnySlideProtection>(m, "slide_protections", "Protection");
   bind_struct<SlipSearch>(m, "SlipSearch", "Finds by trial the slip at which an axle transmits most.");
   bind_laws<AnyController>(m, "controllers");

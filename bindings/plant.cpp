@@ -12,7 +12,6 @@
 
 #include "arguments.hpp"
 #include "fields.hpp"
-#include "integrator_options.hpp"
 #include "rollerrig/plant/continuous_plant.hpp"
 #include "rollerrig/plant/controller_plant.hpp"
 #include "rollerrig/plant/model_file.hpp"
@@ -24,6 +23,11 @@ namespace {
 
 constexpr char const* causalities[] = {"input", "output", "parameter", "local"};
 constexpr char const* variabilities[] = {"fixed", "tunable", "discrete", "continuous"};
+
+nb::bytes bytes_of(std::vector<std::byte> const& bytes) { return nb::bytes(bytes.data(), bytes.size()); }
+std::span<std::byte const> span_of(nb::bytes const& bytes) {
+  return {static_cast<std::byte const*>(bytes.data()), bytes.size()};
+}
 
 void bind_variable(nb::module_& m) {
   nb::class_<Variable>(m, "Variable", "A number of a plant that a tool may set or read.")
@@ -38,48 +42,10 @@ void bind_variable(nb::module_& m) {
       .def_ro("whole", &Variable::whole);
 }
 
-nb::dict settings(AssembledModel const& self) {
-  auto const& o = self.options;
-  nb::dict d;
-  d["method"] = method_names[static_cast<std::size_t>(o.method)];
-  d["step"] = o.step;
-  d["relative_tolerance"] = o.relative_tolerance;
-  d["absolute_tolerance"] = o.absolute_tolerance;
-  d["initial_step"] = o.initial_step;
-  d["maximum_step"] = o.maximum_step;
-  d["final_time"] = o.final_time;
-  d["breakpoints"] = o.breakpoints;
-  return d;
-}
-
 void bind_assembled(nb::module_& m) {
   bind_struct<PartNames>(m, "PartNames", "Names of a model's parts, in the order of its indices.");
-  nb::class_<AssembledModel>(m, "AssembledModel", "What a run needs, and the names of its parts.")
-      .def(
-          "__init__",
-          [](AssembledModel* self, std::string const& name, std::shared_ptr<Model const> const& model,
-             std::optional<MechatronicSetup> const& setup, PartNames const& names, std::string const& method,
-             double step, double relative, std::vector<double> const& absolute, double initial_step,
-             double maximum_step, double final_time, std::vector<double> const& breakpoints, double t0,
-             std::vector<double> const& x0, std::vector<Disturbance> const& disturbances) {
-            check_value(final_time, finite_number, "AssembledModel", "final_time");
-            auto options = integrator_options(method, step, relative, absolute, initial_step, maximum_step, final_time,
-                                              breakpoints);
-            AssembledModel assembled{name, model, setup, names, std::move(options), t0, x0, disturbances};
-            check_assembled(assembled);
-            new (self) AssembledModel(std::move(assembled));
-          },
-          nb::kw_only(), "name"_a, "model"_a, "setup"_a.none(), "names"_a, "method"_a, "step"_a, "relative_tolerance"_a,
-          "absolute_tolerance"_a, "initial_step"_a, "maximum_step"_a, "final_time"_a, "breakpoints"_a, "t0"_a, "x0"_a,
-          "disturbances"_a)
-      .def_ro("name", &AssembledModel::name)
-      .def_ro("names", &AssembledModel::names)
-      .def_ro("model", &AssembledModel::model)
-      .def_ro("setup", &AssembledModel::setup)
-      .def_ro("t0", &AssembledModel::start_time)
-      .def_ro("x0", &AssembledModel::start)
-      .def_ro("disturbances", &AssembledModel::disturbances)
-      .def_prop_ro("settings", &settings, "Of the integrator, as Simulation.start() takes them.");
+  bind_struct<integrate::Options>(m, "Options", "How a run is integrated, until when, and what it shows.");
+  bind_struct<AssembledModel>(m, "AssembledModel", "What a run needs, and the names of its parts.");
   m.def(
       "continuous_variables",
       [](AssembledModel const& assembled) {
@@ -90,36 +56,22 @@ void bind_assembled(nb::module_& m) {
       "What model exchange adds to the variables of a plant: states (most: nominal value), their rates, event "
       "indicators.");
   m.def(
-      "write_model",
-      [](AssembledModel const& assembled) {
-        auto const bytes = write_model(assembled);
-        return nb::bytes(bytes.data(), bytes.size());
-      },
-      "assembled"_a, "The bytes of a model file.");
+      "write_model", [](AssembledModel const& assembled) { return bytes_of(write_model(assembled)); }, "assembled"_a,
+      "The bytes of a model file.");
   m.def(
-      "read_model",
-      [](nb::bytes const& content) {
-        return read_model({static_cast<std::byte const*>(content.data()), content.size()});
-      },
-      "content"_a, "The model in a model file; ValueError says what is wrong with it.");
+      "read_model", [](nb::bytes const& content) { return read_model(span_of(content)); }, "content"_a,
+      "The model in a model file; ValueError says what is wrong with it.");
   m.def(
-      "model_token",
-      [](nb::bytes const& content) {
-        return model_token({static_cast<std::byte const*>(content.data()), content.size()});
-      },
-      "content"_a, "The checksum of the file of a model or a controller as text.");
+      "model_token", [](nb::bytes const& content) { return model_token(span_of(content)); }, "content"_a,
+      "The checksum of the file of a model or a controller as text.");
   m.attr("model_layout") = model_layout();
 }
 
 void bind_part(nb::module_& m) {
   bind_struct<ControllerPart>(m, "ControllerPart", "One controller of a case alone, with what it starts from.");
   m.def(
-      "write_part",
-      [](ControllerPart const& part) {
-        auto const bytes = write_part(part);
-        return nb::bytes(bytes.data(), bytes.size());
-      },
-      "part"_a, "The bytes of a controller for an FMU of it alone.");
+      "write_part", [](ControllerPart const& part) { return bytes_of(write_part(part)); }, "part"_a,
+      "The bytes of a controller for an FMU of it alone.");
 }
 
 std::vector<Variable> variables_of(auto const& plant) {
@@ -227,16 +179,11 @@ void bind_plant(nb::module_& m) {
            "A fixed one before start(), which then looks for the equilibrium; a tunable one at any time.")
       .def("get", &Plant::get, "index"_a)
       .def(
-          "save",
-          [](Plant& self) {
-            auto const bytes = self.save();
-            return nb::bytes(bytes.data(), bytes.size());
-          },
-          "The complete state of the run.")
+          "save", [](Plant& self) { return bytes_of(self.save()); }, "The complete state of the run.")
       .def(
           "restore",
           [](Plant& self, nb::bytes const& state) {
-            if (!self.restore({static_cast<std::byte const*>(state.data()), state.size()}))
+            if (!self.restore(span_of(state)))
               throw nb::value_error("restore: state must be what save() of a plant of this model returned");
           },
           "state"_a, "Goes on from a saved state, of this plant or of another one of the same model.")

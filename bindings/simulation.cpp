@@ -15,7 +15,7 @@
 #include <stdexcept>
 
 #include "arguments.hpp"
-#include "integrator_options.hpp"
+#include "fields.hpp"
 #include "rollerrig/simulate/driver.hpp"
 #include "rollerrig/simulate/linear_model.hpp"
 #include "rollerrig/simulate/recorder.hpp"
@@ -70,18 +70,13 @@ class Simulation {
   Simulation(std::shared_ptr<Model const> const& model, std::optional<MechatronicSetup> setup)
       : driver_(model, std::move(setup)), recorder_(*model) {}
 
-  int start(std::string const& method, double step, double relative, std::vector<double> const& absolute,
-            double initial_step, double maximum_step, double final_time, double output_step,
-            std::vector<double> const& breakpoints, double t0, Column const& x0) {
+  int start(Options const& options, double t0, Column const& x0) {
     Turn const turn(taken_);
     check_value(x0, Range{0.0, 1e5, "within 1e5 m, rad, m/s, rad/s", false, false, true}, "start", "x0");
-    check_value(final_time, finite_number, "start", "final_time");
+    check_value(options.final_time, finite_number, "start", "final_time");
     check_state(x0);
-    Options options =
-        integrator_options(method, step, relative, absolute, initial_step, maximum_step, final_time, breakpoints);
-    options.output_step = output_step;
     readings_.reset();
-    return static_cast<int>(driver_.start(std::move(options), t0, x0.data()));
+    return static_cast<int>(driver_.start(options, t0, x0.data()));
   }
 
   /// From the next output time on: a reading at each, a whole row at every `every`-th; until the next start.
@@ -181,10 +176,11 @@ class Simulation {
   }
 
   /// What one step of a fixed-step method does to a small deviation from x, row-major.
-  auto step_amplification(std::string const& method, double step, double t, Column const& x) {
+  auto step_amplification(integrate::Method method, double step, double t, Column const& x) {
     Turn const turn(taken_);
     check_state(x);
-    return matrix(rollerrig::step_amplification(dynamics(), method_named(method), step, t, x.data()));
+    Options{.method = method}.check();
+    return matrix(rollerrig::step_amplification(dynamics(), method, step, t, x.data()));
   }
 
   nb::dict equilibrium(double speed, double t, std::vector<std::tuple<int, int, double>> const& fixed,
@@ -238,35 +234,8 @@ class Simulation {
     return owned_array<nb::ndim<2>>(std::move(x_dot), {states.shape(0), n});
   }
 
-  nb::dict statistics() const {
-    nb::dict d;
-    if (!driver_.started()) return d;
-    auto const& s = driver_.statistics();
-    d["steps"] = s.steps;
-    d["rejected_steps"] = s.rejected_steps;
-    d["coarse_steps"] = s.coarse_steps;
-    d["derivative_calls"] = s.derivative_calls;
-    d["jacobian_calls"] = s.jacobian_calls;
-    d["factorisations"] = s.factorisations;
-    d["smallest_step"] = s.smallest_step;
-    d["largest_step"] = s.largest_step;
-    d["largest_error"] = s.largest_error;
-    return d;
-  }
-  nb::dict counters() const {
-    auto const& c = dynamics().counters();
-    nb::dict d;
-    d["limited_curvature"] = c.limited_curvature;
-    d["clamped_aspect"] = c.clamped_aspect;
-    d["overlapping"] = c.overlapping;
-    d["several_patches"] = c.several_patches;
-    d["refined"] = c.refined;
-    d["faded"] = c.faded;
-    d["lost"] = c.lost;
-    d["negative_dissipation"] = c.negative_dissipation;
-    d["checked"] = c.checked;
-    return d;
-  }
+  nb::dict statistics() const { return driver_.started() ? dict_of(driver_.statistics()) : nb::dict(); }
+  nb::dict counters() const { return dict_of(dynamics().counters()); }
 
   /// (spells, total, longest, longest_from) of each contact.
   std::vector<std::tuple<int, double, double, double>> contact_losses() const {
@@ -287,7 +256,6 @@ class Simulation {
     return owned_array<nb::ndim<1>>(std::vector<double>(driver_.states(), driver_.states() + n), {n});
   }
   int width() const { return driver_.width(); }
-  int plant_width() const { return recorder_.width(); }
   int reading_width() const { return recorder_.reading_width(); }
 
  private:
@@ -388,8 +356,7 @@ void bind_simulation(nb::module_& m) {
   simulation
       .def(nb::init<std::shared_ptr<Model const>, std::optional<MechatronicSetup>>(), "model"_a, "setup"_a = nb::none(),
            "Of a model, with sensors, controllers and actuators around it if `setup` is given.")
-      .def("start", &S::start, "method"_a, "step"_a, "relative_tolerance"_a, "absolute_tolerance"_a, "initial_step"_a,
-           "maximum_step"_a, "final_time"_a, "output_step"_a, "breakpoints"_a, "t0"_a, "x0"_a)
+      .def("start", &S::start, "options"_a, "t0"_a, "x0"_a)
       .def("advance", &S::advance, "t_stop"_a, "times"_a.noconvert(), "rows"_a.noconvert(), "filled"_a,
            "Status and rows filled; raises ValueError where `times` and `rows` have no room for the outputs due.")
       .def("keep_readings", &S::keep_readings, "every"_a, "times"_a.noconvert(), "values"_a.noconvert(),
@@ -425,7 +392,6 @@ void bind_simulation(nb::module_& m) {
       .def_prop_ro("time", &Simulation::time)
       .def_prop_ro("state", &Simulation::state, nb::rv_policy::move)
       .def_prop_ro("width", &Simulation::width)
-      .def_prop_ro("plant_width", &Simulation::plant_width)
       .def_prop_ro("reading_width", &Simulation::reading_width)
       .def_prop_ro("reading_count", &Simulation::reading_count)
       .def_prop_ro("state_count", [](Simulation& s) { return s.dynamics().sizes().states; })
@@ -461,17 +427,11 @@ void bind_simulation(nb::module_& m) {
   m.def(
       "status_sentence", [](int status) { return std::string(status_sentence(static_cast<Status>(status))); },
       "status"_a);
+  // in the order of Status
+  constexpr char const* names[] = {"ok",       "not_finite",        "contact_lost",     "off_profile",
+                                   "derailed", "step_too_small",    "too_many_steps",   "interrupted",
+                                   "stopped",  "rollers_protected", "controller_failed"};
   nb::dict codes;
-  codes["ok"] = static_cast<int>(Status::ok);
-  codes["not_finite"] = static_cast<int>(Status::not_finite);
-  codes["contact_lost"] = static_cast<int>(Status::contact_lost);
-  codes["off_profile"] = static_cast<int>(Status::off_profile);
-  codes["derailed"] = static_cast<int>(Status::derailed);
-  codes["step_too_small"] = static_cast<int>(Status::step_too_small);
-  codes["too_many_steps"] = static_cast<int>(Status::too_many_steps);
-  codes["interrupted"] = static_cast<int>(Status::interrupted);
-  codes["stopped"] = static_cast<int>(Status::stopped);
-  codes["rollers_protected"] = static_cast<int>(Status::rollers_protected);
-  codes["controller_failed"] = static_cast<int>(Status::controller_failed);
+  for (char const* name : names) codes[name] = codes.size();
   m.attr("status_codes") = codes;
 }

@@ -2,22 +2,6 @@
 
 namespace rollerrig::test {
 
-std::shared_ptr<Model const> Parts::build() const {
-  ModelBuilder builder(gravity);
-  for (auto const& p : profiles) builder.add_profile(p);
-  for (auto const& b : bodies) builder.add_body(b);
-  for (auto const& e : elements) builder.add_element(e);
-  for (auto const& c : contacts) builder.add_contact(c);
-  for (auto const& t : axle_torques) builder.add_axle_torque(t);
-  for (auto const& t : roller_torques) builder.add_roller_torque(t);
-  for (int w : rolling_wheelsets) builder.add_rolling_constraint(w);
-  builder.set_speed(speed);
-  builder.set_line(line, start);
-  if (!irregularity.empty()) builder.set_irregularity(irregularity);
-  builder.set_contact_loss_limit(contact_loss_limit);
-  return builder.finish();
-}
-
 Parts wheelset_parts(Setup const& setup) {
   Parts parts;
   bool const rig = setup.roller_radius > 0.0;
@@ -37,8 +21,8 @@ Parts wheelset_parts(Setup const& setup) {
                          .wheel_radius = 0.46,
                          .tape_circle_y = 0.75,
                          .rail_origin_y = 0.7605385};
-    c.laws.friction.law = ConstantFriction{setup.friction};
-    parts.contacts.push_back(c);
+    c.friction.law = ConstantFriction{setup.friction};
+    parts.described_contacts.push_back(c);
   }
   if (setup.lateral_spring > 0.0)
     for (double side : {1.0, -1.0}) {
@@ -106,7 +90,7 @@ Irregularity waves(double side, double fade_in) {
 
 Parts vehicle_parts(VehicleSetup const& setup) {
   Parts parts = wheelset_parts({.roller_radius = 0.0, .speed = setup.speed, .lateral_spring = 0.0});
-  auto const contacts = std::exchange(parts.contacts, {});
+  auto const contacts = std::exchange(parts.described_contacts, {});
   parts.bodies[0] = {1800.0, {1000.0, 112.0, 1000.0}, {0.5 * setup.wheelbase, 0.0, 0.46}, true};
   parts.bodies.push_back(parts.bodies[0]);
   parts.bodies[1].position.x *= -1.0;
@@ -142,7 +126,7 @@ Parts vehicle_parts(VehicleSetup const& setup) {
         e.law[coord_z] = {.preload = 150.0 * 9.81, .laws = {LinearSpring{6e7}, LinearDamper{1e5}}};
         parts.elements.push_back(e);
       }
-      parts.contacts.push_back(c);
+      parts.described_contacts.push_back(c);
     }
   parts.start = setup.shift;
   return parts;

@@ -178,13 +178,9 @@ def read() -> list[tuple[PairPose, ExactWheel]]:
 
 
 @cache
-def contact_of(
-    pair: str, roller_radius: float, normal: str, creep: str = "kalker_saturated", normal_damping: float = 1e5
-) -> _core.StaticWheelsetContact:
+def contact_of(pair: str, roller_radius: float, normal: str) -> _core.StaticWheelsetContact:
     surfaces = surfaces_of(pair)
-    return static_contact_of(
-        surfaces.wheel, surfaces.rail, roller_radius * mm or None, surfaces.origin * mm, normal, creep, normal_damping
-    )
+    return static_contact_of(surfaces.wheel, surfaces.rail, roller_radius * mm or None, surfaces.origin * mm, normal)
 
 
 def our_patches(at: PairPose, normal: str) -> list[_core.StaticPatch]:

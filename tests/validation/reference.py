@@ -11,6 +11,7 @@ from catalogued import profile_table
 from rollerrig import _core
 from rollerrig.assembly.laws import creep_law
 from rollerrig.assembly.model import AssembledModel, assemble
+from rollerrig.assembly.model_parts import Parts, add_part, no_parts
 from rollerrig.config import load_case
 from rollerrig.profiles import ProfileTable, gauge_point
 
@@ -40,58 +41,6 @@ def rail_origin(table: ProfileTable, gauge: float = 1.435, depth: float = 14 * m
     return gauge / 2 + abs(gauge_point(table, depth))
 
 
-def add_wheels(
-    builder: _core.ModelBuilder,
-    wheelset: int,
-    rollers: tuple[int, int],
-    wheel: ProfileTable,
-    rail: ProfileTable,
-    roller_radius: float | None,
-    origin: float,
-    *,
-    wheel_radius: float = 0.46,
-    tape_circle_y: float = 0.75,
-    friction: float = 0.3,
-    shear_modulus: float = SHEAR_MODULUS,
-    normal_damping: float = 1e5,
-    merging_criterion: float = 0.0,
-    normal: str = "hertz",
-    creep: str = "kalker_saturated",
-) -> tuple[int, int]:
-    """Adds the left and the right contact of one wheelset; rollers -1 are rails."""
-    wheel_index = builder.add_profile(wheel.start, wheel.step, wheel.coefficients)
-    rail_index = builder.add_profile(rail.start, rail.step, rail.coefficients)
-    laws = _core.ContactLaws(
-        material=_core.Material(shear_modulus=shear_modulus, poisson_ratio=POISSON_RATIO),
-        normal=_core.Hertz(merging_criterion=merging_criterion) if normal == "hertz" else _core.Strips(),
-        damping=_core.NormalDamping(damping=normal_damping, smoothing_speed=1e-4),
-        creep=creep_law(creep),
-        kalker_factor=1.0,
-        friction=_core.Friction(law=_core.Constant(mu_0=friction), map=None, gauge_face=-1.0),
-        creepage_regularisation_speed=0.1,
-        roller=_core.RollerEffects(curvature=True, conicity=True, spin=True, yaw=True),
-    )
-    left, right = (
-        builder.add_contact(
-            _core.ContactDescription(
-                wheelset=wheelset,
-                roller=roller,
-                roller_radius=roller_radius or 0.0,
-                right=right,
-                wheel_profile=wheel_index,
-                rail_profile=rail_index,
-                wheel_radius=wheel_radius,
-                tape_circle_y=tape_circle_y,
-                rail_origin_y=origin,
-                size=1.0,
-                laws=laws,
-            )
-        )
-        for roller, right in zip(rollers, (False, True), strict=True)
-    )
-    return left, right
-
-
 def benchmark_contact(roller_radius: float | None, normal: str = "hertz") -> _core.StaticWheelsetContact:
     """The wheelset of the Manchester contact benchmark on its rails, or on rollers of the rails' head."""
     wheel, rail = profile_table("s1002", "wheel"), profile_table("uic60_benchmark_1_40", "rail")
@@ -99,6 +48,14 @@ def benchmark_contact(roller_radius: float | None, normal: str = "hertz") -> _co
 
 
 def static_contact_of(
+    wheel: ProfileTable, rail: ProfileTable, roller_radius: float | None, origin: float, normal: str = "hertz"
+) -> _core.StaticWheelsetContact:
+    """A wheelset of radius 460 mm and these profiles, ready to be pressed down."""
+    parts = wheelset_parts(wheel, rail, roller_radius, origin, normal)
+    return _core.StaticWheelsetContact(_core.model_of(_core.ModelParts(**parts)), 0, 1)
+
+
+def wheelset_parts(
     wheel: ProfileTable,
     rail: ProfileTable,
     roller_radius: float | None,
@@ -106,41 +63,54 @@ def static_contact_of(
     normal: str = "hertz",
     creep: str = "kalker_saturated",
     normal_damping: float = 1e5,
-) -> _core.StaticWheelsetContact:
-    """A wheelset of radius 460 mm and these profiles, ready to be pressed down."""
-    builder = _core.ModelBuilder(gravity=9.81)
-    add_axisymmetric(builder, 0.46)
-    roller = add_axisymmetric(builder, -roller_radius) if roller_radius else -1
-    left, right = add_wheels(
-        builder,
-        0,
-        (roller, roller),
-        wheel,
-        rail,
-        roller_radius,
-        origin,
-        normal=normal,
-        creep=creep,
-        normal_damping=normal_damping,
+    friction: float = 0.3,
+) -> Parts:
+    """Of a wheelset of radius 460 mm, left wheel first; no roller radius: on rails."""
+    laws = _core.ContactLaws(
+        material=_core.Material(shear_modulus=SHEAR_MODULUS, poisson_ratio=POISSON_RATIO),
+        normal=_core.Hertz(merging_criterion=0.0) if normal == "hertz" else _core.Strips(),
+        damping=_core.NormalDamping(damping=normal_damping, smoothing_speed=1e-4),
+        creep=creep_law(creep),
+        kalker_factor=1.0,
+        creepage_regularisation_speed=0.1,
+        roller=_core.RollerEffects(curvature=True, conicity=True, spin=True, yaw=True),
     )
-    return _core.StaticWheelsetContact(builder.finish(), left, right)
-
-
-def add_axisymmetric(builder: _core.ModelBuilder, height: float) -> int:
-    """Adds a wheelset or a roller whose centre is at a height [m]; only its place counts."""
-    return builder.add_body(
-        _core.Body(
-            mass=2000.0,
-            inertia=(1000.0, 100.0, 1000.0),
-            position=(0.0, 0.0, height),
-            axisymmetric=True,
-            locked=[False] * 6,
-            speed_controlled_radius=0.0,
-            in_moving_frame=True,
-            loss_constant=0.0,
-            loss_linear=0.0,
-            loss_quadratic=0.0,
+    parts = no_parts(9.81, laws)
+    for height in (0.46, -roller_radius) if roller_radius else (0.46,):
+        add_part(parts, "bodies", axisymmetric(height))
+    for profile in (wheel, rail):
+        add_part(parts, "profiles", _core.UniformSpline(profile.start, profile.step, profile.coefficients))
+    for right in (False, True):
+        contact = _core.ContactDescription(
+            wheelset=0,
+            roller=1 if roller_radius else -1,
+            roller_radius=roller_radius or 0.0,
+            right=right,
+            wheel_profile=0,
+            rail_profile=1,
+            wheel_radius=0.46,
+            tape_circle_y=0.75,
+            rail_origin_y=origin,
+            size=1.0,
+            friction=_core.Friction(law=_core.Constant(mu_0=friction), map=None, gauge_face=-1.0),
         )
+        add_part(parts, "contacts", contact)
+    return parts
+
+
+def axisymmetric(height: float) -> _core.Body:
+    """A wheelset or a roller whose centre is at a height [m]; only its place counts."""
+    return _core.Body(
+        mass=2000.0,
+        inertia=(1000.0, 100.0, 1000.0),
+        position=(0.0, 0.0, height),
+        axisymmetric=True,
+        locked=[False] * 6,
+        speed_controlled_radius=0.0,
+        in_moving_frame=True,
+        loss_constant=0.0,
+        loss_linear=0.0,
+        loss_quadratic=0.0,
     )
 
 
@@ -183,7 +153,6 @@ def settings(
         "final_time": duration,
         "output_step": 0.01,
         "breakpoints": [],
-        "t0": 0.0,
     }
     return defaults | given
 
@@ -197,13 +166,14 @@ class Run:
         x0: np.ndarray,
         duration: float,
         t_stop: float | None = None,
+        t0: float = 0.0,
         **given: object,
     ) -> None:
         arguments = settings(simulation, duration, **given)
         count = round(duration / float(arguments["output_step"])) + 2  # type: ignore[arg-type]
         self.time = np.full(count, np.nan)
         self.rows = np.full((count, simulation.width), np.nan)
-        simulation.start(**arguments, x0=x0)  # type: ignore[arg-type]
+        simulation.start(_core.Options(**arguments), t0=t0, x0=x0)  # type: ignore[arg-type]
         self.status, filled = simulation.advance(t_stop or duration, self.time, self.rows, 0)
         self.time, self.rows = self.time[:filled], self.rows[:filled]
         self.statistics, self.counters, self.final_state = (

@@ -81,11 +81,18 @@ def test_classic_fastsim_is_that_of_an_independent_program() -> None:
         assert ours[1] == pytest.approx(row["Fy_FASTSIM200"], abs=0.01 * limit)
 
 
+def linear_limit(reference: _core.RollingReference) -> np.ndarray:
+    """C11, C22, C23, C33: slopes of the forces at creepages so small that only the last elements slip."""
+    small = 1e-4
+    along, across, spin = reference.solve(small * np.eye(3))
+    return -np.array([along[0], across[1], spin[1], spin[2]]) / small
+
+
 def test_kalkers_coefficients_of_the_exact_solver() -> None:
     for row in rows("kalker_full_solution.csv"):
         if row["nu"] != 0.28:
             continue
-        ours = _core.RollingReference(row["a_over_b"], row["nu"], 1.0).kalker_coefficients()
+        ours = linear_limit(_core.RollingReference(row["a_over_b"], row["nu"], 1.0))
         for name, value in zip(("C11", "C22", "C23", "C33"), ours, strict=True):
             # 1.5 %, or three standard errors of the reference, which extrapolates from coarse grids; C33 is small on long
             # patches and takes a finer grid there.

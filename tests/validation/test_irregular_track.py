@@ -62,7 +62,8 @@ def influence(model: AssembledModel, state: np.ndarray, wheel: int, rail: str, d
         table[rail][row, derivative] = sign * size
         if derivative:
             table[rail][row, 0] = -sign * size * (np.mod(along, period) - row * step)
-        model.builder.set_irregularity(period, step, *(table[name] for name in RAILS), 0.0, True)
+        rails = {name: _core.UniformSpline(0.0, step, table[name]) for name in RAILS}
+        model.parts["irregularity"] = _core.Irregularity(period=period, fade_in=0.0, steered=True, **rails)
         rates.append(_core.Simulation(model.finish().core).derivative(late, state)[0])
     return (rates[1] - rates[0]) / (2 * size)
 

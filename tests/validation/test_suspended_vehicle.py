@@ -95,7 +95,7 @@ def modes(springs: str) -> list[Mode]:
     case = suspended(**SPRINGS[springs])
     model = AssembledModel(case)
     if SPRINGS[springs].get("weightless"):
-        model.builder.set_gravity(0.0)
+        model.parts["gravity"] = 0.0
     simulation = _core.Simulation(model.finish().core)
     matrix = simulation.jacobian(0.0, np.zeros(simulation.state_count))[0]
     rates = [simulation.rate_index[model.body_index(name)][d] for name in MOVING for d in range(6)]

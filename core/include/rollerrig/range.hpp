@@ -16,7 +16,7 @@
 #include <string_view>
 #include <vector>
 
-#include "rollerrig/math/piecewise_linear.hpp"
+#include "rollerrig/math/curves.hpp"
 #include "rollerrig/math/vector.hpp"
 
 namespace rollerrig {
@@ -98,13 +98,29 @@ void check_value(std::array<Value, n> const& values, Range const& range, std::st
 inline void check_value(Vec3<double> const& v, Range const& range, std::string_view owner, Label label) {
   for (double component : {v.x, v.y, v.z}) check_value(component, range, owner, label);
 }
+inline void check_increasing(std::vector<double> const& points, std::string_view owner, Label label) {
+  check_value(points, finite_number, owner, label.name);
+  for (std::size_t i = 1; i < points.size(); ++i)
+    if (!(points[i - 1] < points[i]))
+      throw std::invalid_argument(std::string(owner) + ": " + label.name + " must be given at increasing points");
+}
 /// Values in the range, at increasing finite points.
 inline void check_value(PiecewiseLinear const& table, Range const& range, std::string_view owner, Label label) {
-  check_value(table.x, finite_number, owner, label.name);
+  check_increasing(table.x, owner, label);
   check_value(table.y, range, owner, label);
-  for (std::size_t i = 1; i < table.x.size(); ++i)
-    if (!(table.x[i - 1] < table.x[i]))
-      throw std::invalid_argument(std::string(owner) + ": " + label.name + " must be given at increasing points");
+}
+inline void check_value(PiecewiseCubic const& curve, Range const& range, std::string_view owner, Label label) {
+  check_increasing(curve.start, owner, label);
+  check_value(curve.coefficient, range, owner, label);
+  need(curve.start.size() == curve.coefficient.size(), std::string(owner) + ": one row per break of " + label.name);
+}
+inline void check_value(UniformSpline const& curve, Range const& range, std::string_view owner, Label label) {
+  std::string const what = std::string(owner) + ": " + label.name;
+  check_value(curve.start, finite_number, what, "start");
+  check_value(curve.step, Range{1e-9, 1e6, "between 1e-9 and 1e6"}, what, "step");
+  need(!curve.pieces.empty(), what + ": pieces must not be empty");
+  need(curve.start + curve.step > curve.start, what + ": step must move the start");
+  check_value(curve.pieces, range, what, "pieces");
 }
 inline void check_value(TimeTable const& table, Range const& range, std::string_view owner, Label label) {
   check_value(table.points, range, owner, label);

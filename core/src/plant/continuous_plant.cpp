@@ -26,7 +26,7 @@ Variable local(std::string name, std::string unit, std::string what, double nomi
 }  // namespace
 
 ContinuousVariables list_continuous_variables(AssembledModel const& assembled) {
-  check_assembled(assembled);
+  assembled.check();
   Model const& model = *assembled.model;
   StateMap const& map = model.map;
   ContinuousVariables all;

@@ -141,7 +141,7 @@ AssembledModel read_model(std::span<std::byte const> bytes) {
   AssembledModel read{
       std::move(content.name), model_of(content.model), std::move(content.setup), std::move(content.names),
       content.options,         content.start_time,      std::move(content.start), std::move(content.disturbances)};
-  check_assembled(read);
+  read.check();
   return read;
 }
 
@@ -157,20 +157,17 @@ std::string model_token(std::span<std::byte const> bytes) {
   return hexadecimal(bytes.subspan(checksum_at, sizeof(std::uint64_t)));
 }
 
-void check_assembled(AssembledModel const& assembled) {
-  PartNames const& names = assembled.names;
-  need(assembled.model != nullptr, "assembled model: there is no model");
-  Model const& model = *assembled.model;
-  need(names.bodies.size() == model.bodies.size(), "assembled model: names: needed is one per body");
-  need(names.elements.size() == model.elements.size(), "assembled model: names: needed is one per element");
-  need(names.axles.size() == (assembled.setup ? assembled.setup->axles.size() : 0),
-       "assembled model: names: needed is one per axle");
-  if (assembled.setup) check_setup(*assembled.setup, model);
-  check_value(assembled.start, within_reach, "assembled model", "x0");
-  need(static_cast<int>(assembled.start.size()) == model.map.states(), "assembled model: x0: needed is one per state");
-  check_disturbances(assembled.disturbances, model);
-  integrate::check_options(assembled.options, model.map.states());
-  check_settings(assembled.options, assembled.start_time, assembled.setup ? assembled.setup->step : 0.0);
+void AssembledModel::check() const {
+  need(model != nullptr, "assembled model: there is no model");
+  need(names.bodies.size() == model->bodies.size(), "assembled model: names: needed is one per body");
+  need(names.elements.size() == model->elements.size(), "assembled model: names: needed is one per element");
+  need(names.axles.size() == (setup ? setup->axles.size() : 0), "assembled model: names: needed is one per axle");
+  if (setup) check_setup(*setup, *model);
+  check_value(start, within_reach, "assembled model", "x0");
+  check_value(options.final_time, finite_number, "assembled model", "final_time");
+  need(static_cast<int>(start.size()) == model->map.states(), "assembled model: x0: needed is one per state");
+  check_disturbances(disturbances, *model);
+  check_settings(options, model->map.states(), start_time, setup ? setup->step : 0.0);
 }
 
 void check_part(ControllerPart const& part) {

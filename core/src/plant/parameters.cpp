@@ -8,7 +8,7 @@
 #include <string_view>
 #include <type_traits>
 
-#include "rollerrig/system/starting_state.hpp"
+#include "rollerrig/system/equilibrium.hpp"
 
 namespace rollerrig {
 namespace {
@@ -59,6 +59,7 @@ struct ModelParameters::Walk {
       using V = std::remove_cvref_t<decltype(value)>;
       std::string_view const name = field.name;
       if (name.starts_with("sand") && !(own.setup_ && own.setup_->sanding)) return;
+      if constexpr (std::is_same_v<V, VirtualRail>) return;  // what it is follows from the case
       if constexpr (std::is_same_v<S, Friction>)
         if (name == "gauge_face" ? s.gauge_face < 0.0 : s.map != nullptr) return;
       std::string const inner = name == "law" || std::is_same_v<V, FrictionLaw> ? owner : owner + "." + field.name;
@@ -130,7 +131,7 @@ struct ModelParameters::Walk {
 
   void friction() {
     for (std::size_t i = 0; i < own.parts_.described_contacts.size(); ++i)
-      fields(own.parts_.described_contacts[i].laws.friction,
+      fields(own.parts_.described_contacts[i].friction,
              wheel_name(own.given_, own.given_.model->contacts[i]) + ".friction", true);
   }
 
@@ -143,7 +144,7 @@ struct ModelParameters::Walk {
       if (!copy) own.maps_.push_back(copy = std::make_shared<AdhesionMap>(*friction.map));
       friction.map = copy;
     };
-    for (ContactDescription& contact : own.parts_.described_contacts) replace(contact.laws.friction);
+    for (ContactDescription& contact : own.parts_.described_contacts) replace(contact.friction);
     if (own.setup_) {
       if (own.setup_->rail) replace(own.setup_->rail->friction);
       for (SampledController& one : own.setup_->controllers)

@@ -55,7 +55,7 @@ int Plant::find(std::string_view name) const {
 /// The model with the parameters that were set.
 void Plant::renew() {
   AssembledModel renewed = parameters_.assembled();
-  check_assembled(renewed);
+  renewed.check();
   auto driver = std::make_unique<Driver>(renewed.model, renewed.setup);
   driver->answer_for_controllers();
   assembled_ = std::move(renewed);

@@ -194,7 +194,7 @@ std::string wheel_name(AssembledModel const& assembled, WheelContact const& cont
 }
 
 VariableList list_variables(AssembledModel const& assembled) {
-  check_assembled(assembled);
+  assembled.check();
   VariableList list;
   Model const& model = *assembled.model;
   PartNames const& names = assembled.names;

@@ -14,21 +14,13 @@
 namespace rollerrig {
 namespace {
 
-constexpr Range finite_or_endless{0.0, largest_number, "a time, or infinite", false, true, true};
 constexpr double longest_count = 1e15;  ///< of steps, far within 64 bits
 
 }  // namespace
 
-void check_settings(integrate::Options const& o, double t0, double sampling_step) {
+void check_settings(integrate::Options const& o, int states, double t0, double sampling_step) {
   check_value(t0, finite_number, "start", "t0");
-  check_value(o.final_time, finite_or_endless, "start", "final_time");
-  check_value(o.step, not_negative, "start", "step");
-  check_value(o.initial_step, not_negative, "start", "initial_step");
-  check_value(o.maximum_step, positive_or_infinite, "start", "maximum_step");
-  check_value(o.output_step, not_negative, "start", "output_step");
-  check_value(o.relative_tolerance, positive, "start", "relative_tolerance");
-  check_value(o.absolute_tolerance, positive, "start", "absolute_tolerance");
-  check_value(o.breakpoints, finite_number, "start", "breakpoints");
+  integrate::check_options(o, states);
   auto const need_length = [&](double length, char const* name, double least) {
     if (length == 0.0 || !(o.final_time > t0) || std::isinf(o.final_time)) return;
     if (length < least || (o.final_time - t0) / length > static_cast<double>(o.max_steps))
@@ -61,7 +53,7 @@ integrate::Statistics const& Driver::statistics() const { return integrator_->st
 void Driver::sample_states(double t, double* x, double* z) { integrator_->sample(t, x, z); }
 
 Status Driver::start(integrate::Options options, double t0, double const* x0) {
-  check_settings(options, t0, setup_ ? setup_->step : 0.0);
+  check_settings(options, plant_.sizes().states, t0, setup_ ? setup_->step : 0.0);
   plant_.reset_run();
   final_time_ = options.final_time;
   step_ = 0;

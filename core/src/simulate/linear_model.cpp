@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "rollerrig/integrate/amplification.hpp"
-#include "rollerrig/math/least_norm.hpp"
+#include "rollerrig/math/lu.hpp"
 #include "rollerrig/simulate/driver.hpp"
 #include "rollerrig/simulate/recorded_rows.hpp"
 

@@ -203,7 +203,7 @@ void MechatronicSystem::record_axle(Dynamics const& plant, std::size_t i, Inputs
   WheelContact const& contact = plant.model().contacts[left];
   double const wheel = spin(parts.wheelset), roller = parts.roller != absent ? -spin(parts.roller) : 0.0;
   double const ground_speed = frame_moves() ? train_.speed : setup_.speed;
-  double const surface = parts.roller != absent ? roller * contact.roller_radius() : ground_speed;
+  double const surface = parts.roller != absent ? roller * contact.roller_radius : ground_speed;
   auto const force = longitudinal_force(plant, parts, axle);
   out[column("axle_speed")] = wheel;
   out[column("roller_speed")] = roller;

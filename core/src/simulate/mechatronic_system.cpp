@@ -29,6 +29,7 @@ MechatronicSystem::MechatronicSystem(MechatronicSetup setup)
     Command const command = command_of(any);
     char const* const name = std::visit([](auto const& law) { return law.name; }, any);
     controllers_.push_back({name, command, {}, {field_of(command).initial, sampling.delay}});
+    if (command == Command::roller_torque) rig_ = controllers_.size() - 1;
     if (command == Command::cylinder_pressure) {  // a machine reads no sensors
       brake_unit_ = controllers_.size() - 1;
       continue;
@@ -134,7 +135,7 @@ void MechatronicSystem::read_true_forces(Dynamics const& plant) {
     auto const& axle = actuators_.axle(i);
     double const rate = -plant.work().acceleration[at(parts.roller)][coord_pitch];
     measured_.true_force[i] = (model.bodies[at(parts.roller)].inertia.y * rate - axle.drive[0]) /
-                              model.contacts[at(parts.contacts[0])].roller_radius();
+                              model.contacts[at(parts.contacts[0])].roller_radius;
     measured_.true_torque[i] =
         axle.of_motor() + (parts.brake != absent ? plant.evaluation().brake_torque[at(parts.brake)] : 0.0);
     measured_.brake_torque[i] =
@@ -181,9 +182,7 @@ TrainStep MechatronicSystem::train_step(std::int64_t step) const {
     return {t, train_.distance, std::max(0.0, train_.speed + 0.5 * h * rate), rate};
   }
   VirtualTrainState const& train = rig_state()->train;
-  int every = 1;
-  for (SampledController const& c : setup_.controllers)
-    if (std::holds_alternative<RigController>(c.controller)) every = c.sampling.every;
+  int const every = setup_.controllers[*rig_].sampling.every;
   double const until = h * static_cast<double>(every - step % every), rate = train.acceleration;
   double const behind = until * (train.speed - 0.5 * until * rate);  // that the train still has to run until then
   return {t, train.distance - behind, std::max(0.0, train.speed - (until - 0.5 * h) * rate), rate};
@@ -256,7 +255,7 @@ void MechatronicSystem::dissipate(Dynamics const& plant, Inputs& inputs) {
     AxleParts const& parts = setup_.axles[i];
     for (std::size_t side = 0; side < 2; ++side) {
       int const c = parts.contacts[side];
-      if (c == absent || model.contacts[at(c)].laws.friction.map == nullptr) continue;
+      if (c == absent || model.contacts[at(c)].friction.map == nullptr) continue;
       double const from = train_.distance + model.contacts[at(c)].distance_ahead;
       double power = 0.0, width = 0.0;  // [W], [m]
       for (int k = 0; k < plant.patch_count(c); ++k) {
@@ -300,24 +299,6 @@ bool MechatronicSystem::slip_limit_exceeded(Dynamics const& plant) {
     too_long = too_long || slides_for_[i] > setup_.protection.time;
   }
   return too_long;
-}
-
-RigController const* MechatronicSystem::rig() const {
-  for (SampledController const& c : setup_.controllers)
-    if (auto const* found = std::get_if<RigController>(&c.controller)) return found;
-  return nullptr;
-}
-
-RigController::State* MechatronicSystem::rig_state() {
-  for (Controller& own : controllers_)
-    if (auto* found = std::get_if<RigController::State>(&own.state)) return found;
-  return nullptr;
-}
-
-RigController::State const* MechatronicSystem::rig_state() const {
-  for (Controller const& own : controllers_)
-    if (auto const* found = std::get_if<RigController::State>(&own.state)) return found;
-  return nullptr;
 }
 
 /// Of the train on track, of the virtual train on a rig, or else of the rollers [m/s].

@@ -73,7 +73,7 @@ MatrixXd backward_difference(int order, Value const& value) {
 }  // namespace
 
 SlopesUnderContacts::SlopesUnderContacts(Model const& model) : model_{model}, evaluation_{model} {
-  model_.contact_groups.clear();
+  evaluation_.work.patches_given = true;
 }
 
 VectorXd SlopesUnderContacts::operator()(Dynamics const& other, double t, Inputs const& inputs) {

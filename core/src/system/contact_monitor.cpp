@@ -69,9 +69,9 @@ Status ContactMonitor::check_patch(Model const& model, Evaluation const& evaluat
   Patch<double> const& p = evaluation.patch(index, k);
   counters_.limited_curvature += p.limited;
   counters_.faded += p.weight < 1.0;
-  counters_.clamped_aspect += !contact.laws.kalker->covers(p.log_aspect);
+  counters_.clamped_aspect += !model.laws.kalker->covers(p.log_aspect);
   counters_.negative_dissipation += p.creep_dissipation() < -rounding_of_power;
-  if (k > 0 && std::holds_alternative<HertzEllipses>(contact.laws.normal)) {
+  if (k > 0 && std::holds_alternative<HertzEllipses>(model.laws.normal)) {
     Patch<double> const& left = evaluation.patch(index, k - 1);
     double const distance = std::hypot(p.point.p.y - left.point.p.y, p.point.p.z - left.point.p.z);
     counters_.overlapping += distance < p.b + left.b;

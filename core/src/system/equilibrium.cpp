@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "rollerrig/math/least_norm.hpp"
 #include "rollerrig/math/lu.hpp"
 
 namespace rollerrig {
@@ -102,7 +101,7 @@ void fix_and_roll(Dynamics const& dynamics, double speed, std::vector<FixedCoord
   for (auto const& contact : model.contacts) {
     if (int const i = map.rate[at(contact.wheelset)][coord_pitch]; i >= 0) x[at(i)] = speed / contact.pair.wheel_radius;
     if (contact.roller == ground) continue;
-    if (int const i = map.rate[at(contact.roller)][coord_pitch]; i >= 0) x[at(i)] = -speed / contact.roller_radius();
+    if (int const i = map.rate[at(contact.roller)][coord_pitch]; i >= 0) x[at(i)] = -speed / contact.roller_radius;
   }
 }
 

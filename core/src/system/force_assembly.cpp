@@ -170,7 +170,7 @@ struct Forces {
     }
     if (contact.right) mirror(p);
     p.motion.friction_factor = inputs_.friction.empty() ? 1.0 : inputs_.friction[index];
-    if (contact.laws.friction.map != nullptr) {
+    if (contact.friction.map != nullptr) {
       p.motion.arc_length = w_.travel.s + contact.distance_ahead;
       p.motion.dissipated_energy = inputs_.dissipated_energy.empty() ? 0.0 : inputs_.dissipated_energy[index];
       p.motion.sand = inputs_.sand.empty() ? 0.0 : inputs_.sand[index];
@@ -204,18 +204,17 @@ struct Forces {
     w_.placed[index].prescribed_v_b.z += up;
   }
 
-  /// Patches of the wheels of one group, which have the same laws: all are placed first, then each law sees all of them at once.
-  void find_patches(T const& t, std::vector<int> const& group, Selection const* selection) const {
-    ContactLaws const& laws = model_.contacts[at(group.front())].laws;
+  /// Patches of all wheels: they are placed first, then each law sees all of them at once.
+  void find_patches(T const& t, Selection const* selection) const {
+    ContactLaws const& laws = model_.laws;
     bool const with_strips = follows_strips(laws.creep);
     w_.wheels.clear();
-    for (int i : group) {
-      std::size_t const index = at(i);
+    for (std::size_t index = 0; index < model_.contacts.size(); ++index) {
       if (selection && !selection->contact[index]) continue;
       auto& placed = w_.placed[index];
       placed = placement(index);
       WheelContact const& contact = model_.contacts[index];
-      w_.wheels.push_back({{head_under(index), laws.material, contact.laws.nodes.get()},
+      w_.wheels.push_back({{head_under(index), laws.material, contact.nodes.get()},
                            &placed.pose,
                            &w_.patches[index],
                            &w_.patch_count[index],
@@ -223,15 +222,13 @@ struct Forces {
     }
     normal_patches<T, Patch<T>>(laws.normal, w_.wheels);
     w_.under_load.clear();
-    for (int i : group) {
-      std::size_t const index = at(i);
+    for (std::size_t index = 0; index < model_.contacts.size(); ++index) {
       if (selection && !selection->contact[index]) continue;
       move_head(index);
       auto const& placed = w_.placed[index];
       for (int k = 0; k < w_.patch_count[index]; ++k)
         w_.under_load.push_back({&w_.patches[index][at(k)], &placed.pose.o, &placed.motion,
-                                 &model_.contacts[index].laws.friction,
-                                 with_strips ? &w_.strips[index][at(k)] : nullptr});
+                                 &model_.contacts[index].friction, with_strips ? &w_.strips[index][at(k)] : nullptr});
     }
     add_creep_forces<T>(laws, t, w_.under_load);
   }
@@ -244,12 +241,13 @@ struct Forces {
     int const constraint = model_.constraint_of_contact[index];
     for (int k = 0; k < w_.patch_count[index]; ++k) {
       auto const& patch = w_.patches[index][at(k)];
-      sum += contact_wrenches(contact.laws.roller, placed, patch.point.p, patch.force, patch.moment);
+      sum += contact_wrenches(model_.laws.roller, placed, patch.point.p, patch.force, patch.moment);
       w_.power[stored_contacts] -= patch.elastic_power;
       w_.power[dissipated_normal] -= patch.normal.damping * patch.gap_rate;
       w_.power[dissipated_creep] += patch.creep_dissipation();
       if (constraint >= 0)
-        w_.axle_creep[at(constraint)] += axle_creep(contact, placed, w_.motion[at(contact.wheelset)].R.ey, patch);
+        w_.axle_creep[at(constraint)] +=
+            axle_creep(model_, contact, placed, w_.motion[at(contact.wheelset)].R.ey, patch);
     }
     w_.power[work_of_drive] += prescribed_power(placed, sum);
     BodyWrenches<T> const total = body_wrenches(contact, placed, sum);
@@ -264,7 +262,7 @@ struct Forces {
   }
 
   void apply_contacts(T const& t, Selection const* selection) const {
-    for (auto const& group : model_.contact_groups) find_patches(t, group, selection);
+    if (!w_.patches_given) find_patches(t, selection);
     for (std::size_t i = 0; i < model_.contacts.size(); ++i)
       if (!selection || selection->contact[i]) apply_contact(i);
   }

@@ -1,4 +1,4 @@
-#include "rollerrig/system/jacobian_sweeps.hpp"
+#include "rollerrig/system/dynamics.hpp"
 
 #include <algorithm>
 

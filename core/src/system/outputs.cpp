@@ -51,7 +51,7 @@ namespace {
 template <class Pitch>
 double mean_over_rollers(Model const& model, Pitch pitch) {
   double sum = 0.0;
-  for (auto const& contact : model.contacts) sum -= contact.roller_radius() * pitch(at(contact.roller));
+  for (auto const& contact : model.contacts) sum -= contact.roller_radius * pitch(at(contact.roller));
   return sum / static_cast<double>(model.contacts.size());
 }
 

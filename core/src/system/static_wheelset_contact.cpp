@@ -54,7 +54,11 @@ StaticPatch seen(WheelContact const& contact, NormalPatch<double> const& patch) 
 }  // namespace
 
 StaticWheelsetContact::StaticWheelsetContact(std::shared_ptr<Model const> model, int left, int right)
-    : model_{std::move(model)}, contact_{&model_->contact(left, "left"), &model_->contact(right, "right")} {
+    : model_{std::move(model)} {
+  auto const& contacts = model_->contacts;
+  for (int const i : {left, right})
+    need(i >= 0 && i < static_cast<int>(contacts.size()), "left, right: there is no contact " + std::to_string(i));
+  contact_ = {&contacts[at(left)], &contacts[at(right)]};
   if (contact_[0]->right || !contact_[1]->right || contact_[0]->wheelset != contact_[1]->wheelset)
     throw std::invalid_argument("left and right must be the two contacts of one wheelset");
 }
@@ -91,51 +95,23 @@ std::vector<StaticPatch> StaticWheelsetContact::patches(WheelsetPosition const& 
   PatchList<NormalPatch<double>> found;
   int count = 0;
   std::array const wheel{NormalContact<double, NormalPatch<double>>{
-      {contact.pair, contact.laws.material, contact.laws.nodes.get()}, &at, &found, &count}};
-  normal_patches<double, NormalPatch<double>>(contact.laws.normal, wheel);
+      {contact.pair, model_->laws.material, contact.nodes.get()}, &at, &found, &count}};
+  normal_patches<double, NormalPatch<double>>(model_->laws.normal, wheel);
   std::vector<StaticPatch> list;
   for (int k = 0; k < count; ++k) list.push_back(seen(contact, found[static_cast<std::size_t>(k)]));
   return list;
-}
-
-PointWrench<double> StaticWheelsetContact::creep(WheelsetPosition const& p, bool right,
-                                                 ContactMotion<double> const& motion) const {
-  WheelContact const& contact = *contact_[right];
-  ContactLaws const& laws = contact.laws;
-  auto const at = pose(p, right);
-  WheelPatches<double> found;
-  auto const strips = std::make_unique<WheelStrips<double>>();
-  int count = 0;
-  std::array const wheel{NormalContact<double, Patch<double>>{{contact.pair, laws.material, laws.nodes.get()},
-                                                              &at,
-                                                              &found,
-                                                              &count,
-                                                              follows_strips(laws.creep) ? strips.get() : nullptr}};
-  normal_patches<double, Patch<double>>(laws.normal, wheel);
-  std::vector<MovingPatch<double>> moving;
-  for (std::size_t k = 0; k < static_cast<std::size_t>(count); ++k)
-    moving.push_back({&found[k], &at.o, &motion, &laws.friction, &(*strips)[k]});
-  add_creep_forces<double>(laws, 0.0, moving);
-  PointWrench<double> sum{};
-  for (auto const& m : moving) {
-    auto const& patch = *m.patch;
-    Vec3<double> const force = patch.force - patch.normal.total() * patch.point.n;
-    sum.force += force;
-    sum.moment += cross(patch.point.p, force) + patch.moment - patch.weight * patch.pressure_moment;
-  }
-  return sum;
 }
 
 std::vector<StaticPatch> StaticWheelsetContact::minima(WheelsetPosition const& position, bool right,
                                                        double reach) const {
   WheelContact const& contact = *contact_[right];
   auto const at = pose(position, right);
-  auto const minima = find_minima(contact.pair, *contact.laws.nodes, at, reach);
+  auto const minima = find_minima(contact.pair, *contact.nodes, at, reach);
   std::vector<StaticPatch> list;
   for (std::size_t k = 0; k < minima.count; ++k) {
     NormalPatch<double> patch;
     patch.point = contact_point(contact.pair, at, minima.minimum[k]);
-    hertz_patch(contact.laws.material, patch);
+    hertz_patch(model_->laws.material, patch);
     list.push_back(seen(contact, patch));
   }
   return list;
@@ -205,7 +181,7 @@ LoadedWheelset StaticWheelsetContact::solve(WheelsetPosition p, double load, boo
 }
 
 WheelBatch::WheelBatch(StaticWheelsetContact const& wheelset, WheelsetPosition position, bool right, int wheels)
-    : law_{wheelset.contact_[right]->laws.normal}, patches_(static_cast<std::size_t>(wheels)), count_(patches_.size()) {
+    : law_{wheelset.model_->laws.normal}, patches_(static_cast<std::size_t>(wheels)), count_(patches_.size()) {
   WheelContact const& contact = *wheelset.contact_[right];
   for (std::size_t i = 0; i < patches_.size(); ++i) {
     pose_.push_back(wheelset.pose(position, right));
@@ -213,7 +189,7 @@ WheelBatch::WheelBatch(StaticWheelsetContact const& wheelset, WheelsetPosition p
   }
   for (std::size_t i = 0; i < patches_.size(); ++i)
     contacts_.push_back(
-        {{contact.pair, contact.laws.material, contact.laws.nodes.get()}, &pose_[i], &patches_[i], &count_[i]});
+        {{contact.pair, wheelset.model_->laws.material, contact.nodes.get()}, &pose_[i], &patches_[i], &count_[i]});
 }
 
 void WheelBatch::evaluate() { normal_patches<double, NormalPatch<double>>(law_, contacts_); }

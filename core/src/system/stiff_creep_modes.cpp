@@ -81,7 +81,7 @@ bool StiffCreepModes::look_up_viscosities(Model const& model, Evaluation const& 
       next.origin.push_back(v);
     };
     std::size_t count = for_each_slip(group, evaluation, [&](int c, int k) {
-      for (double v : viscosity(model.contacts[at(c)].laws, evaluation.patch(c, k))) compare(v);
+      for (double v : viscosity(model.laws, evaluation.patch(c, k))) compare(v);
     });
     for (; count < most_slips; ++count) compare(0.0);
   }
@@ -120,7 +120,7 @@ void StiffCreepModes::add_slip(Model const& model, Evaluation const& evaluation,
   double const across = 1.0 / std::sqrt(n.y * n.y + n.z * n.z);
   Vec3<double> const t{0.0, n.z * across, -n.y * across};
   Vec3<double> const force = std::sqrt(viscosity) * (lateral ? t : cross(t, n));
-  auto const sum = contact_wrenches<double>(own.laws.roller, placed, p, force, {});
+  auto const sum = contact_wrenches<double>(model.laws.roller, placed, p, force, {});
   double work = prescribed_power(placed, sum);
   BodyWrenches<double> const total = body_wrenches(own, placed, sum);
 

@@ -214,7 +214,7 @@ class _Shooting:
         whole = self._rest.copy()
         whole[self._kept] = state
         whole[self._driven] *= speed / self._speed
-        simulation.start(**settings, output_step=period, t0=0.0, x0=whole)
+        simulation.start(_core.Options(**settings, output_step=period), t0=0.0, x0=whole)
         return simulation
 
 

@@ -11,7 +11,7 @@ from typing import Any
 from rollerrig import _core
 from rollerrig.assembly.laws import adhesion_map, core_law, part_of
 from rollerrig.assembly.model import GROUND, AssembledModel, assemble, axle_torque
-from rollerrig.assembly.model_parts import ABSENT
+from rollerrig.assembly.model_parts import ABSENT, add_part
 from rollerrig.config import Brake, Case, Track, Traction
 from rollerrig.config.schema.brakes import AnyTrackBrake, MagneticTrackBrake, ReservoirAir
 
@@ -28,45 +28,38 @@ def assemble_with_actuators(case: Case, *, torque_on_all: bool = False) -> Assem
         case: the case.
         torque_on_all: whether an axle without a motor takes a torque, too.
     """
-    model = AssembledModel(case)
-    model.adhesion = _add_adhesion(model)
+    adhesion = adhesion_map(case.adhesion, case.sanding) if case.adhesion is not None else None
+    # on the wheels on track; on a rig for the virtual train alone
+    model = AssembledModel(case, adhesion if isinstance(case.support.data, Track) else None)
+    model.adhesion = adhesion
     axles = range(len(model.wheelsets))
     model.axles = tuple(_add_axle(model, number, torque_on_all=torque_on_all) for number in axles)
     _add_resistance(model)
     model.bogies = _add_track_brakes(model)
     if case.contact.pure_rolling:
         for name in model.wheelsets:
-            model.builder.add_rolling_constraint(model.body_index(name))
+            add_part(model.parts, "rolling_wheelsets", model.body_index(name))
     return model.finish()
 
 
-def _add_adhesion(model: AssembledModel) -> _core.AdhesionMap | None:
-    """The adhesion of the case's rails: on the wheels on track; on a rig for the virtual train alone."""
-    if model.case.adhesion is None:
-        return None
-    adhesion = adhesion_map(model.case.adhesion, model.case.sanding)
-    for wheel in model.wheels if isinstance(model.support, Track) else ():
-        model.builder.set_adhesion(wheel.contact, adhesion)
-    return adhesion
-
-
 def _add_axle(model: AssembledModel, number: int, *, torque_on_all: bool) -> _core.AxleParts:
-    case, builder, name = model.case, model.builder, model.wheelsets[number]
+    case, parts, name = model.case, model.parts, model.wheelsets[number]
     wheelset, frame = model.body_index(name), model.frame_of(name)
     brake = torque = roller = roller_torque = ABSENT
     if case.brake is not None and not case.brake.by_traction_motors:
-        brake = builder.add_brake(_core.AxleBrake(wheelset=wheelset, reaction=frame, brake=friction_brake(case.brake)))
+        own = _core.AxleBrake(wheelset=wheelset, reaction=frame, brake=friction_brake(case.brake))
+        brake = add_part(parts, "brakes", own)
     machine = case.brake.electrodynamic if case.brake else None
     brakes = machine is not None and (machine.axles is None or name in machine.axles)
     if case.traction is not None:
-        torque = builder.add_axle_torque(_traction_motor(model, name, frame, case.traction))
+        torque = add_part(parts, "axle_torques", _traction_motor(model, name, frame, case.traction))
     elif brakes or torque_on_all:
-        torque = builder.add_axle_torque(axle_torque(wheelset, frame, []))
+        torque = add_part(parts, "axle_torques", axle_torque(wheelset, frame, []))
     if model.rollers:
         roller = model.body_index(model.rollers[number])
     if model.rollers and case.rig_control is not None:
         drive = part_of(_core.RollerTorque, case.rig_control.motor, roller=roller, torque=[])
-        roller_torque = builder.add_roller_torque(drive)
+        roller_torque = add_part(parts, "roller_torques", drive)
     return _core.AxleParts(
         wheelset=wheelset,
         contacts=[wheel.contact for wheel in model.wheels if wheel.wheelset == name],
@@ -143,18 +136,16 @@ def _add_track_brakes(model: AssembledModel) -> int:
     frames = {model.frame_of(name) for name in model.wheelsets}
     bodies = {model.body_index(model.main_body) if frame == GROUND else frame for frame in frames}
     for body in sorted(bodies) if isinstance(model.support, Track) else ():
-        model.builder.add_track_brake(_core.BodyTrackBrake(body=body, brake=track_brake(table, 1)))
+        add_part(model.parts, "track_brakes", _core.BodyTrackBrake(body=body, brake=track_brake(table, 1)))
     return len(bodies)
 
 
 def _add_resistance(model: AssembledModel) -> None:
     train = model.case.train
-    model.builder.set_resistance(
-        _core.RunningResistance(
-            body=model.body_index(model.main_body),
-            constant=train.resistance_constant,
-            linear=train.resistance_linear,
-            quadratic=train.resistance_quadratic,
-            gradient=train.gradient,
-        )
+    model.parts["resistance"] = _core.RunningResistance(
+        body=model.body_index(model.main_body),
+        constant=train.resistance_constant,
+        linear=train.resistance_linear,
+        quadratic=train.resistance_quadratic,
+        gradient=train.gradient,
     )

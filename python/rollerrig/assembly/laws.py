@@ -131,8 +131,14 @@ def adhesion_map(adhesion: Adhesion, sanding: Sanding | None = None) -> _core.Ad
     )
 
 
+def friction(contact: Contact, adhesion: _core.AdhesionMap | None) -> _core.Friction:
+    """That of each contact; `adhesion` takes the place of the law."""
+    gauge_face = -1.0 if contact.gauge_face_friction is None else contact.gauge_face_friction
+    return _core.Friction(law=core_law(contact.friction), map=adhesion, gauge_face=gauge_face)
+
+
 def contact_laws(contact: Contact) -> _core.ContactLaws:
-    """What the contacts of a case are made of, on a rail in good condition.
+    """What the contacts of a case have in common.
 
     Raises:
         CreepTableError: the table of the creep law `table` cannot be used.
@@ -143,11 +149,6 @@ def contact_laws(contact: Contact) -> _core.ContactLaws:
         damping=_core.NormalDamping(damping=contact.normal_damping, smoothing_speed=contact.damping_onset),
         creep=core_law(contact.creep),
         kalker_factor=contact.kalker_factor,
-        friction=_core.Friction(
-            law=core_law(contact.friction),
-            map=None,
-            gauge_face=-1.0 if contact.gauge_face_friction is None else contact.gauge_face_friction,
-        ),
         creepage_regularisation_speed=contact.creepage_regularisation_speed,
         roller=_core.RollerEffects(**contact.roller_effects.model_dump()),
     )
@@ -158,7 +159,13 @@ def linear_coefficients(contact: Contact, a: float, b: float) -> tuple[float, ..
     own = contact.creep
     if isinstance(own, Coefficients):
         return own.f11, own.f22, own.f23, own.f33
-    return tuple(_core.kalker_stiffness(a, b, contact.creep_shear_modulus, contact.material.poisson_ratio))
+    kalker = kalker_stiffness(contact, a, b)
+    return kalker.f11, kalker.f22, kalker.f23, kalker.f33
+
+
+def kalker_stiffness(contact: Contact, a: float, b: float) -> _core.KalkerStiffness:
+    """That of a patch with semi-axes a, b [m] by the linear theory."""
+    return _core.kalker_stiffness(a, b, contact.creep_shear_modulus, contact.material.poisson_ratio)
 
 
 def _condition(rail: Condition) -> _core.RailCondition:

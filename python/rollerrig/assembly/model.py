@@ -1,7 +1,7 @@
-"""A checked case becomes the compiled model: the only caller of the core's ModelBuilder.
+"""A checked case becomes the compiled model: the only caller of the core's model_of.
 
     Case -> [assemble] -> AssembledModel -> run, analysis
-    Case -> [AssembledModel] -> plant in its builder -> rollerrig.assembly.actuators -> the same with actuators
+    Case -> [AssembledModel] -> its plant in parts -> rollerrig.assembly.actuators -> the same with actuators
 
 No physics here: positions are added up, names become indices, profiles become spline tables.
 """
@@ -10,13 +10,12 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from rollerrig import _core
-from rollerrig.assembly.laws import Support, contact_laws, direction_law
-from rollerrig.assembly.model_parts import WheelInfo, static_loads
+from rollerrig.assembly.laws import Support, contact_laws, direction_law, friction
+from rollerrig.assembly.model_parts import WheelInfo, add_part, no_parts, static_loads
 from rollerrig.config import Case, ConfigError, Foundation, Restraint, Rig, Track, Vehicle
 from rollerrig.config.schema.support import (
     NOWHERE,
     RAIL_CURVES,
-    RailHeads,
     RollerLosses,
     Side,
     rail_heads,
@@ -43,7 +42,7 @@ Point = tuple[float, float, float]
 class AssembledModel:
     """A compiled model and the names of its parts, in the order of the core's indices; constant once it is finished.
 
-    Made of a case it is the plant in `builder`, to which more may be added before `finish` compiles it.
+    Made of a case it is the plant in `parts`, to which more may be added before `finish` compiles it.
     """
 
     core: _core.Model
@@ -59,13 +58,14 @@ class AssembledModel:
     adhesion: _core.AdhesionMap | None = None
     bogies: int = 0  # that carry the magnets of a track brake, where the case has one
 
-    def __init__(self, case: Case) -> None:
+    def __init__(self, case: Case, adhesion: _core.AdhesionMap | None = None) -> None:
+        """The plant of a case; `adhesion` of the rails under its wheels takes the place of the case's friction."""
         self.case, self.support = case, case.support.data
         self.vehicle: Vehicle = case.vehicle.data
         self.cut = case.vehicle.part
         self.fixed = self.cut.fixed
         self.wheelsets, self.axle_names = tuple(body.name for body in case.vehicle.wheelsets), case.axle_names
-        self.builder = _core.ModelBuilder(gravity=case.gravity)
+        self.parts = no_parts(case.gravity, contact_laws(case.contact))
         self.masses: dict[str, float] = {}
         self.inertias: dict[str, Point] = {}  # principal moments of inertia of each body [kg m^2]
         self.positions: dict[str, Point] = {}
@@ -84,7 +84,7 @@ class AssembledModel:
         # distance of the highest point of the left and right rail or roller from the middle [m]
         self.rail_origin_y = self._rail_origin(self.rail_profile)
         self.right_rail_origin_y = self._rail_origin(self.right_rail_profile)
-        self._add_plant()
+        self._add_plant(adhesion)
 
     def body_index(self, name: str) -> int:
         """Index of a body in the core.
@@ -118,7 +118,7 @@ class AssembledModel:
 
     def finish(self) -> "AssembledModel":
         """Compile what has been added so far."""
-        self.core = self.builder.finish()
+        self.core = _core.model_of(_core.ModelParts(**self.parts))
         self.start_core = _core.coasting_model(self.core)
         return self
 
@@ -126,7 +126,7 @@ class AssembledModel:
         """The gauge is taken `gauge_depth` below a rail's highest point."""
         return self.support.gauge / 2 + abs(gauge_point(profile, self.support.gauge_depth))
 
-    def _add_plant(self) -> None:
+    def _add_plant(self, adhesion: _core.AdhesionMap | None) -> None:
         kept = {*self.cut.bodies, *self.fixed}
         for body in self.vehicle.body:
             if body.name in kept:
@@ -145,7 +145,7 @@ class AssembledModel:
         # curvature and cant of the track, None where it is straight and on a rig; displacements of the rails, or of the rollers
         # that stand for them; times at which an input has a corner [s]
         self.line, self.irregularity = self._add_track_geometry()
-        self._add_contacts(wheelsets)
+        self._add_contacts(wheelsets, adhesion)
         self.breakpoints = self._add_motion()
 
     def _add_vehicle_body(self, body: Body) -> None:
@@ -174,7 +174,8 @@ class AssembledModel:
         self.masses[name] = mass
         self.inertias[name] = inertia
         given = _PLAIN_BODY | more
-        return self.builder.add_body(_core.Body(mass=mass, inertia=inertia, position=position, locked=locked, **given))
+        body = _core.Body(mass=mass, inertia=inertia, position=position, locked=locked, **given)
+        return add_part(self.parts, "bodies", body)
 
     def _add_element(self, element: Element) -> None:
         a, b = element.between
@@ -216,7 +217,8 @@ class AssembledModel:
             allowed = "allowed: lighter bodies above it"
             raise ConfigError.of(self.case.name, key or name, str(error).partition(": ")[2], allowed) from None
         self.elements += (name,)
-        self.builder.add_element(_core.ForceElement(body_a=a, body_b=b, point_on_b=point, law=law, clamped=clamped))
+        element = _core.ForceElement(body_a=a, body_b=b, point_on_b=point, law=law, clamped=clamped)
+        add_part(self.parts, "elements", element)
 
     def _add_rollers(self, wheelset: Body, rig: Rig, place: int) -> None:
         """The rollers under a wheelset, which is the `place`-th from the front."""
@@ -289,9 +291,9 @@ class AssembledModel:
         point = (0.0, 0.0, restraint.height - self.positions[name][2])
         self._join("restraint", GROUND, self.body_index(name), point, {"x": restraint}, {})
 
-    def _add_contacts(self, wheelsets: Sequence[Body]) -> None:
+    def _add_contacts(self, wheelsets: Sequence[Body], adhesion: _core.AdhesionMap | None) -> None:
         """Two contacts of each wheelset, left and right, and the heads that change along the rails or round the rollers."""
-        heads, laws = rail_heads(self.support), contact_laws(self.case.contact)
+        heads, own = rail_heads(self.support), friction(self.case.contact, adhesion)
         sides: tuple[tuple[Side, ProfileTable, float], ...] = (
             ("left", self.rail_profile, self.rail_origin_y),
             ("right", self.right_rail_profile, self.right_rail_origin_y),
@@ -309,49 +311,54 @@ class AssembledModel:
                     tape_circle_y=self.vehicle.wheel.back_to_back / 2 + self.vehicle.wheel.tape_circle,
                     rail_origin_y=origin,
                     size=self.vehicle.wheel.profile.length_scale,
-                    laws=laws,
+                    friction=own,
                 )
-                index = self.builder.add_contact(contact)
+                index = add_part(self.parts, "contacts", contact)
                 self.wheels += (WheelInfo(f"{body.name}_{side}", body.name, side, index),)
-        if heads:
-            left, right = (heads.get(side, RailHeads((), NOWHERE)) for side, *_ in sides)
-            self.builder.set_heads(
-                [self._profile(table) for table in left.tables],
-                left.place.rows,
-                [self._profile(table) for table in right.tables],
-                right.place.rows,
-                max(left.period, right.period),
+        for side, changing in heads.items():
+            self.parts[f"{side}_heads"] = _core.RailHeads(
+                profiles=[self._profile(table) for table in changing.tables],
+                place=changing.place.rows.tolist(),
+                period=max(one.period for one in heads.values()),
             )
 
     def _profile(self, table: ProfileTable) -> int:
         """Index of a profile in the core, which gets it once."""
         if table not in self._profile_index:
-            self._profile_index[table] = self.builder.add_profile(table.start, table.step, table.coefficients)
+            spline = _core.UniformSpline(table.start, table.step, table.coefficients)
+            self._profile_index[table] = add_part(self.parts, "profiles", spline)
         return self._profile_index[table]
 
     def _add_track_geometry(self) -> tuple[Line | None, RailIrregularity | None]:
         """Where the track leads, and where its rails lie."""
         line = self.support.line if isinstance(self.support, Track) else None
-        if line is not None:
-            self.builder.set_line(line.curvature.rows, line.cant.rows, line.cant_base)
-        rails_laid = rail_layout(self.support) if isinstance(self.support, Track) else None
-        if rails_laid is not None:
-            self.builder.set_rails(*(rails_laid[name].rows for name in RAIL_CURVES))
+        if isinstance(self.support, Track):
+            laid = rail_layout(self.support) or dict.fromkeys(RAIL_CURVES, NOWHERE)
+            left, right = (
+                _core.RailLayout(**{name: laid[f"{side}_{name}"].rows.tolist() for name in ("y", "z", "roll")})
+                for side in self.rail_profiles
+            )
+            curvature, cant, base = (line.curvature, line.cant, line.cant_base) if line else (NOWHERE, NOWHERE, 1.5)
+            self.parts["line"] = _core.Line(
+                curvature=curvature.rows.tolist(), cant=cant.rows.tolist(), cant_base=base, left=left, right=right
+            )
         chosen = self.support.irregularity
         if chosen is None:
             return line, None
         distance = distance_run(self.case.motion, self.case.time.duration)
         rails = rails_of_run(chosen, foremost_wheelset(self.case), distance)
-        left_y, left_z, right_y, right_z = (rails.coefficients[rail] for rail in RAILS)
-        steered = not isinstance(self.support, Rig) or self.support.steered
-        steps = rails.period, rails.step
-        self.builder.set_irregularity(*steps, left_y, left_z, right_y, right_z, rails.fade_in, steered)
+        self.parts["irregularity"] = _core.Irregularity(
+            **{name: _core.UniformSpline(0.0, rails.step, rails.coefficients[name]) for name in RAILS},
+            period=rails.period,
+            fade_in=rails.fade_in,
+            steered=not isinstance(self.support, Rig) or self.support.steered,
+        )
         return line, rails
 
     def _add_motion(self) -> tuple[float, ...]:
         motion = self.case.motion
         speed = [(0.0, motion.speed)] if motion.speed_table is None else list(motion.speed_table)
-        self.builder.set_speed(speed)
+        self.parts["speed"] = speed
         corners = [time for time, _ in speed]
         if motion.torque_table is not None:
             corners += [time for time, _ in motion.torque_table]
@@ -359,12 +366,12 @@ class AssembledModel:
             rows = [(time, axle_share * torque) for time, torque in motion.torque_table]
             for index in map(self.body_index, self.rollers):
                 driven = _core.RollerTorque(roller=index, torque=rows, gear_ratio=1.0, rotor_inertia=0.0)
-                self.builder.add_roller_torque(driven)
+                add_part(self.parts, "roller_torques", driven)
         for torque in self.case.axle_torque:
             rows = [(0.0, torque.constant)] if torque.constant is not None else list(torque.table or ())
             corners += [time for time, _ in rows]
             reaction = GROUND if torque.reacts_on == "none" else self.body_index(torque.reacts_on)
-            self.builder.add_axle_torque(axle_torque(self.body_index(torque.wheelset), reaction, rows))
+            add_part(self.parts, "axle_torques", axle_torque(self.body_index(torque.wheelset), reaction, rows))
         duration = self.case.time.duration
         return tuple(sorted({time for time in corners if 0.0 < time < duration}))
 

@@ -119,7 +119,7 @@ def assembled_model(
         model=model.core,
         setup=setup,
         names=_core.PartNames(bodies=list(model.bodies), elements=list(model.elements), axles=list(axles)),
-        **integrator_settings(simulation, model),
+        options=_core.Options(**integrator_settings(simulation, model), output_step=0.0),
         t0=0.0,
         x0=start.tolist(),
         disturbances=disturbances(model),

@@ -10,7 +10,7 @@ from typing import Any
 
 from rollerrig import _core
 from rollerrig.assembly.actuators import electrodynamic_brake, friction_brake, pneumatics, track_brake
-from rollerrig.assembly.laws import angular, part_of
+from rollerrig.assembly.laws import angular, core_law, friction, kalker_stiffness, part_of
 from rollerrig.assembly.model import AssembledModel
 from rollerrig.assembly.model_parts import ABSENT
 from rollerrig.assembly.train_axles import (
@@ -230,13 +230,18 @@ def virtual_rail(model: AssembledModel) -> _core.VirtualRail:
     Raises:
         StartError: the vehicle has no equilibrium on track.
     """
+    case, contact, patch, memory = model.case, model.case.contact, rail_patch(model), _rail(model.case, "cell")
     return _core.VirtualRail(
-        model=model.core,
-        contact=model.axles[0].contacts[0],
-        adhesion=model.adhesion,
-        patch=rail_patch(model),
-        **_rail(model.case, "cell"),
-        sand_kept=model.case.sanding.kept if model.case.sanding else 1.0,
+        creep=core_law(contact.creep),
+        friction=friction(contact, model.adhesion),
+        wheel_load=patch.load,
+        a=patch.a,
+        b=patch.b,
+        width=memory.pop("energy_width") or patch.width,
+        **memory,
+        sand_kept=case.sanding.kept if case.sanding else 1.0,
+        stiffness=kalker_stiffness(contact, patch.a, patch.b),
+        creepage_regularisation_speed=contact.creepage_regularisation_speed,
     )
 
 

@@ -240,7 +240,7 @@ def begin(
     if end_time is not None:
         settings["final_time"] = end_time
     step = model.case.time.output_step if output_step is None else output_step
-    simulation.start(**settings, output_step=step, t0=start_time, x0=state)
+    simulation.start(_core.Options(**settings, output_step=step), t0=start_time, x0=state)
 
 
 def integrator_settings(simulation: _core.Simulation, model: AssembledModel) -> dict[str, Any]:

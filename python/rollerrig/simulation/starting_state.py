@@ -129,7 +129,7 @@ def starting_state(model: AssembledModel, *, allow_unrestrained: bool = False) -
     An offset counts from the undisturbed equilibrium. A disturbed body keeps its equilibrium yaw unless the
     disturbance says otherwise; everything else is in equilibrium with the disturbed bodies. Where there is no such
     equilibrium (on a flange), everything else stays at the undisturbed one, and the disturbed bodies are set down:
-    core/include/rollerrig/system/starting_state.hpp.
+    core/include/rollerrig/system/equilibrium.hpp.
 
     Args:
         model: the model.

@@ -13,6 +13,7 @@ import numpy as np
 
 from rollerrig import _core
 from rollerrig.assembly.model import GROUND, AssembledModel, assemble, axle_torque
+from rollerrig.assembly.model_parts import add_part
 from rollerrig.assembly.train_axles import train_mass
 from rollerrig.cases import on_track, without_actuators
 from rollerrig.common.arrays import Array
@@ -61,13 +62,14 @@ def _axle_loads(case: Case, acceleration: float) -> Array:
     on_ground = case.brake is None and case.traction is not None and case.traction.suspension == "ground"
     for name in model.wheelsets:
         wheelset, frame = model.body_index(name), GROUND if on_ground else model.frame_of(name)
-        model.builder.add_axle_torque(axle_torque(wheelset, frame, [(0.0, force * radius)]))
+        add_part(model.parts, "axle_torques", axle_torque(wheelset, frame, [(0.0, force * radius)]))
         if frame != GROUND:
             spin = model.inertias[name][1] * acceleration / radius
-            model.builder.add_axle_torque(axle_torque(frame, GROUND, [(0.0, -spin)]))
+            add_part(model.parts, "axle_torques", axle_torque(frame, GROUND, [(0.0, -spin)]))
     slope = acceleration / case.gravity
-    resistance = _core.RunningResistance(body=GROUND, constant=0.0, linear=0.0, quadratic=0.0, gradient=slope)
-    model.builder.set_resistance(resistance)
+    model.parts["resistance"] = _core.RunningResistance(
+        body=GROUND, constant=0.0, linear=0.0, quadratic=0.0, gradient=slope
+    )
     forces = equilibrium_dataset(model.finish())["vertical_force"].isel(time=0).to_numpy()
     return np.array([sum(forces[i] for i, w in enumerate(model.wheels) if w.wheelset == n) for n in model.wheelsets])
 

@@ -6,7 +6,7 @@
 #include "explicit_real.hpp"
 #include "profiles.hpp"
 #include "rollerrig/contact/patch.hpp"
-#include "rollerrig/geometry/gap_minima.hpp"
+#include "rollerrig/geometry/gap_nodes.hpp"
 #include "rollerrig/math/dual.hpp"
 
 using namespace rollerrig;
@@ -28,7 +28,8 @@ Patch<T> patch_force(ContactLaws const& laws, ContactPoint<T> const& point, Rela
   Patch<T> patch;
   patch.point = point;
   hertz_patch<T>(laws.material, patch);
-  add_creep_force(laws, time, MovingPatch<T>{&patch, &pose.o, &motion, &laws.friction});
+  Friction const friction;
+  add_creep_force(laws, time, MovingPatch<T>{&patch, &pose.o, &motion, &friction});
   return patch;
 }
 

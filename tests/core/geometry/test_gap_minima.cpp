@@ -1,5 +1,5 @@
 // Every minimum of the gap is found: the search on the nodes against a brute-force scan, in poses of all kinds.
-#include "rollerrig/geometry/gap_minima.hpp"
+#include "rollerrig/geometry/gap_nodes.hpp"
 
 #include <doctest/doctest.h>
 

@@ -5,7 +5,7 @@
 
 #include "explicit_real.hpp"
 #include "profiles.hpp"
-#include "rollerrig/geometry/gap_minima.hpp"
+#include "rollerrig/geometry/gap_nodes.hpp"
 #include "rollerrig/math/dual.hpp"
 
 using namespace rollerrig;

@@ -10,7 +10,6 @@ Integrator::~Integrator() = default;
 
 Status Integrator::start(double t0, std::vector<double> const& x0) { return Compiled::start(t0, x0.data()); }
 Status Integrator::advance(double t_stop, Observer const& observer) { return Compiled::advance(t_stop, observer); }
-Status Integrator::advance(double t_stop, StoppingObserver const& o) { return Compiled::advance(t_stop, o); }
 void Integrator::sample(double t, double* x, double* z) { Compiled::sample(t, x, z); }
 
 }  // namespace rollerrig::test

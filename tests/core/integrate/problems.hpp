@@ -41,18 +41,16 @@ struct AnySystem {
   }
 };
 
-/// integrate::Integrator of any system. An observer that may stop the run is given as a StoppingObserver.
+/// integrate::Integrator of any system.
 class Integrator : AnySystem, public integrate::Integrator<AnySystem> {
  public:
   using Observer = std::function<void(double, double const*, double const*)>;
-  using StoppingObserver = std::function<bool(double, double const*, double const*)>;
 
   Integrator(AnySystem system, Options options);
   Integrator(Integrator const&) = delete;
   ~Integrator();
   Status start(double t0, std::vector<double> const& x0);
   Status advance(double t_stop, Observer const& observer = [](auto...) {});
-  Status advance(double t_stop, StoppingObserver const& observer);
   void sample(double t, double* x, double* z);
 };
 

@@ -164,25 +164,6 @@ TEST_CASE("the budget of steps is kept") {
   CHECK(integrator.statistics().steps == 37);
 }
 
-TEST_CASE("an interrupted run goes on where it stopped, to the same bits") {
-  ExactOscillation problem;
-  Options o = adaptive(Method::rodas4, 1e-6, 3);
-  o.output_step = 0.01;
-  Integrator whole(problem, o), interrupted(problem, o);
-  whole.start(0, problem.start());
-  REQUIRE(whole.advance(3) == Status::ok);
-
-  interrupted.start(0, problem.start());
-  int outputs = 0;
-  Integrator::StoppingObserver const stop_every_hundred = [&](auto...) { return ++outputs % 100 != 0; };
-  int interruptions = 0;
-  while (interrupted.advance(3, stop_every_hundred) == Status::interrupted) ++interruptions;
-  CHECK(outputs == 301);
-  CHECK(interruptions == 3);
-  CHECK(interrupted.states()[0] == whole.states()[0]);
-  CHECK(interrupted.status() == Status::ok);
-}
-
 TEST_CASE("an integrator can be started again and forgets its past") {
   VanDerPol problem{.epsilon = 1e-2};
   Integrator integrator(problem, adaptive(Method::rodas4, 1e-6, 1));

@@ -1,7 +1,7 @@
 #include <doctest/doctest.h>
 
+#include "rollerrig/math/curves.hpp"
 #include "rollerrig/math/dual.hpp"
-#include "rollerrig/math/piecewise_linear.hpp"
 
 using namespace rollerrig;
 

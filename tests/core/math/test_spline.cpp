@@ -2,8 +2,8 @@
 
 #include "explicit_real.hpp"
 #include "profiles.hpp"
+#include "rollerrig/math/curves.hpp"
 #include "rollerrig/math/dual.hpp"
-#include "rollerrig/math/spline.hpp"
 
 using namespace rollerrig;
 using test::ExplicitReal;

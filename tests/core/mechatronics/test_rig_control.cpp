@@ -44,8 +44,8 @@ RigController controller_of_two_axles(AnyEstimator const& estimator, double larg
   VirtualRail& rail = controller.rail;
   rail.friction.law = FallingFriction{0.08, 0.4, 0.2};
   rail.wheel_load = 54546.0, rail.a = 6e-3, rail.b = 4e-3, rail.width = 6e-3, rail.cell = 0.05;
-  rail.log_aspect = std::log(1.5), rail.creepage_regularisation_speed = regularisation_speed;
-  rail.stiffness = kalker_stiffness(KalkerTable(0.28).at(rail.log_aspect), 82e9, rail.a, rail.b, 1.0);
+  rail.creepage_regularisation_speed = regularisation_speed;
+  rail.stiffness = kalker_stiffness(KalkerTable(0.28).at(std::log(1.5)), 82e9, rail.a, rail.b, 1.0);
   return controller;
 }
 

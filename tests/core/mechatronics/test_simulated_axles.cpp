@@ -16,8 +16,8 @@ VirtualRail falling_rail(double recovery_width) {
   VirtualRail rail;
   rail.friction.law = FallingFriction{0.08, 0.4, 0.2};
   rail.wheel_load = 0.5 * load, rail.a = 6e-3, rail.b = 4e-3, rail.width = recovery_width, rail.cell = 0.05;
-  rail.log_aspect = std::log(1.5), rail.creepage_regularisation_speed = 0.1;
-  rail.stiffness = kalker_stiffness(KalkerTable(0.28).at(rail.log_aspect), 82e9, rail.a, rail.b, 1.0);
+  rail.creepage_regularisation_speed = 0.1;
+  rail.stiffness = kalker_stiffness(KalkerTable(0.28).at(std::log(1.5)), 82e9, rail.a, rail.b, 1.0);
   return rail;
 }
 

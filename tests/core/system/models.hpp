@@ -5,28 +5,13 @@
 #include "profiles.hpp"
 #include "rollerrig/system/dynamics.hpp"
 #include "rollerrig/system/equilibrium.hpp"
-#include "rollerrig/system/model_builder.hpp"
 
 namespace rollerrig::test {
 
 /// Parts of a model, to be changed before it is built.
-struct Parts {
-  std::vector<UniformSpline> profiles;
-  std::vector<Body> bodies;
-  std::vector<ForceElement> elements;
-  std::vector<ContactDescription> contacts;
-  std::vector<AxleTorque> axle_torques;
-  std::vector<RollerTorque> roller_torques;
-  std::vector<int> rolling_wheelsets;  ///< with a rolling constraint
-  TimeTable speed;
-  Line line;
-  double start = 0.0;
-  Irregularity irregularity;
-  double gravity = 9.81;
-  double contact_loss_limit = 0.2;
-
+struct Parts : ModelParts {
   operator std::shared_ptr<Model const>() const { return build(); }
-  std::shared_ptr<Model const> build() const;
+  std::shared_ptr<Model const> build() const { return model_of(*this); }
 };
 
 struct Setup {

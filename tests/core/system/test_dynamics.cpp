@@ -325,8 +325,7 @@ TEST_CASE("a random pose never gives a force that is not finite or pulls") {
 TEST_CASE("a rig with every peculiarity of its rollers left out is the track") {
   auto rig = test::wheelset_parts({});
   auto const rails = wheelset_model({.roller_radius = 0.0});
-  for (auto& contact : rig.contacts)
-    contact.laws.roller = {.curvature = false, .conicity = false, .spin = false, .yaw = false};
+  rig.laws.roller = {.curvature = false, .conicity = false, .spin = false, .yaw = false};
   Dynamics on_rig(rig), on_rails(rails);
   auto const start = solve_equilibrium(on_rails, 20.0, 0.0).x;
   std::mt19937 random(7);

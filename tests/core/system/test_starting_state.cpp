@@ -1,4 +1,4 @@
-#include "rollerrig/system/starting_state.hpp"
+#include "rollerrig/system/equilibrium.hpp"
 
 #include <doctest/doctest.h>
 
@@ -77,7 +77,7 @@ TEST_CASE("a body that finds no support at its disturbance is named, and so is a
 
 TEST_CASE("a model without an equilibrium says so") {
   Parts parts = wheelset_parts({});
-  parts.contacts.clear();
+  parts.described_contacts.clear();
   auto const start = starting_state(parts.build(), 0.0, {});
   CHECK(start.found == StartingState::no_equilibrium);
   CHECK(start.residual > 1e4);  // its weight

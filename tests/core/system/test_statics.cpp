@@ -1,7 +1,7 @@
 #include <doctest/doctest.h>
 
+#include "rollerrig/system/equilibrium.hpp"
 #include "rollerrig/system/static_wheelset_contact.hpp"
-#include "rollerrig/system/statics.hpp"
 #include "system/models.hpp"
 
 using namespace rollerrig;

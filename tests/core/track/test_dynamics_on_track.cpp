@@ -78,7 +78,7 @@ TEST_CASE("rollers that are moved and steered like rails keep the power balance"
     for (bool steered : {false, true}) {
       auto model = test::wheelset_parts({});
       model.irregularity = test::waves();
-      model.irregularity.steered = steered;
+      model.irregularity->steered = steered;
       if (elastic) {
         model.bodies[1].locked = {true, false, false, true, false, false};
         ForceElement e;

@@ -13,7 +13,7 @@ void make_conical(test::Parts& model) {
   model.profiles[0] = test::spline_of([](double s) { return -0.05 * s; }, -60e-3, 60e-3, 1e-3);
   model.profiles[1] =
       test::spline_of([](double y) { return 0.3 * (std::sqrt(1.0 - y * y / 0.09) - 1.0); }, -40e-3, 40e-3, 1e-3);
-  for (auto& c : model.contacts) c.tape_circle_y = c.rail_origin_y = 0.75;
+  for (auto& c : model.described_contacts) c.tape_circle_y = c.rail_origin_y = 0.75;
 }
 
 /// A wheelset that is free but for a hold along the track.

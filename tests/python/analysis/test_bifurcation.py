@@ -9,6 +9,7 @@ import pytest
 import xarray as xr
 
 import rollerrig as rr
+from rollerrig import _core
 from rollerrig.analysis import bifurcation as module
 from rollerrig.analysis.hunting import HuntingSettings, hunting_run
 from rollerrig.analysis.mode_table import first_onset, modes_over_speed, zero_crossings
@@ -56,7 +57,7 @@ def test_a_limit_cycle_comes_back_in_a_run_by_another_method(shooting: module._S
     start = simulation.state
     settings = integrator_settings(simulation, shooting._model)
     settings |= {"method": "rodas4", "step": 0.0, "relative_tolerance": 1e-9, "final_time": cycle.period}
-    simulation.start(**settings, output_step=cycle.period, t0=0.0, x0=start)
+    simulation.start(_core.Options(**settings, output_step=cycle.period), t0=0.0, x0=start)
     simulation.advance(cycle.period, np.empty(4), np.empty((4, simulation.width)), 0)
     missed = np.abs(shooting._weight * (simulation.state[shooting._kept] - cycle.state)).max()
     assert missed < 2e-4 * cycle.amplitude

@@ -12,7 +12,7 @@ from pydantic import BaseModel
 import rollerrig as rr
 from rollerrig import _core
 from rollerrig.assembly.laws import creep_law, linear_coefficients
-from rollerrig.assembly.model import assemble
+from rollerrig.assembly.model import Assembly, assemble
 from rollerrig.config import ConfigError
 from rollerrig.config.schema.contact import (
     CREEP_LAWS,
@@ -138,16 +138,31 @@ def test_reports_know_coefficients_as_given() -> None:
 def test_coefficients_as_given_are_those_of_one_patch_with_every_normal_law(normal: str) -> None:
     """Slopes of the forces on the tread of a cone; across, both the creepage and the force are turned by the contact angle."""
     law = {**COEFFICIENTS, "saturation": False}
-    case = rr.load_case("cooperrider_bogie").with_changes({"contact.normal": normal, "contact.creep": law})
+    changes = {"contact.normal": normal, "contact.creep": law, "contact.normal_damping": 0.0}
+    case = rr.load_case("cooperrider_bogie").with_changes(changes)
     model = assemble(case)
-    wheelset = leading_wheelset(model)
+    wheelset, body = leading_wheelset(model), model.body_index(model.wheelsets[0])
     found = wheelset.contact.solve(0.0, 0.0, 0.0, 0.0, model.axle_loads[wheelset.name], True)
     (patch,) = (one for one in found.patches if not one.right)
     speed, step = 50.0, 1e-4
+    parts = Assembly(case).parts
+    left = [one for one in parts["contacts"] if one.wheelset == body and not one.right]
+    alone = _core.model_of(_core.ModelParts(**parts | {"contacts": left, "elements": [], "speed": [(0.0, 0.0)]}))
+    simulation = _core.Simulation(alone)
+    places, rates = simulation.coordinate_index[body], simulation.rate_index[body]
 
     def force(along: float, across: float, spin: float) -> np.ndarray:
-        motion = [speed, across * speed, 0.0, 0.0, (1 - along) * speed / patch.wheel_radius, spin * speed, *[0.0] * 6]
-        return np.array(wheelset.contact.creep(0.0, 0.0, found.z, 0.0, found.roll, False, motion))
+        """Of the left wheel alone, on rails at rest."""
+        x = np.zeros(simulation.state_count)
+        x[[places[2], places[3]]] = found.z, found.roll
+        turning = (1 - along) * speed / patch.wheel_radius
+        x[[rates[i] for i in (0, 1, 4, 5)]] = (
+            speed,
+            across * speed,
+            turning - spin * speed * np.sin(found.roll),
+            spin * speed,
+        )
+        return model.masses[model.wheelsets[0]] * simulation.derivative(0.0, x)[0][rates]
 
     f11, f22, f23 = ((force(0.0, 0.0, 0.0) - force(*creepage)) / step for creepage in np.eye(3) * step)
     assert f11[0] == pytest.approx(7e6, rel=2e-3)

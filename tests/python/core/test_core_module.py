@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from rollerrig import _core
-from rollerrig.assembly.model import assemble, axle_torque
+from rollerrig.assembly.model import Assembly, assemble, axle_torque
 from rollerrig.config import load_case
 
 
@@ -21,9 +21,9 @@ def simulation() -> _core.Simulation:
 def start(simulation: _core.Simulation, x0: np.ndarray, **given: object) -> None:
     arguments: dict[str, object] = {
         "method": "rodas4", "step": 0.0, "relative_tolerance": 1e-6, "absolute_tolerance": [1e-9], "initial_step": 0.0,
-        "maximum_step": 0.01, "final_time": 0.1, "output_step": 0.01, "breakpoints": [], "t0": 0.0,
+        "maximum_step": 0.01, "final_time": 0.1, "output_step": 0.01, "breakpoints": [],
     }  # fmt: skip
-    simulation.start(**(arguments | given), x0=x0)
+    simulation.start(_core.Options(**arguments | given), t0=0.0, x0=x0)
 
 
 def test_a_state_of_the_wrong_length_is_refused(simulation: _core.Simulation) -> None:
@@ -46,11 +46,11 @@ def test_a_creep_table_of_the_wrong_size_is_refused() -> None:
 
 
 def test_an_item_that_does_not_exist_is_refused() -> None:
-    builder = _core.ModelBuilder(gravity=9.81)
+    parts = Assembly(load_case("wheelset_rollers")).parts
     with pytest.raises(ValueError, match="axle torque 0: wheelset: there is no body 3"):
-        builder.add_axle_torque(axle_torque(3, -1, []))
+        _core.model_of(_core.ModelParts(**parts | {"axle_torques": [axle_torque(3, -1, [])]}))
     with pytest.raises(ValueError, match="speed must be given at increasing points"):
-        builder.set_speed([(1.0, 20.0), (0.0, 20.0)])
+        _core.ModelParts(**parts | {"speed": [(1.0, 20.0), (0.0, 20.0)]})
 
 
 def test_advancing_before_the_start_is_refused() -> None:

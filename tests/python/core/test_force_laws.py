@@ -9,8 +9,8 @@ from pydantic import ValidationError
 
 from rollerrig import _core
 from rollerrig.assembly.laws import direction_law
-from rollerrig.assembly.model import _PLAIN_BODY
-from rollerrig.config import AngularSupport, LinearSupport
+from rollerrig.assembly.model import Assembly
+from rollerrig.config import AngularSupport, LinearSupport, load_case
 from rollerrig.config.schema.base import Table
 from rollerrig.config.schema.vehicle import AngularLaw, AngularSeriesDamper, LinearLaw, SeriesDamper
 
@@ -67,12 +67,9 @@ def test_a_damper_that_gives_way_within_a_picosecond_is_refused(damper: type[Tab
 
 
 def test_the_core_refuses_such_a_damper_too() -> None:
-    builder = _core.ModelBuilder(9.81)
-    body = _core.Body(mass=1.0, inertia=[1.0] * 3, position=[0.0] * 3, locked=[False] * 6, **_PLAIN_BODY)
-    one, other = builder.add_body(body), builder.add_body(body)
+    parts = Assembly(load_case("wheelset_rollers")).parts
     laws = [_core.DirectionLaw(preload=0.0, laws=[_core.force_laws["damper"](damping=1.0, series_stiffness=1e13)])]
     laws += [_core.DirectionLaw(preload=0.0, laws=[])] * 5
+    element = _core.ForceElement(body_a=0, body_b=1, point_on_b=(0.0, 0.0, 0.0), law=laws, clamped=False)
     with pytest.raises(ValueError, match="stiffness over damping of its inner node must be at most 1e12"):
-        builder.add_element(
-            _core.ForceElement(body_a=one, body_b=other, point_on_b=(0.0, 0.0, 0.0), law=laws, clamped=False)
-        )
+        _core.model_of(_core.ModelParts(**parts | {"elements": [element]}))

@@ -9,9 +9,11 @@ from typing import Any, get_args
 import pytest
 from pydantic import BaseModel
 
+import rollerrig as rr
 from rollerrig import _core
 from rollerrig.assembly.actuators import friction_brake, pneumatics
 from rollerrig.assembly.laws import part_of
+from rollerrig.assembly.model import assemble
 from rollerrig.config import Brake, Case, Encoder, ForceSensor, Motor, RigControl, Sensors
 from rollerrig.config.schema.actuators import AnySlideProtection, SlipSearch
 from rollerrig.config.schema.brakes import (
@@ -148,7 +150,7 @@ def test_a_parameter_that_is_missing_or_too_many_is_an_error() -> None:
 def test_too_many_axles_are_refused_by_number() -> None:
     setup = _setup(axles=33)
     with pytest.raises(ValueError, match="at most 32 axles have sensors and actuators, not 33"):
-        _core.Simulation(_core.ModelBuilder(gravity=9.81).finish(), setup)
+        _core.Simulation(assemble(rr.load_case("wheelset_rollers")).core, setup)
 
 
 def _setup(axles: int) -> _core.MechatronicSetup:

@@ -57,7 +57,8 @@ def the_file_runs_as_the_case(case: Case, tmp_path: Path) -> None:
     read = rr.read_model(path)
     from_file = _core.Simulation(read.model, read.setup)
     step = case.time.output_step
-    from_file.start(**read.settings, output_step=step, t0=read.t0, x0=np.array(read.x0))
+    settings = {name: getattr(read.options, name) for name in _core.Options.fields} | {"output_step": step}
+    from_file.start(_core.Options(**settings), t0=read.t0, x0=np.array(read.x0))
     of_case = prepare(assemble_with_actuators(case) if case.sampled else assemble(case), output_step=step)
     expected = course(of_case, case.time.duration)
     assert len(expected) >= 3

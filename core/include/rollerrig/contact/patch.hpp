@@ -14,19 +14,18 @@
 
 namespace rollerrig {
 
+/// Of all contacts of a model; friction is that of each.
 struct ContactLaws {
   Material material{};
   NormalLaw normal{};
   NormalDamping damping{};
   CreepLaw creep{};
-  Friction friction{};
   double kalker_factor{1.0};
   double creepage_regularisation_speed{0.1};
   RollerEffects roller{};  ///< which of the roller's differences from a rail count
   static constexpr auto fields() {
     return members(Member{"material", &ContactLaws::material}, Member{"normal", &ContactLaws::normal},
                    Member{"damping", &ContactLaws::damping, not_negative}, Member{"creep", &ContactLaws::creep},
-                   Member{"friction", &ContactLaws::friction},
                    Member{"kalker_factor", &ContactLaws::kalker_factor, "1",
                           "what is left of Kalker's coefficients, those of creep laws without their own", positive},
                    Member{"creepage_regularisation_speed", &ContactLaws::creepage_regularisation_speed, "m/s",
@@ -34,9 +33,7 @@ struct ContactLaws {
                    Member{"roller", &ContactLaws::roller});
   }
 
-  // What follows from them and from the wheel's profile; set by system/model_builder.hpp.
-  std::shared_ptr<KalkerTable const> kalker{};
-  std::shared_ptr<GapNodes const> nodes{};  ///< along the wheel
+  std::shared_ptr<KalkerTable const> kalker{};  ///< follows from the material
 };
 
 /// Motion of wheel and roller, all in b components.
@@ -234,7 +231,7 @@ using WheelPatches = PatchList<Patch<T>>;
 template <int W>
 void add_creep_forces_in_lanes(ContactLaws const& laws, double time, std::span<MovingPatch<double> const> patches);
 
-/// Creepages and forces of patches of one set of laws, friction aside: by plain numbers or dual ones one after the other, in
+/// Creepages and forces of patches, each with its own friction: by plain numbers or dual ones one after the other, in
 /// lanes as many at once as a register holds.
 template <Scalar T>
 void add_creep_forces(ContactLaws const& laws, T const& time, std::span<MovingPatch<T> const> patches);

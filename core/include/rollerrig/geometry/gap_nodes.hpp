@@ -9,8 +9,9 @@
 #include <array>
 #include <vector>
 
+#include "rollerrig/geometry/contact_point.hpp"
 #include "rollerrig/geometry/pair.hpp"
-#include "rollerrig/math/spline.hpp"
+#include "rollerrig/math/curves.hpp"
 
 namespace rollerrig {
 
@@ -89,5 +90,18 @@ GapScan scan_gap(WheelRollerPair const& pair, GapNodes const& nodes, RelativePos
 
 /// The same for all stretches where the gap is below `reach`, with every minimum in them, however near they are to each other.
 GapScan scan_minima(WheelRollerPair const& pair, GapNodes const& nodes, RelativePose<double> const& pose, double reach);
+
+/// Every minimum of the gap to round-off, the candidates for the paper's contact points: Newton on F of reduction.hpp. Where F falls
+/// the gap has a minimum (the paper's curvature check), where it rises a maximum; a minimum with gap < 0 is a patch (indentation check).
+struct GapMinima {
+  static constexpr std::size_t capacity = GapScan::most_minima;
+  std::size_t count{0};
+  std::array<GapRoot, capacity> minimum;  ///< in order of s
+  std::array<GapRoot, capacity> barrier;  ///< the maximum between minimum i and i + 1; between two regions an open gap
+};
+
+/// All minima with gap < reach [m]; with more than the capacity those at the end are left out.
+GapMinima find_minima(WheelRollerPair const& pair, GapNodes const& nodes, RelativePose<double> const& pose,
+                      double reach = 0.0);
 
 }  // namespace rollerrig

@@ -7,7 +7,7 @@
 // Side    everything here is written for a left wheel (y > 0). A right wheel is mirrored before and after.
 #pragma once
 #include "rollerrig/fields.hpp"
-#include "rollerrig/math/spline.hpp"
+#include "rollerrig/math/curves.hpp"
 #include "rollerrig/math/vector.hpp"
 
 namespace rollerrig {

@@ -41,15 +41,11 @@ class Integrator {
     for (Vector* v : {&y_, &y_old_, &y_new_, &y_out_}) v->setZero(n_ + f_.sizes().quadratures);
   }
 
-  /// Begins a run; a finished or failed integrator may be started again.  z0 may be null: zeros.
-  Status start(double t0, double const* x0, double const* z0 = nullptr) {
+  /// Begins a run, with quadratures of zero; a finished or failed integrator may be started again.
+  Status start(double t0, double const* x0) {
     t0_ = t_old_ = t_ = t0;
     std::copy_n(x0, n_, y_.data());
-    if (z0 != nullptr) {
-      std::copy_n(z0, y_.size() - n_, y_.data() + n_);
-    } else {
-      y_.tail(y_.size() - n_).setZero();
-    }
+    y_.tail(y_.size() - n_).setZero();
     y_old_ = y_;
     f_.statistics = {};
     grid_steps_ = outputs_ = 0;
@@ -66,17 +62,16 @@ class Integrator {
   }
 
   /// Steps until time() >= min(t_stop, final time), and shows the observer each output time up to
-  /// t_stop.  observer(t, x, z) may return false to stop: Status::interrupted, and the next advance()
-  /// continues.  Every other Status that is not ok is final.
+  /// t_stop: observer(t, x, z).  A Status that is not ok is final.
   template <class Observer>
   Status advance(double t_stop, Observer&& observer) {
     t_stop = std::min(t_stop, options_.final_time);
-    if (!serve(t_stop, observer)) return Status::interrupted;
+    serve(t_stop, observer);
     while (status_ == Status::ok && t_ < t_stop) {
       double const start = t_;
       status_ = std::visit([this](auto& m) { return step(m); }, method_);
       if (watcher_ && t_ > start) watcher_();
-      if (!serve(t_stop, observer)) return Status::interrupted;
+      serve(t_stop, observer);
     }
     return status_;
   }
@@ -126,12 +121,11 @@ class Integrator {
   Statistics const& statistics() const { return f_.statistics; }
   Options const& options() const { return options_; }
 
-  /// Dense output inside the last step, step_start() <= t <= time(); x or z may be null.  After a step
-  /// that failed only t = time() is left.
+  /// Dense output inside the last step, step_start() <= t <= time().  After a step that failed only t = time() is left.
   void sample(double t, double* x, double* z) {
     interpolate(t);
-    if (x != nullptr) std::copy_n(y_out_.data(), n_, x);
-    if (z != nullptr) std::copy_n(y_out_.data() + n_, y_out_.size() - n_, z);
+    std::copy_n(y_out_.data(), n_, x);
+    std::copy_n(y_out_.data() + n_, y_out_.size() - n_, z);
   }
 
   template <class Archive>
@@ -381,31 +375,21 @@ class Integrator {
     }
   }
 
+  /// Shows the outputs that lie in the last step and not behind t_stop.
   template <class Observer>
-  static bool show(Observer& observer, double t, double const* x, double const* z) {
-    if constexpr (std::is_same_v<std::invoke_result_t<Observer&, double, double const*, double const*>, bool>) {
-      return observer(t, x, z);
-    } else {
-      observer(t, x, z);
-      return true;
-    }
-  }
-
-  /// Shows the outputs that lie in the last step and not behind t_stop; false: the observer said stop.
-  template <class Observer>
-  bool serve(double t_stop, Observer& observer) {
+  void serve(double t_stop, Observer& observer) {
     if (options_.output_step == 0) {
-      if (!std::exchange(pending_output_, false)) return true;
-      return show(observer, t_, y_.data(), y_.data() + n_);
+      if (std::exchange(pending_output_, false)) observer(t_, y_.data(), y_.data() + n_);
+      return;
     }
     double const tolerance = 1e-9 * options_.output_step;
     while (true) {
       double t = t0_ + static_cast<double>(outputs_) * options_.output_step;
-      if (t > std::min(t_stop, t_) + tolerance) return true;
+      if (t > std::min(t_stop, t_) + tolerance) return;
       if (std::abs(t - t_) <= round_off(t)) t = t_;  // the system is evaluated there already
       interpolate(t);
       ++outputs_;
-      if (!show(observer, t, y_out_.data(), y_out_.data() + n_)) return false;
+      observer(t, y_out_.data(), y_out_.data() + n_);
     }
   }
 

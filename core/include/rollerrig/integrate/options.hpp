@@ -5,7 +5,7 @@
 #include <limits>
 #include <vector>
 
-#include "rollerrig/range.hpp"
+#include "rollerrig/fields.hpp"
 
 namespace rollerrig::integrate {
 
@@ -19,34 +19,42 @@ enum class Method : int {
 
 struct Options {
   Method method = Method::rodas4;
-  double step = 0;                                                ///< [s] fixed step; 0 lets the error choose it
-  double relative_tolerance = 1e-6;                               ///< [-] of each state
-  std::vector<double> absolute_tolerance = {1e-9};                ///< [unit of the state] one, or one per state
-  double initial_step = 0;                                        ///< [s] 0 lets the integrator guess
-  double maximum_step = std::numeric_limits<double>::infinity();  ///< [s]
-  double final_time = std::numeric_limits<double>::infinity();    ///< [s] hit exactly
-  double output_step = 0;                                         ///< [s] grid of outputs; 0: every step's end
-  std::vector<double> breakpoints = {};                           ///< [s] hit exactly: kinks and jumps of inputs
-  std::int64_t max_steps = 100'000'000;                           ///< accepted and rejected together
+  double step = 0, relative_tolerance = 1e-6;
+  std::vector<double> absolute_tolerance = {1e-9};
+  double initial_step = 0, maximum_step = std::numeric_limits<double>::infinity();
+  double final_time = std::numeric_limits<double>::infinity(), output_step = 0;
+  std::vector<double> breakpoints = {};
+  std::int64_t max_steps = 100'000'000;  ///< accepted and rejected together
+
+  static constexpr auto fields() {
+    using P = Options;
+    return members(
+        Member{"method", &P::method},
+        Member{"step", &P::step, "s", "fixed step; 0 lets the error choose it", not_negative},
+        Member{"relative_tolerance", &P::relative_tolerance, "1", "relative tolerance of each state", positive},
+        Member{"absolute_tolerance", &P::absolute_tolerance, "m, rad, m/s, rad/s",
+               "tolerance of all states, or of each", Range{1e-30, largest_number, "1e-30 or more"}},
+        Member{"initial_step", &P::initial_step, "s", "first step; 0 lets the integrator guess", not_negative},
+        Member{"maximum_step", &P::maximum_step, "s", "longest step", positive_or_infinite},
+        Member{"final_time", &P::final_time, "s", "end of the run, hit exactly",
+               Range{0.0, largest_number, "a time", false, true, true}},
+        Member{"output_step", &P::output_step, "s", "interval of the outputs; 0: each step's end", not_negative},
+        Member{"breakpoints", &P::breakpoints, "s", "times of kinks and jumps of inputs, hit exactly"});
+  }
+  void check() const {
+    need(method >= Method::rk4 && method <= Method::rodas4,
+         "unknown method; known: rk4, exponential_rk4, exponential_adams, dormand_prince, rodas4");
+  }
 };
 
 /// Throws std::invalid_argument for what no integrator of so many states can do.
 inline void check_options(Options const& o, int states) {
-  constexpr double least_tolerance = 1e-30;  // of a state that stays zero
+  check_fields(o, "integrator");
   auto const tolerances = static_cast<int>(o.absolute_tolerance.size());
-  need(o.step >= 0, "step must be positive, or 0 to let the error choose it");
-  need(o.method >= Method::rk4 && o.method <= Method::rodas4, "there is no such method");
+  o.check();
   bool const free = o.method == Method::dormand_prince || o.method == Method::rodas4;
   need(o.step > 0 || free, "methods rk4, exponential_rk4 and exponential_adams need a step");
-  need(std::isfinite(o.step) && std::isfinite(o.output_step), "step and output_step must be finite");
-  need(o.relative_tolerance > 0 && std::isfinite(o.relative_tolerance), "relative_tolerance must be positive");
   need(tolerances == 1 || tolerances == states, "absolute_tolerance must hold one value, or one per state");
-  for (double a : o.absolute_tolerance)
-    need(a >= least_tolerance && std::isfinite(a), "absolute_tolerance must be 1e-30 or more");
-  need(o.maximum_step > 0, "maximum_step must be positive");
-  need(o.initial_step >= 0 && std::isfinite(o.initial_step), "initial_step must be finite and not negative");
-  need(o.output_step >= 0, "output_step must not be negative");
-  for (double b : o.breakpoints) need(std::isfinite(b), "a breakpoint must be a finite time");
 }
 
 /// Counts of one run.  Tests assert them, so that a slower integrator fails a test.
@@ -61,6 +69,14 @@ struct Statistics {
   double largest_step = 0;                                         ///< [s] accepted
   double largest_error = 0;                                        ///< of a coarse step, over what is allowed
 
+  static constexpr auto fields() {
+    using P = Statistics;
+    return members(Member{"steps", &P::steps}, Member{"rejected_steps", &P::rejected_steps},
+                   Member{"coarse_steps", &P::coarse_steps}, Member{"derivative_calls", &P::derivative_calls},
+                   Member{"jacobian_calls", &P::jacobian_calls}, Member{"factorisations", &P::factorisations},
+                   Member{"smallest_step", &P::smallest_step}, Member{"largest_step", &P::largest_step},
+                   Member{"largest_error", &P::largest_error});
+  }
   void state(auto& archive) {
     for (std::int64_t* count :
          {&steps, &rejected_steps, &coarse_steps, &derivative_calls, &jacobian_calls, &factorisations})

@@ -5,8 +5,8 @@
 #include <bit>
 #include <cstring>
 
+#include "rollerrig/math/curves.hpp"
 #include "rollerrig/math/lane.hpp"
-#include "rollerrig/math/spline.hpp"
 
 namespace rollerrig {
 

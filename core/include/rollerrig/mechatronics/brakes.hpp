@@ -19,7 +19,7 @@
 
 #include "rollerrig/contact/adhesion/friction.hpp"
 #include "rollerrig/fields.hpp"
-#include "rollerrig/math/piecewise_linear.hpp"
+#include "rollerrig/math/curves.hpp"
 #include "rollerrig/mechatronics/pneumatics.hpp"
 
 namespace rollerrig {

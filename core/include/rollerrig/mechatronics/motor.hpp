@@ -9,7 +9,7 @@
 #include <optional>
 
 #include "rollerrig/fields.hpp"
-#include "rollerrig/math/piecewise_linear.hpp"
+#include "rollerrig/math/curves.hpp"
 
 namespace rollerrig {
 

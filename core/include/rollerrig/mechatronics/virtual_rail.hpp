@@ -58,15 +58,27 @@ struct AxlePassage {
 struct VirtualRail {
   CreepLaw creep{};
   Friction friction{};
-  double wheel_load{};    ///< static, of one wheel [N]; what follows belongs to it
-  double a{}, b{};        ///< semi-axes along and across the rolling direction [m]
-  double width{};         ///< over which dissipated energy is spread: that the patches of a wheel sweep together [m]
-  double cell{};          ///< length of the cells in which dissipated energy is kept [m]
-  double wheel_memory{};  ///< length rolled over which a wheel's own cleaning fades [m]; 0: none is kept
-  double sand_kept{1.0};  ///< of the sand on the rail that a wheel leaves behind [-]
-  double log_aspect{};    ///< ln(a/b)
-  KalkerStiffness<double> stiffness{};     ///< of one wheel
-  double creepage_regularisation_speed{};  ///< [m/s]
+  double wheel_load{}, a{}, b{}, width{}, cell{}, wheel_memory{}, sand_kept{1.0};
+  KalkerStiffness<double> stiffness{};  ///< of one wheel
+  double creepage_regularisation_speed{};
+
+  static constexpr auto fields() {
+    using P = VirtualRail;
+    return members(
+        Member{"creep", &P::creep}, Member{"friction", &P::friction},
+        Member{"wheel_load", &P::wheel_load, "N", "static load of one wheel, to which the ellipse belongs", positive},
+        Member{"a", &P::a, "m", "semi-axis along the rolling direction", positive},
+        Member{"b", &P::b, "m", "semi-axis across it", positive},
+        Member{"width", &P::width, "m",
+               "width over which dissipated energy is spread: that the patches of a wheel sweep together", positive},
+        Member{"cell", &P::cell, "m", "length of the cells in which dissipated energy is kept", positive},
+        Member{"wheel_memory", &P::wheel_memory, "m",
+               "rolling distance over which a wheel's own cleaning fades; 0: it keeps nothing", not_negative},
+        Member{"sand_kept", &P::sand_kept, "1", "part of the sand on the rail that a wheel leaves behind", fraction},
+        Member{"stiffness", &P::stiffness},
+        Member{"creepage_regularisation_speed", &P::creepage_regularisation_speed, "m/s",
+               "rolling speed below which creepage turns into viscous friction, V_s", not_negative});
+  }
 
   /// Force of both wheels on the axle, forward [N].
   ///
@@ -91,7 +103,7 @@ struct VirtualRail {
     double const adhesion = friction_factor * surface.friction * per_wheel + regularisation::adhesion;
     // Creepage is wheel over roller: a driving wheel's surface runs backwards.
     Creepage<double> const creepage{epsilon, 0.0, 0.0};
-    CreepQuery<double> const query{creepage, f, adhesion, growth * a, growth * b, log_aspect, 1.0};
+    CreepQuery<double> const query{creepage, f, adhesion, growth * a, growth * b, std::log(a / b), 1.0};
     auto const force = friction.map ? creep_force(creep, query, surface) : creep_force(creep, query);
     return 2.0 * force.longitudinal;
   }

@@ -22,10 +22,9 @@ struct ForceElement {
   int body_b{-1};
   Vec3<double> r_b{};
   std::array<DirectionLaw, 6> law{};  ///< per Coordinate
-  std::array<int, 7>
-      node{};  ///< first inner node of each direction among all elements' and behind the last; set by ModelBuilder
-  bool rotational{false};  ///< has a law of rotation; set by ModelBuilder
-  bool clamped{false};     ///< half of the force acts in the axes of b, at P_a
+  std::array<int, 7> node{};  ///< first inner node of each direction among all elements' and behind the last ...
+  bool rotational{false};     ///< ... and whether there is a law of rotation: both set by system/model.hpp
+  bool clamped{false};        ///< half of the force acts in the axes of b, at P_a
 
   static constexpr auto fields() {
     using P = ForceElement;

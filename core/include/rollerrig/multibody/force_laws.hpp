@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "rollerrig/fields.hpp"
-#include "rollerrig/math/piecewise_linear.hpp"
+#include "rollerrig/math/curves.hpp"
 #include "rollerrig/scalar.hpp"
 
 namespace rollerrig {

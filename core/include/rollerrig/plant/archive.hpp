@@ -17,7 +17,7 @@
 #include "rollerrig/integrate/options.hpp"
 #include "rollerrig/plant/byte_stream.hpp"
 #include "rollerrig/simulate/setup.hpp"
-#include "rollerrig/system/model_builder.hpp"
+#include "rollerrig/system/model.hpp"
 
 namespace rollerrig {
 
@@ -44,54 +44,11 @@ constexpr auto fields_of(std::type_identity<UniformSpline> /*of*/) {
 constexpr auto fields_of(std::type_identity<PiecewiseCubic> /*of*/) {
   return members(Member{"start", &PiecewiseCubic::start}, Member{"coefficient", &PiecewiseCubic::coefficient});
 }
-constexpr auto fields_of(std::type_identity<RailLayout> /*of*/) {
-  return members(Member{"y", &RailLayout::y}, Member{"z", &RailLayout::z}, Member{"roll", &RailLayout::roll});
-}
-constexpr auto fields_of(std::type_identity<RailHeads> /*of*/) {
-  using P = RailHeads;
-  return members(Member{"profiles", &P::profiles, an_index}, Member{"place", &P::place},
-                 Member{"period", &P::period, not_negative});
-}
-constexpr auto fields_of(std::type_identity<Line> /*of*/) {
-  using P = Line;
-  return members(Member{"curvature", &P::curvature}, Member{"cant", &P::cant}, Member{"cant_base", &P::cant_base},
-                 Member{"left", &P::left}, Member{"right", &P::right});
-}
-constexpr auto fields_of(std::type_identity<Irregularity> /*of*/) {
-  using P = Irregularity;
-  return members(Member{"period", &P::period}, Member{"left_y", &P::left_y}, Member{"left_z", &P::left_z},
-                 Member{"right_y", &P::right_y}, Member{"right_z", &P::right_z}, Member{"fade_in", &P::fade_in},
-                 Member{"steered", &P::steered});
-}
-constexpr auto fields_of(std::type_identity<KalkerStiffness<double>> /*of*/) {
-  using P = KalkerStiffness<double>;
-  return members(Member{"f11", &P::f11}, Member{"f22", &P::f22}, Member{"f23", &P::f23}, Member{"f33", &P::f33});
-}
 constexpr auto fields_of(std::type_identity<CreepTable> /*of*/) {
   using P = CreepTable;
   return members(Member{"log_aspect_end", &P::log_aspect_end, positive}, Member{"rho_0", &P::rho_0, positive},
                  Member{"aspects", &P::aspects, table_cells}, Member{"cells", &P::cells, table_cells},
                  Member{"coefficients", &P::coefficients});
-}
-constexpr auto fields_of(std::type_identity<VirtualRail> /*of*/) {
-  using P = VirtualRail;
-  return members(Member{"creep", &P::creep}, Member{"friction", &P::friction},
-                 Member{"wheel_load", &P::wheel_load, positive}, Member{"a", &P::a, positive},
-                 Member{"b", &P::b, positive}, Member{"width", &P::width, positive}, Member{"cell", &P::cell, positive},
-                 Member{"wheel_memory", &P::wheel_memory, not_negative}, Member{"sand_kept", &P::sand_kept, fraction},
-                 Member{"log_aspect", &P::log_aspect}, Member{"stiffness", &P::stiffness},
-                 Member{"creepage_regularisation_speed", &P::creepage_regularisation_speed, not_negative});
-}
-constexpr auto fields_of(std::type_identity<integrate::Options> /*of*/) {
-  using P = integrate::Options;
-  return members(Member{"method", &P::method}, Member{"step", &P::step, not_negative},
-                 Member{"relative_tolerance", &P::relative_tolerance, positive},
-                 Member{"absolute_tolerance", &P::absolute_tolerance, positive},
-                 Member{"initial_step", &P::initial_step, not_negative},
-                 Member{"maximum_step", &P::maximum_step, positive_or_infinite},
-                 Member{"final_time", &P::final_time, positive_or_infinite},
-                 Member{"output_step", &P::output_step, not_negative}, Member{"breakpoints", &P::breakpoints},
-                 Member{"max_steps", &P::max_steps, Range{1.0, 1e15, "1 to 1e15"}});
 }
 
 namespace archive {

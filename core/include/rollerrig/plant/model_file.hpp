@@ -21,8 +21,8 @@
 
 #include "rollerrig/integrate/options.hpp"
 #include "rollerrig/simulate/setup.hpp"
+#include "rollerrig/system/equilibrium.hpp"
 #include "rollerrig/system/model.hpp"
-#include "rollerrig/system/starting_state.hpp"
 
 namespace rollerrig {
 
@@ -45,8 +45,18 @@ struct AssembledModel {
   PartNames names{};
   integrate::Options options{};
   double start_time{};                      ///< [s]
-  std::vector<double> start{};              ///< state there, system/starting_state.hpp
+  std::vector<double> start{};              ///< state there, system/equilibrium.hpp
   std::vector<Disturbance> disturbances{};  ///< of it
+
+  static constexpr auto fields() {
+    using P = AssembledModel;
+    return members(
+        Member{"name", &P::name}, Member{"model", &P::model}, Member{"setup", &P::setup}, Member{"names", &P::names},
+        Member{"options", &P::options}, Member{"t0", &P::start_time, "s", "time at the start"},
+        Member{"x0", &P::start, "m, rad, m/s, rad/s", "state at the start"}, Member{"disturbances", &P::disturbances});
+  }
+  /// Throws std::invalid_argument for what cannot be run, or lacks a name.
+  void check() const;
 };
 
 /// What stands in an FMU of a controller alone.
@@ -67,9 +77,6 @@ struct ControllerPart {
                    Member{"roller_speed", &P::roller_speed, "rad/s", "speed of each roller axle at the start"});
   }
 };
-
-/// Throws std::invalid_argument for what cannot be run, or lacks a name.
-void check_assembled(AssembledModel const& assembled);
 
 /// Throws std::invalid_argument: numbers of axles that do not fit, or an estimator that takes what no rig measures.
 void check_part(ControllerPart const& part);

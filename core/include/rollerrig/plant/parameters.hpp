@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "rollerrig/plant/variable.hpp"
-#include "rollerrig/system/model_builder.hpp"
 
 namespace rollerrig {
 

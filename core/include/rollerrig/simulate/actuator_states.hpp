@@ -9,7 +9,7 @@
 
 #include "rollerrig/mechatronics/measurements.hpp"
 #include "rollerrig/simulate/setup.hpp"
-#include "rollerrig/system/inputs.hpp"
+#include "rollerrig/system/force_assembly.hpp"
 
 namespace rollerrig {
 

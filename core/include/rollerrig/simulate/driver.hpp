@@ -35,7 +35,7 @@ using Observer = std::function<void(double t, double const* x, double const* z)>
 
 /// Every number of the settings, and every length of a step that a run may be cut into against its duration: throws
 /// std::invalid_argument for a run that would not end.
-void check_settings(integrate::Options const& options, double t0, double sampling_step);
+void check_settings(integrate::Options const& options, int states, double t0, double sampling_step);
 
 class Driver {
  public:

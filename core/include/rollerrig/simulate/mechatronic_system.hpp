@@ -97,9 +97,15 @@ class MechatronicSystem {
   double time(std::int64_t step) const { return setup_.step * static_cast<double>(step); }
   double train_speed(Dynamics const& plant) const;
   std::optional<double> reference_speed() const;
-  RigController const* rig() const;
-  RigController::State const* rig_state() const;
-  RigController::State* rig_state();
+  RigController const* rig() const {
+    return rig_ ? std::get_if<RigController>(&setup_.controllers[*rig_].controller) : nullptr;
+  }
+  RigController::State const* rig_state() const {
+    return rig_ ? std::get_if<RigController::State>(&controllers_[*rig_].state) : nullptr;
+  }
+  RigController::State* rig_state() {
+    return rig_ ? std::get_if<RigController::State>(&controllers_[*rig_].state) : nullptr;
+  }
   double axle_speed(Dynamics const& plant, std::size_t axle) const;
   TrainStep train_step(std::int64_t step) const;
   void step_simulated(std::int64_t step);
@@ -125,7 +131,7 @@ class MechatronicSystem {
   SimulatedAxleStates simulated_;
   double impulse_of_simulated_{0.0};  ///< since the last sample of the rig's controller [N s]
   std::vector<Controller> controllers_;
-  std::optional<std::size_t> brake_unit_{};  ///< of controllers_
+  std::optional<std::size_t> rig_{}, brake_unit_{};  ///< of controllers_
   CallerDemands caller_{};
   PerAxle<StateOf<AnyFeedback>> speed_control_{};  ///< of the drives that the caller asks for a speed
   AxleCommands acting_{};

@@ -45,7 +45,7 @@ class SlopesUnderContacts {
   Eigen::VectorXd operator()(Dynamics const& other, double t, Inputs const& inputs);
 
  private:
-  Model model_;  ///< looks for no contacts
+  Model const& model_;
   Evaluation evaluation_;
 };
 

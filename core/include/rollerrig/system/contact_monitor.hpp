@@ -3,7 +3,7 @@
 //   evaluation at a step's end -> [monitor] -> Status, counters of what was unusual
 #pragma once
 #include "rollerrig/status.hpp"
-#include "rollerrig/system/workspace.hpp"
+#include "rollerrig/system/force_assembly.hpp"
 
 namespace rollerrig {
 
@@ -19,9 +19,15 @@ struct ContactCounters {
   std::int64_t negative_dissipation{0};  ///< patches whose creep law fed energy in
   std::int64_t checked{0};               ///< wheels looked at
 
+  static constexpr auto fields() {
+    using P = ContactCounters;
+    return members(Member{"limited_curvature", &P::limited_curvature}, Member{"clamped_aspect", &P::clamped_aspect},
+                   Member{"overlapping", &P::overlapping}, Member{"several_patches", &P::several_patches},
+                   Member{"refined", &P::refined}, Member{"faded", &P::faded}, Member{"lost", &P::lost},
+                   Member{"negative_dissipation", &P::negative_dissipation}, Member{"checked", &P::checked});
+  }
   void state(auto& archive) {
-    archive(limited_curvature, clamped_aspect, overlapping, several_patches, refined, faded, lost, negative_dissipation,
-            checked);
+    fields()([&](auto const&... count) { archive(this->*count.member...); });
   }
 };
 

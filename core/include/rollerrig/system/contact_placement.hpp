@@ -244,11 +244,11 @@ struct AxleCreep {
 ///
 /// @param axle_F  of the wheelset, unit vector
 template <Scalar T>
-AxleCreep<T> axle_creep(WheelContact const& contact, ContactPlacement<T> const& placed, Vec3<T> const& axle_F,
-                        Patch<T> const& patch) {
+AxleCreep<T> axle_creep(Model const& model, WheelContact const& contact, ContactPlacement<T> const& placed,
+                        Vec3<T> const& axle_F, Patch<T> const& patch) {
   Vec3<T> const& n = patch.point.n;
   auto const w = body_wrenches(contact, placed,
-                               contact_wrenches(contact.laws.roller, placed, patch.point.p,
+                               contact_wrenches(model.laws.roller, placed, patch.point.p,
                                                 patch.force - patch.normal.total() * n, patch.creep.spin_moment * n));
   return {w.force_F.x, dot(w.on_wheelset_F, axle_F), -w.on_roller_b.y};
 }

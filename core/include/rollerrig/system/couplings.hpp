@@ -66,7 +66,4 @@ void apply_coupling(CouplingTerm const& c, BodyMotion<T> const& m, T const& mult
   wrench.moment += (c.pitch * multiplier) * m.R.ey;
 }
 
-/// The inverse of G, with 1/J on the diagonal of rotors.
-Eigen::MatrixXd coupling_matrix(std::vector<Coupling> const& couplings, std::vector<Body> const& bodies);
-
 }  // namespace rollerrig

@@ -1,10 +1,11 @@
 // system/model.hpp - the assembled model: constant data that any number of runs share, in any number of threads.
 //
-//   ModelBuilder -> [Model] -> Dynamics, equilibrium, static contact, recorder
+//   ModelParts: bodies, elements, profiles, contacts, machines, track -> [model_of] -> Model -> Dynamics, equilibrium, recorder
 //
 // Nothing here knows whether it is a rig or a track, a wheelset or a vehicle: rollers are bodies, a rail is a contact
 // whose surface runs backwards and whose inverse radius is zero; it lies on the ground or is a body on springs.
-// Only ModelBuilder makes one. A copy shares the tables, so that it may outlive the original.
+// Every index, size and number of the parts is checked once, in model_of; what follows from them (positions of contacts from
+// those of bodies, inner nodes, couplings, tables) is derived there. A copy shares the tables, so that it may outlive the original.
 #pragma once
 #include <memory>
 #include <optional>
@@ -23,23 +24,6 @@ namespace rollerrig {
 
 constexpr int ground = -1;
 
-/// One wheel on one roller or rail.
-struct WheelContact {
-  int wheelset{0};
-  int roller{ground};                  ///< body of the roller or of an elastic rail; ground: a rigid rail
-  bool right{false};                   ///< right wheel: mirrored before and after
-  bool rail{false};                    ///< the surface runs backwards with the running speed and does not spin
-  double distance_ahead{0.0};          ///< of the wheelset from the vehicle's reference point, along the line [m]
-  Vec3<double> wheelset_from_crown{};  ///< design position of the wheelset's centre from the origin of b, world [m]
-  Vec3<double> crown_in_roller{};      ///< origin of b from the roller's or rail's centre of mass, its frame [m]
-  WheelRollerPair pair{};
-  ContactLaws laws{};
-
-  double flange_tip{0.0};  ///< wheel abscissa of the highest point on the flange side [m]; set by ModelBuilder
-
-  double roller_radius() const { return crown_in_roller.z; }  ///< at the crown [m]
-};
-
 /// Of a model over full scale; nodes lie along a wheel profile in proportion to it.
 inline constexpr Range contact_size{1e-3, 1e3, "between 0.001 and 1000"};
 
@@ -48,10 +32,10 @@ struct ContactDescription {
   int wheelset{0};
   int roller{ground};  ///< body of the roller or of an elastic rail; ground: a rigid rail
   double roller_radius{0.0};
-  bool right{false};
+  bool right{false};  ///< mirrored before and after
   int wheel_profile{0}, rail_profile{0};
   double wheel_radius{0.0}, tape_circle_y{0.0}, rail_origin_y{0.0}, size{1.0};
-  ContactLaws laws{};  ///< without the tables that follow from them
+  Friction friction{};
 
   static constexpr auto fields() {
     using P = ContactDescription;
@@ -64,8 +48,20 @@ struct ContactDescription {
         Member{"tape_circle_y", &P::tape_circle_y, "m", "lateral position of the tape circle on the wheelset"},
         Member{"rail_origin_y", &P::rail_origin_y, "m",
                "lateral position of the highest point of the left roller or rail"},
-        Member{"size", &P::size, "1", "size over a full-scale wheel and rail", contact_size}, Member{"laws", &P::laws});
+        Member{"size", &P::size, "1", "size over a full-scale wheel and rail", contact_size},
+        Member{"friction", &P::friction});
   }
+};
+
+/// The same with what follows from it.
+struct WheelContact : ContactDescription {
+  bool rail{false};                    ///< the surface runs backwards with the running speed and does not spin
+  double distance_ahead{0.0};          ///< of the wheelset from the vehicle's reference point, along the line [m]
+  Vec3<double> wheelset_from_crown{};  ///< design position of the wheelset's centre from the origin of b, world [m]
+  Vec3<double> crown_in_roller{};      ///< origin of b from the roller's or rail's centre of mass, its frame [m]
+  WheelRollerPair pair{};
+  std::shared_ptr<GapNodes const> nodes{};  ///< along the wheel
+  double flange_tip{0.0};                   ///< wheel abscissa of the highest point on the flange side [m]
 };
 
 /// Torque about an axle, positive when it drives forward: of a traction motor, or one that a test prescribes.
@@ -74,7 +70,7 @@ struct AxleTorque {
   int reaction{ground};  ///< body that takes the opposite
   TimeTable torque{};
   double link{0.0}, gear_ratio{1.0}, rotor_inertia{0.0};
-  double link_on_reaction{0.0};  ///< x of the link from the reaction body's centre of mass [m]; set by ModelBuilder
+  double link_on_reaction{0.0};  ///< x of the link from the reaction body's centre of mass [m]; set by model_of
 
   static constexpr auto fields() {
     using P = AxleTorque;
@@ -176,10 +172,11 @@ struct StateMap {
 
 /// What a model is made of, in the order of its indices.
 struct ModelParts {
-  double gravity{};
+  double gravity{9.81};
   std::vector<Body> bodies{};
   std::vector<ForceElement> elements{};
   std::vector<UniformSpline> profiles{};
+  ContactLaws laws{};
   std::vector<ContactDescription> described_contacts{};
   std::vector<AxleTorque> axle_torques{};
   std::vector<RollerTorque> roller_torques{};
@@ -197,7 +194,7 @@ struct ModelParts {
   static constexpr auto fields() {
     using P = ModelParts;
     return members(Member{"gravity", &P::gravity, "m/s^2", "acceleration of free fall"}, Member{"bodies", &P::bodies},
-                   Member{"elements", &P::elements}, Member{"profiles", &P::profiles},
+                   Member{"elements", &P::elements}, Member{"profiles", &P::profiles}, Member{"laws", &P::laws},
                    Member{"contacts", &P::described_contacts}, Member{"axle_torques", &P::axle_torques},
                    Member{"roller_torques", &P::roller_torques}, Member{"brakes", &P::brakes},
                    Member{"track_brakes", &P::track_brakes},
@@ -212,17 +209,18 @@ struct ModelParts {
 };
 
 struct Model : ModelParts {
-  std::vector<WheelContact> contacts;
-  std::vector<RollingConstraint> rolling_constraints;
+  explicit Model(ModelParts const& parts) : ModelParts(parts) {}
 
   bool changes_heads() const { return !left_heads.empty() || !right_heads.empty(); }
   /// Whether rails, or the rollers that stand for them, lie elsewhere than the contacts have them, or are others.
   bool displaces_rails() const { return irregularity || (on_rails && line.moves_rails()) || changes_heads(); }
 
-  // Derived by ModelBuilder.
+  // Derived by model_of.
+  std::vector<WheelContact> contacts;
+  std::vector<RollingConstraint> rolling_constraints;
   StateMap map{};
   std::vector<InnerNode> nodes;            ///< of the elements' laws
-  bool on_adhesion_map{false};             ///< some contact's friction depends on its place
+  bool on_adhesion_map{false};             ///< the contacts' friction depends on their place
   bool on_rails{false};                    ///< some contact is with a rail: the vehicle's frames move
   double rear{0.0}, front{0.0};            ///< x of the last and the first body from the vehicle's reference point [m]
   double foremost_wheel{0.0};              ///< x of it [m]
@@ -230,16 +228,14 @@ struct Model : ModelParts {
   std::size_t rotors{0};                   ///< of the couplings
   Eigen::MatrixXd coupling_matrix;         ///< inverse of G, system/couplings.hpp
   std::vector<int> constraint_of_contact;  ///< rolling constraint of the axle; -1: none
-  std::vector<std::vector<int>> contact_groups;               ///< contacts of the same laws, friction aside
   std::vector<std::shared_ptr<UniformSpline const>> splines;  ///< the profiles, what the contacts point to
-
-  /// Throws std::invalid_argument that names the argument where there is no such contact.
-  WheelContact const& contact(int index, char const* argument) const {
-    if (index < 0 || index >= static_cast<int>(contacts.size()))
-      throw std::invalid_argument(std::string(argument) + ": there is no contact " + std::to_string(index));
-    return contacts[at(index)];
-  }
 };
+
+/// Throws std::invalid_argument that names what cannot be built.
+std::shared_ptr<Model const> model_of(ModelParts const& parts);
+
+/// A model that differs only in the running speed; the tables are shared.
+std::shared_ptr<Model const> with_speed(Model const& model, TimeTable const& speed);
 
 /// Energies that accumulate over a run, in this order behind the angles in z [J].
 enum Account : int {

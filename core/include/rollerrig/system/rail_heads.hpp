@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "rollerrig/geometry/pair.hpp"
-#include "rollerrig/math/spline.hpp"
+#include "rollerrig/math/curves.hpp"
 
 namespace rollerrig {
 
@@ -22,6 +22,12 @@ struct RailHeads {
   PiecewiseCubic place{};  ///< over the distance, with a continuous slope: 1.25 is a quarter of the way from [1] to [2]
   double period{0.0};      ///< of the distance, a roller's circumference [m]; 0: none
 
+  static constexpr auto fields() {
+    using P = RailHeads;
+    return members(Member{"profiles", &P::profiles, an_index},
+                   Member{"place", &P::place, "1", "number of the head that lies there, over the distance"},
+                   Member{"period", &P::period, "m", "circumference of a roller; 0: none", not_negative});
+  }
   bool empty() const { return profiles.empty(); }
 
   /// Which head, and dw/ds.

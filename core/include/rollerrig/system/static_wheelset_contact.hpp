@@ -58,10 +58,6 @@ class StaticWheelsetContact {
   /// The patches of one side with the normal contact the case asks for.
   std::vector<StaticPatch> patches(WheelsetPosition const& position, bool right) const;
 
-  /// Creep force on one wheel [N] and its moment about the crown point [N m], b frame, by the case's laws; of friction alone, the
-  /// normal damper counts. A right wheel in its mirror image.
-  PointWrench<double> creep(WheelsetPosition const& position, bool right, ContactMotion<double> const& motion) const;
-
   /// All minima of the gap closer than `reach` in one side, as Hertz patches with negative approach where open.
   std::vector<StaticPatch> minima(WheelsetPosition const& position, bool right, double reach) const;
 

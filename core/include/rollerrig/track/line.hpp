@@ -14,8 +14,8 @@
 #pragma once
 #include <cmath>
 
-#include "rollerrig/math/piecewise_linear.hpp"
-#include "rollerrig/math/spline.hpp"
+#include "rollerrig/fields.hpp"
+#include "rollerrig/math/curves.hpp"
 #include "rollerrig/math/vector.hpp"
 
 namespace rollerrig {
@@ -42,6 +42,12 @@ struct RailLayout {
   PiecewiseCubic y{}, z{};  ///< of the highest point of its head [m]
   PiecewiseCubic roll{};    ///< about that point; positive where a left rail leans inwards [rad]
 
+  static constexpr auto fields() {
+    using P = RailLayout;
+    return members(Member{"y", &P::y, "m", "displacement of the head's highest point to the left"},
+                   Member{"z", &P::z, "m", "displacement of it upwards"},
+                   Member{"roll", &P::roll, "rad", "turn of the head about it"});
+  }
   bool empty() const { return y.empty() && z.empty() && roll.empty(); }
 
   template <Scalar T>
@@ -67,7 +73,14 @@ struct Irregularity {
   double fade_in{0.0};  ///< distance over which they grow to full size [m]
   bool steered{true};   ///< on a rig: rollers turn into the direction of the rail they stand for
 
-  bool empty() const { return period <= 0.0; }
+  static constexpr auto fields() {
+    using P = Irregularity;
+    return members(Member{"period", &P::period, "m", "distance after which it repeats itself", positive},
+                   Member{"left_y", &P::left_y}, Member{"left_z", &P::left_z}, Member{"right_y", &P::right_y},
+                   Member{"right_z", &P::right_z},
+                   Member{"fade_in", &P::fade_in, "m", "distance over which it grows to full size", not_negative},
+                   Member{"steered", &P::steered});
+  }
 
   /// @param arc_length  s + x of the wheel [m]
   /// @param fade_start  s + x of the foremost wheel at the start [m]
@@ -121,6 +134,14 @@ struct Line {
   PiecewiseCubic cant{};       ///< h(s) [m], with a continuous slope: F turns with it
   double cant_base{1.5};       ///< distance over which cant is measured [m]
   RailLayout left{}, right{};  ///< gauge and inclination
+
+  static constexpr auto fields() {
+    using P = Line;
+    return members(Member{"curvature", &P::curvature, "1/m", "curvature of the plan"},
+                   Member{"cant", &P::cant, "m", "cant, positive where the right rail is raised"},
+                   Member{"cant_base", &P::cant_base, "m", "distance over which cant is measured", positive},
+                   Member{"left", &P::left}, Member{"right", &P::right});
+  }
 
   bool empty() const { return curvature.empty() && cant.empty() && !moves_rails(); }
   bool moves_rails() const { return !left.empty() || !right.empty(); }

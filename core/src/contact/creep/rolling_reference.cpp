@@ -335,33 +335,4 @@ std::vector<RollingReference::RowForce> RollingReference::forces_of_rows() const
   return rows;
 }
 
-std::array<double, 4> RollingReference::kalker_coefficients() {
-  auto const n = static_cast<Eigen::Index>(count());
-  auto const per_row = static_cast<std::size_t>(elements_);
-  Eigen::MatrixXd b(2 * n, 2 * n);
-  Eigen::MatrixXd w(2 * n, 3);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    auto const row = static_cast<std::size_t>(i) / per_row;
-    std::size_t const p = static_cast<std::size_t>(i) + row;
-    for (Eigen::Index j = 0; j < n; ++j) {
-      std::size_t const at = p * count() + static_cast<std::size_t>(j);
-      b(i, j) = b_xx_[at];
-      b(i, n + j) = b(n + i, j) = b_xy_[at];
-      b(n + i, n + j) = b_yy_[at];
-    }
-    w.row(i) << -1.0, 0.0, slip_y_[p];
-    w.row(n + i) << 0.0, -1.0, -slip_x_[p];
-  }
-  Eigen::MatrixXd const t = b.partialPivLu().solve(w);
-  std::array<double, 4> c{};
-  for (Eigen::Index j = 0; j < n; ++j) {
-    auto const k = static_cast<std::size_t>(j);
-    c[0] -= area_[k] * t(j, 0);
-    c[1] -= area_[k] * t(n + j, 1);
-    c[2] -= area_[k] * t(n + j, 2);
-    c[3] -= area_[k] * (arm_[k] * t(n + j, 2) - y[k] * t(j, 2));
-  }
-  return c;
-}
-
 }  // namespace rollerrig

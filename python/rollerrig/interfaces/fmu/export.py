@@ -103,7 +103,7 @@ def export_fmu(
     unit = Unit(
         name=case.name,
         token=_core.model_token(model),
-        final_time=float(assembled.settings["final_time"]),
+        final_time=assembled.options.final_time,
         step=plant.sampling_step or STEP,
         sampled=plant.sampling_step > 0.0,
         variables=plant.variables,

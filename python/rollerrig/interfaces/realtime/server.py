@@ -52,7 +52,7 @@ class Served:
     @property
     def periods(self) -> int:
         """Number of periods of the run."""
-        return max(1, round(float(self.assembled.settings["final_time"]) / self.period))
+        return max(1, round(self.assembled.options.final_time / self.period))
 
 
 def serve_case(

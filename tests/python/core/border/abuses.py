@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import numpy as np
-from examples import Call, Examples, described, fields, parameters, run_fully
+from examples import Call, Examples, described, fields, run_fully
 from recipes import Recipe
 
 from rollerrig import _core
@@ -161,34 +161,34 @@ def calls_spoiled(calls: dict[str, Call]) -> Iterator[Case]:
 
 def model_spoiled(recipe: Recipe) -> Iterator[Case]:
     """Each number in a model's description spoiled in turn, the model built, and everything done with it."""
-    seen: set[str] = set()
-    for i, (method, given) in enumerate(recipe.steps):
-        names = parameters(getattr(_core.ModelBuilder, method))
-        for k, name in enumerate(names):
-            for number, (where, spoiled) in enumerate(spoiled_parts(given[k])):
-                place = f"{method}: {name}{where} #{number}"
+    own, seen = fields(recipe.parts), set()
+    for name, value in own.items():
+        several = isinstance(value, list) and any(map(described, value))
+        for i, item in enumerate(value if several else [value]):
+            for number, (where, spoiled) in enumerate(spoiled_parts(item)):
+                place = f"{name}{where} #{number}"
                 if place in seen:
                     continue  # of another body, another contact
                 seen.add(place)
-                steps = [*recipe.steps]
-                steps[i] = (method, (*given[:k], spoiled, *given[k + 1 :]))
+                changed = [*value[:i], spoiled, *value[i + 1 :]] if several else spoiled
+                parts = Lazily(_core.ModelParts, own | {name: changed})
                 yield (
                     f"{recipe.name}, {place} = {label(spoiled)}",
-                    lambda steps=steps: exercise(recipe, steps, recipe.setup),
+                    lambda parts=parts: exercise(recipe, parts, recipe.setup),
                 )
+        for number, spoiled in enumerate(sequences(value) if several else ()):
+            parts = Lazily(_core.ModelParts, own | {name: spoiled})
+            yield (f"{recipe.name}, {name} #{number} of all", lambda parts=parts: exercise(recipe, parts, recipe.setup))
     for number, (where, spoiled) in enumerate(spoiled_parts(recipe.setup)):
         yield (
             f"{recipe.name}, setup{where} #{number}",
-            lambda spoiled=spoiled: exercise(recipe, recipe.steps, spoiled),
+            lambda spoiled=spoiled: exercise(recipe, recipe.parts, spoiled),
         )
 
 
-def exercise(recipe: Recipe, steps: list[tuple[str, tuple[Any, ...]]], setup: Any) -> None:
+def exercise(recipe: Recipe, parts: Any, setup: Any) -> None:
     """Build the model and do everything with it that a program does."""
-    builder = _core.ModelBuilder(gravity=recipe.gravity)
-    for name, given in steps:
-        getattr(builder, name)(*made(list(given)))
-    model = builder.finish()
+    model = _core.model_of(made(parts))
     simulation = _core.Simulation(model, made(setup))
     x = recipe.state
     if simulation.state_count != len(x):

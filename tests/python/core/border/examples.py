@@ -1,6 +1,6 @@
 """Valid objects of rollerrig._core and valid calls of everything in it, for the abuses to spoil.
 
-shipped cases -> recorded calls of ModelBuilder, setup -> [examples] -> calls by name, whole models leaf by leaf
+shipped cases -> parts of models, setups -> [examples] -> calls by name, whole models leaf by leaf
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from rollerrig.assembly.actuators import electrodynamic_brake, pneumatics, track
 from rollerrig.assembly.creep_table import shipped_table
 from rollerrig.assembly.laws import part_of
 from rollerrig.assembly.model import assemble
+from rollerrig.assembly.model_parts import no_parts
 from rollerrig.config import Brake
 from rollerrig.config.schema.actuators import TableSlideProtection
 from rollerrig.config.schema.brakes import ConstantPowerBrake, MagneticTrackBrake, ReservoirAir
@@ -53,6 +54,7 @@ def described(value: Any) -> bool:
     own = type(value)
     return (
         own.__module__ == _core.__name__
+        and own is not _core.AssembledModel  # its numbers are spoiled in whole models
         and hasattr(own.__init__, "__nb_signature__")
         and all(isinstance(getattr(own, name, None), property) for name in parameters(own.__init__))
     )
@@ -66,37 +68,22 @@ def fields(value: Any) -> Arguments:
 # ---------------------------------------------------------------------------------------------------- calls
 
 
-def start_arguments(state: np.ndarray, width: int) -> Arguments:
-    """Of Simulation.start: rodas4 over 20 ms."""
-    del width
-    return {
-        "method": "rodas4", "step": 0.0, "relative_tolerance": 1e-4, "absolute_tolerance": [1e-6], "initial_step": 0.0,
-        "maximum_step": 0.01, "final_time": 0.02, "output_step": 0.005, "breakpoints": [0.013], "t0": 0.0, "x0": state,
-    }  # fmt: skip
+SETTINGS: Arguments = {
+    "method": "rodas4", "step": 0.0, "relative_tolerance": 1e-4, "absolute_tolerance": [1e-6], "initial_step": 0.0,
+    "maximum_step": 0.01, "final_time": 0.02, "output_step": 0.005, "breakpoints": [0.013],
+}  # fmt: skip
+"""Of a run by rodas4 over 20 ms."""
 
 
-def run_fully(simulation: Any, state: np.ndarray, **changes: Any) -> Any:
+def options(**changes: Any) -> Any:
+    """Those settings, with some of them changed."""
+    return _core.Options(**SETTINGS | changes)
+
+
+def run_fully(simulation: Any, state: np.ndarray, *, t0: float = 0.0, **changes: Any) -> Any:
     """A whole short run."""
-    simulation.start(**(start_arguments(state, 0) | changes))
+    simulation.start(options=options(**changes), t0=t0, x0=state)
     return simulation.advance(0.02, np.zeros(10), np.zeros((10, simulation.width)), 0)
-
-
-WITH_WHAT_THE_RECIPES_GIVE = (
-    "add_body",
-    "add_element",
-    "add_profile",
-    "add_contact",
-    "add_brake",
-    "add_roller_torque",
-    "set_adhesion",
-    "set_resistance",
-    "set_speed",
-    "set_line",
-    "set_irregularity",
-    "set_rails",
-    "set_heads",
-)
-"""Methods of the builder."""
 
 
 class Examples:
@@ -104,7 +91,7 @@ class Examples:
 
     def __init__(self) -> None:
         self.recipes = recipes()
-        self.models = {name: recipe.model() for name, recipe in self.recipes.items()}
+        self.models = {name: _core.model_of(recipe.parts) for name, recipe in self.recipes.items()}
         self.plain = assemble(rr.load_case("wheelset_rollers")).core
         self.plain_state = _core.Simulation(self.plain).equilibrium(30.0, 0.0, [])["x"]
 
@@ -112,7 +99,7 @@ class Examples:
         """A fresh simulation of one wheelset."""
         simulation = _core.Simulation(self.plain)
         if started:
-            simulation.start(**start_arguments(self.plain_state, 0))
+            simulation.start(options(), 0.0, self.plain_state)
         return simulation
 
     def waiting(self) -> Any:
@@ -127,7 +114,7 @@ class Examples:
             for c in recipe.setup.controllers
         ]
         simulation = _core.Simulation(self.models["brake"], _core.MechatronicSetup(**parts))
-        simulation.start(**start_arguments(recipe.state, 0))
+        simulation.start(options(), 0.0, recipe.state)
         simulation.advance(0.02, np.zeros(10), np.zeros((10, simulation.width)), 0)
         assert simulation.waits_for("slide_protection")
         return simulation
@@ -146,9 +133,12 @@ class Examples:
                     walk(item)
 
         for recipe in self.recipes.values():
-            walk([given for _, given in recipe.steps])
+            walk(recipe.parts)
             walk(recipe.setup)
         walk(self._rarely_used())
+        found["ModelParts"] = _core.ModelParts(
+            **no_parts(9.81, found["ContactLaws"])
+        )  # the rest is spoiled in whole models
         return found
 
     def _rarely_used(self) -> list[Any]:
@@ -162,6 +152,7 @@ class Examples:
             _core.TableBrake(forces=[(1.0, 0.0), (3.0, 1e4)]),
             track_brake(magnets, 1),
             eddies,
+            options(),
             _core.Disturbance(body=1, coordinate=1, offset=1e-3),
             _core.BodyTrackBrake(body=0, brake=track_brake(magnets, 1)),
             _core.Sanding(start=_core.OnSlideSanding(), flow=0.01, delay=0.5, run_on=1.0, least_speed=2.0, kept=0.7),
@@ -279,7 +270,6 @@ class Examples:
                 _core.RollingReference.on_rows(rows=rows, spacing=0.6, poisson_ratio=0.28, elements=4).solve_rows,
                 {"creepage": np.array([[0.5, 0.1, 0.2], [0.4, 0.1, 0.2]])},
             ),
-            "RollingReference.kalker_coefficients": Call(reference.kalker_coefficients, {}),
             "reflected_inertia": Call(_core.reflected_inertia, {"rotor_inertia": 2.0, "gear_ratio": 3.0}),
             "FrictionBrake.torque": Call(brake.torque, {"cylinder_pressure": 3e5, "axle_speed": 60.0}),
             "ElectrodynamicBrake.largest": Call(objects["ElectrodynamicBrake"].largest, {"axle_speed": 60.0}),
@@ -301,51 +291,15 @@ class Examples:
                 _core.feedback_gains, {"feedback": objects["ProportionalIntegralFeedback"], "assumed": assumed}
             ),
             "equivalent_patch": Call(_core.equivalent_patch, {"load": 5e4, "a": [6e-3, 3e-3], "b": [4e-3, 2e-3]}),
-            "VirtualRail": Call(
-                _core.VirtualRail,
-                {
-                    "model": self.models["brake"],
-                    "contact": 0,
-                    "adhesion": objects["AdhesionMap"],
-                    "patch": _core.equivalent_patch(5e4, [6e-3], [4e-3]),
-                    "cell": 0.05,
-                    "energy_width": 0.0,
-                    "wheel_memory": 4.0,
-                    "sand_kept": 0.7,
-                },
-            ),
             "torque_lag": Call(
                 _core.torque_lag, {"motor": objects["Motor"], "period": period, "delay": 2e-3, "gain": 1.0}
             ),
         }
 
     def _model_calls(self, objects: dict[str, Any]) -> dict[str, Call]:
-        def upon(recipe: str, method: str) -> Callable[..., Any]:
-            """A method of a builder that has the whole recipe behind it; then the model is finished."""
-
-            def call(**given: Any) -> Any:
-                own = self.recipes[recipe]
-                builder = _core.ModelBuilder(gravity=own.gravity)
-                for name, earlier in own.steps:
-                    getattr(builder, name)(*earlier)
-                getattr(builder, method)(**given)
-                return builder.finish()
-
-            return call
-
-        steps = {name: given for recipe in self.recipes.values() for name, given in recipe.steps}
         bodies = [objects["StandingBody"], _core.StandingBody(mass=1.0, position=(0.0, 0.0, 0.0), on_wheels=True)]
-        found = {
-            "ModelBuilder": Call(_core.ModelBuilder, {"gravity": 9.81}),
-            "ModelBuilder.finish": Call(_core.ModelBuilder(gravity=9.81).finish, {}),
-            "ModelBuilder.set_gravity": Call(upon("brake", "set_gravity"), {"gravity": 9.81}),
-            "ModelBuilder.add_rolling_constraint": Call(
-                upon("brake", "add_rolling_constraint"), {"wheelset": self.recipes["brake"].setup.axles[0].wheelset}
-            ),
-            "ModelBuilder.add_axle_torque": Call(upon("brake", "add_axle_torque"), {"torque": objects["AxleTorque"]}),
-            "ModelBuilder.add_track_brake": Call(
-                upon("brake", "add_track_brake"), {"brake": objects["BodyTrackBrake"]}
-            ),
+        return {
+            "model_of": Call(_core.model_of, {"parts": objects["ModelParts"]}),
             "Model.with_speed": Call(self.plain.with_speed, {"speed": [(0.0, 30.0), (1.0, 20.0)]}),
             "coasting_model": Call(_core.coasting_model, {"model": self.models["brake"]}),
             "starting_state": Call(
@@ -355,11 +309,6 @@ class Examples:
                 _core.static_loads, {"bodies": bodies, "springs": [objects["LoadSpring"]], "gravity": 9.81}
             ),
         }
-        for name in WITH_WHAT_THE_RECIPES_GIVE:  # fmt: skip
-            recipe = next(r.name for r in self.recipes.values() if any(step == name for step, _ in r.steps))
-            given = dict(zip(parameters(getattr(_core.ModelBuilder, name)), steps[name], strict=True))
-            found[f"ModelBuilder.{name}"] = Call(upon(recipe, name), given)
-        return found
 
     def _contact_calls(self) -> dict[str, Call]:
         contact = _core.StaticWheelsetContact(self.plain, 0, 1)
@@ -370,7 +319,6 @@ class Examples:
             "StaticWheelsetContact.solve": Call(contact.solve, place | {"load": 1e5, "free_to_roll": True}),
             "StaticWheelsetContact.touch_height": Call(contact.touch_height, place | {"right": True}),
             "StaticWheelsetContact.patches": Call(contact.patches, at_height),
-            "StaticWheelsetContact.creep": Call(contact.creep, at_height | {"motion": [30.0] + 11 * [0.0]}),
             "StaticWheelsetContact.seconds_per_contact": Call(
                 contact.seconds_per_contact, at_height | {"wheels": 2, "repeats": 2}
             ),
@@ -380,12 +328,10 @@ class Examples:
     def _assembled(self) -> Arguments:
         """Of an assembled model with brakes."""
         brake = self.recipes["brake"]
-        counts = [sum(step == kind for step, _ in brake.steps) for kind in ("add_body", "add_element")]
-        bodies, elements = (
-            [f"{kind}_{i}" for i in range(n)] for kind, n in zip(("body", "element"), counts, strict=True)
-        )
+        bodies = [f"body_{i}" for i in range(len(brake.parts.bodies))]
+        elements = [f"element_{i}" for i in range(len(brake.parts.elements))]
         names = _core.PartNames(bodies=bodies, elements=elements, axles=["axle_1", "axle_2"])
-        start = {name: value for name, value in start_arguments(brake.state, 0).items() if name != "output_step"}
+        start = {"options": options(output_step=0.0), "t0": 0.0, "x0": brake.state.tolist()}
         given = {"name": "brake", "model": self.models["brake"], "setup": brake.setup, "names": names}
         return (
             given
@@ -500,7 +446,7 @@ class Examples:
             return simulation.advance(0.02, np.zeros(10), np.zeros((10, width)), 0)
 
         sampled_state = self.recipes["brake"].state
-        sampled = {name: value for name, value in start_arguments(x, 0).items() if name != "x0"}
+        sampled = SETTINGS | {"t0": 0.0}
         sampled_start = {"state": sampled_state, **sampled, "method": "rk4", "step": 1e-3}
 
         return {
@@ -557,9 +503,9 @@ class Examples:
     def tangent(self, **given: Any) -> Any:
         """Derivatives beside a run of one wheelset, by a number that two others have."""
         run, above, below = (self.simulation(started=True) for _ in range(3))
-        run.start(**start_arguments(self.plain_state, 0) | {"method": "exponential_adams", "step": 1e-3})
-        options = {"directions": np.zeros((0, 0)), "kept": [], "breakpoints": []} | given
-        return _core.TangentRun(run=run, changed=[(above, below, 1e-5, True)], **options)
+        run.start(options(method="exponential_adams", step=1e-3), 0.0, self.plain_state)
+        more = {"directions": np.zeros((0, 0)), "kept": [], "breakpoints": []} | given
+        return _core.TangentRun(run=run, changed=[(above, below, 1e-5, True)], **more)
 
 
 def public_names() -> Iterator[str]:

@@ -1,6 +1,6 @@
-"""Models of shipped cases as lists of calls of the builder, so that each number in them can be spoiled.
+"""Models of shipped cases in parts, so that each number in them can be spoiled.
 
-case -> assembly with a recording ModelBuilder -> [recipes] -> calls, what acts on the model, a state to start from
+case -> assembly with a recording model_of -> [recipes] -> parts, what acts on the model, a state to start from
 """
 
 from __future__ import annotations
@@ -13,55 +13,34 @@ import numpy as np
 
 import rollerrig as rr
 from rollerrig import _core
-from rollerrig.assembly.actuators import assemble_with_actuators
-from rollerrig.assembly.model import assemble
+from rollerrig.assembly.actuators import assemble_with_actuators, track_brake
+from rollerrig.assembly.model import assemble, axle_torque
 from rollerrig.cases import on_track
+from rollerrig.config.schema.brakes import MagneticTrackBrake
 from rollerrig.simulation.mechatronics import mechatronic_setup
 
 
 @dataclasses.dataclass(frozen=True)
 class Recipe:
-    """How a model is built, call by call, and what acts on it."""
+    """What a model is made of, what acts on it, and a state to start from."""
 
     name: str
-    gravity: float
-    steps: list[tuple[str, tuple[Any, ...]]]
+    parts: Any
     setup: Any
     state: np.ndarray
 
-    def model(self) -> Any:
-        """Build the model."""
-        builder = _core.ModelBuilder(gravity=self.gravity)
-        for name, given in self.steps:
-            getattr(builder, name)(*given)
-        return builder.finish()
 
-
-class _Recorder:
-    """Stands for a ModelBuilder and remembers what it is told."""
-
-    def __init__(self, gravity: float) -> None:
-        self.gravity, self.steps, self.builder = gravity, [], ORIGINAL_BUILDER(gravity=gravity)
-
-    def __getattr__(self, name: str) -> Any:
-        def call(*given: Any, **named: Any) -> Any:
-            if name != "finish":
-                self.steps.append((name, (*given, *named.values())))
-            return getattr(self.builder, name)(*given, **named)
-
-        return call
-
-
-ORIGINAL_BUILDER = _core.ModelBuilder
-
-
-def recorded(name: str, case: rr.Case) -> Recipe:
-    """The recipe of a case."""
-    made: list[_Recorder] = []
-    with mock.patch.object(_core, "ModelBuilder", lambda gravity: made.append(_Recorder(gravity)) or made[0]):
+def recorded(name: str, case: rr.Case, **changes: Any) -> Recipe:
+    """The recipe of a case, with these parts in place of its own."""
+    made: list[Any] = []
+    with mock.patch.object(_core, "model_of", lambda parts: made.append(parts) or MODEL_OF(parts)):
         model = assemble_with_actuators(case) if case.sampled else assemble(case)
     found = _core.Simulation(model.start_core).equilibrium(case.motion.speed, 0.0, [])
-    return Recipe(name, case.gravity, made[0].steps, mechatronic_setup(model), found["x"])
+    own = {name: getattr(made[0], name) for name in _core.ModelParts.fields}
+    return Recipe(name, _core.ModelParts(**own | changes), mechatronic_setup(model), found["x"])
+
+
+MODEL_OF = _core.model_of
 
 
 def curve() -> np.ndarray:
@@ -69,23 +48,35 @@ def curve() -> np.ndarray:
     return np.array([[0.0, 0.0, 0.0, 0.0, 0.0], [20.0, 1e-3, 0.0, 0.0, 0.0]])
 
 
-def bumps() -> np.ndarray:
-    """Pieces of a rail's irregularity over 40 m."""
-    return np.full((40, 4), [1e-4, 0.0, 0.0, 0.0])
+def bumps() -> Any:
+    """A rail's irregularity over 40 m."""
+    return _core.UniformSpline(0.0, 1.0, np.full((40, 4), [1e-4, 0.0, 0.0, 0.0]))
+
+
+def track() -> dict[str, Any]:
+    """Parts of a line with all that it can have."""
+    rail = _core.RailLayout(y=curve(), z=curve(), roll=curve())
+    heads = _core.RailHeads(profiles=[1, 1], place=curve(), period=0.0)
+    waves = dict.fromkeys(("left_y", "left_z", "right_y", "right_z"), bumps())
+    return {
+        "line": _core.Line(curvature=curve(), cant=0.1 * curve(), cant_base=1.5, left=rail, right=rail),
+        "left_heads": heads,
+        "right_heads": heads,
+        "irregularity": _core.Irregularity(period=40.0, fade_in=10.0, steered=True, **waves),
+        "speed": [(0.0, 30.0), (1.0, 29.0)],
+        "axle_torques": [axle_torque(0, -1, [(0.0, 100.0), (1.0, 0.0)])],
+        "track_brakes": [
+            _core.BodyTrackBrake(body=0, brake=track_brake(MagneticTrackBrake(demand=((0.0, 0.0), (1.0, 1.0))), 1))
+        ],
+    }
 
 
 def recipes() -> dict[str, Recipe]:
     """A bogie that brakes on rollers, one that starts, and one that brakes on irregular track with a curve."""
     brake = rr.load_case("adhesion_brake")
-    start = rr.load_case("adhesion_start").with_changes({"contact.normal": "strips", "contact.creep": "table"})
-    found = {
+    strips = {"contact.normal": "strips", "contact.creep": "table"}
+    return {
         "brake": recorded("brake", brake),
-        "start": recorded("start", start),
-        "track": recorded("track", on_track(brake)),
+        "start": recorded("start", rr.load_case("adhesion_start").with_changes(strips), rolling_wheelsets=[2]),
+        "track": recorded("track", on_track(brake), **track()),
     }
-    found["track"].steps.append(("set_line", (curve(), 0.1 * curve(), 1.5)))
-    found["track"].steps.append(("set_rails", 6 * (curve(),)))
-    found["track"].steps.append(("set_heads", ([1, 1], curve(), [1, 1], curve(), 0.0)))
-    found["track"].steps.append(("set_irregularity", (40.0, 1.0, bumps(), bumps(), bumps(), bumps(), 10.0, True)))
-    found["track"].steps.append(("set_speed", ([(0.0, 30.0), (1.0, 29.0)],)))
-    return found

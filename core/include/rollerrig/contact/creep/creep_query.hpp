@@ -7,6 +7,7 @@
 #include <array>
 
 #include "rollerrig/contact/regularisation.hpp"
+#include "rollerrig/fields.hpp"
 #include "rollerrig/math/lane.hpp"
 
 namespace rollerrig {
@@ -104,6 +105,12 @@ struct KalkerStiffness {
   T f22;  ///< [N]
   T f23;  ///< [N m], signed with the direction of rolling
   T f33;  ///< [N m^2]
+
+  static constexpr auto fields() {
+    using P = KalkerStiffness;
+    return members(Member{"f11", &P::f11, "N", "f_11"}, Member{"f22", &P::f22, "N", "f_22"},
+                   Member{"f23", &P::f23, "N m", "f_23"}, Member{"f33", &P::f33, "N m^2", "f_33"});
+  }
 };
 
 /// Eq. (22).

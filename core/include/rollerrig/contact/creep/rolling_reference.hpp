@@ -81,9 +81,6 @@ class RollingReference {
   std::size_t rows() const { return across_.size(); }
   std::vector<RowForce> forces_of_rows() const;
 
-  /// C11, C22, C23, C33 of this grid: no slip anywhere, one linear system.
-  std::array<double, 4> kalker_coefficients();
-
   double tolerance{1e-6};  ///< largest change of a traction over its bound in the last step
   int max_steps{60};
 

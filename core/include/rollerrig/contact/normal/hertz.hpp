@@ -9,7 +9,7 @@
 
 #include "rollerrig/fields.hpp"
 #include "rollerrig/geometry/contact_point.hpp"
-#include "rollerrig/math/spline.hpp"
+#include "rollerrig/math/curves.hpp"
 
 namespace rollerrig {
 

@@ -7,7 +7,7 @@
 #include "rollerrig/contact/normal/hertz.hpp"
 #include "rollerrig/contact/normal/normal_patch.hpp"
 #include "rollerrig/geometry/contact_point.hpp"
-#include "rollerrig/geometry/gap_minima.hpp"
+#include "rollerrig/geometry/gap_nodes.hpp"
 
 namespace rollerrig {
 

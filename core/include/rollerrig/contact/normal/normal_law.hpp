@@ -4,7 +4,7 @@
 //
 // To add a law: a struct in a header of its own, with its name, its fields and
 // `int operator()(NormalSetting const&, RelativePose<T> const&, PatchList<P>&) const`, which returns the number of patches, and
-// its line below: docs/how_to/contact_law.md. Where the surfaces overlap, geometry/gap_nodes.hpp and gap_minima.hpp say. A law
+// its line below: docs/how_to/contact_law.md. Where the surfaces overlap, geometry/gap_nodes.hpp says. A law
 // that is cheaper for several wheels at once has `void operator()(std::span<NormalContact<T, P> const>) const` instead.
 #pragma once
 #include <span>
