@@ -345,7 +345,7 @@ def _part(
     problems += apply_changes(tables, changes, document.file, key)
     part, mistakes = resolve(replace(own, raw=tables))
     for mistake in mistakes:
-        if _stands_beside(mistake.key, changes, own.raw):
+        if mistake.file == own.file and _is_of_case(mistake.key, changes, own.raw):
             problems.append(replace(mistake, file=document.file, key=f"{key}.{mistake.key}"))
         else:
             problems.append(mistake.within(prefix) if mistake.file == document.file else mistake)
@@ -356,8 +356,8 @@ def _part(
     return part, []
 
 
-def _stands_beside(key: str, changes: Mapping[str, object], own: dict[str, Any]) -> bool:
-    """Whether a mistake stands in the case, not in the part's own file: in or around a change, or missing from a new table."""
+def _is_of_case(key: str, changes: Mapping[str, object], own: dict[str, Any]) -> bool:
+    """Whether a mistake is one of the case, not of the part's own file: in or around a change, or missing from a new table."""
     path = parts_of(key)
     if len(path) > 1 and not isinstance(value_in(own, path[:-1]), dict):
         path.pop()
