@@ -19,6 +19,7 @@ from rollerrig.analysis.mode_table import stability
 from rollerrig.config import Case
 from rollerrig.simulation.run import Progress as Progress
 from rollerrig.simulation.run import simulate
+from rollerrig.simulation.starting_state import StartError
 from rollerrig.study.checkpoint import Checkpoint
 from rollerrig.study.workers import Job as Job
 from rollerrig.study.workers import run_jobs
@@ -49,10 +50,17 @@ class Chains:
 
 
 def whole_run(case: Case, progress: Progress | None = None) -> xr.Dataset:
-    """A run that Ctrl-C did not cut short; KeyboardInterrupt where it did."""
+    """A run that Ctrl-C did not cut short.
+
+    Raises:
+        KeyboardInterrupt: it did.
+        StartError: the run has no sample, as where a controller fails at its first: nothing can be read off it.
+    """
     run = simulate(case, progress=progress)
     if is_partial(run):
         raise KeyboardInterrupt
+    if not run.sizes["time"]:
+        raise StartError(f"{case.name}: {run.attrs['status_message']}")
     return run
 
 

@@ -24,7 +24,7 @@ from rollerrig.analysis.limit_cycle_runs import LimitCycleSettings, limit_cycle_
 from rollerrig.config import Case, load_case
 from rollerrig.study.critical_speeds import brackets, disturbance_chains
 from rollerrig.study.jobs import run_rounds
-from rollerrig.study.limit_cycles import continuation_sentences, limit_cycles
+from rollerrig.study.limit_cycles import continuation_sentences, critical_speed, limit_cycles
 
 ONSET, WIDTH = 50.0, 20.0
 """Of the known system: linear critical speed and the speed that makes mu = 1 [m/s]."""
@@ -307,6 +307,14 @@ def test_an_interrupted_diagram_has_the_runs_that_were_made() -> None:
     found = limit_cycles(load_case("wheelset_rollers"), [100.0, 200.0], math.nan, short, progress=progress)
     assert found.interrupted
     assert (len(found.down), len(found.up)) == (2, 1)
+
+
+def test_an_interrupted_critical_speed_is_none() -> None:
+    def progress(_fraction: float, _text: str) -> None:
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        critical_speed("wheelset_rollers", methods=("continuation",), speeds_kmh=[100.0, 200.0], progress=progress)
 
 
 def test_a_stable_wheelset_has_no_limit_cycle() -> None:

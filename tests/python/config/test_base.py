@@ -202,3 +202,9 @@ def test_the_difference_of_two_cases(bogie: Case) -> None:
     softer = bogie.with_changes({"vehicle.element.primary_1_left.x.stiffness": "30 MN/m", "contact.friction": 0.25})
     assert "vehicle.element.primary_1_left.x.stiffness: 3.1391·10⁷ N/m -> 3·10⁷ N/m" in repr(bogie.diff(softer))
     assert "contact.friction.mu_0: 0.3 -> 0.25" in repr(bogie.diff(softer))
+
+
+def test_a_case_is_not_saved_as_one_of_another_that_there_is_not(bogie: Case, tmp_path: Path) -> None:
+    with pytest.raises(ConfigError, match=r"base: 'bogie_trak'; allowed: .* did you mean 'bogie_track'"):
+        bogie.save(tmp_path / "mine.toml", base="bogie_trak")
+    assert not (tmp_path / "mine.toml").exists()

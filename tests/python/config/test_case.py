@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pickle
+import re
 import tomllib
 from pathlib import Path
 
@@ -130,6 +131,37 @@ def test_a_file_may_change_what_it_uses(tmp_path: Path) -> None:
     assert stiffness == {40e6}
     assert rig_of(case).roller_radius == 0.5
     assert case_from_toml(case.to_toml()) == case
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        ('element."primary_*".x.stiffness = "-3 MN/m"', "vehicle.element.primary_1_left.x.stiffness: '-3 MN/m'; allowed: "),
+        ('body.car_body.locked = ["q"]', "vehicle.body.car_body.locked[0]: 'q'; allowed: x, y, z, roll, pitch, yaw"),
+        ("wheel.profile.length_scale = 0.2", "vehicle.wheel.profile.kind: missing; allowed: s1002"),
+        ("changes.wheel.radius = 0.5", "vehicle.changes: unknown key (= a table with 1 key); allowed: name, "),
+    ],
+)  # fmt: skip
+def test_a_mistake_beside_use_is_one_of_the_case(tmp_path: Path, line: str, message: str) -> None:
+    (tmp_path / "mine.toml").write_text(
+        spoil(catalog_text("bogie_rollers_constant"), 'cut = "leading_bogie"', f'cut = "leading_bogie"\n{line}')
+    )
+    with pytest.raises(ConfigError, match=rf"mine\.toml: {re.escape(message)}") as error:
+        load_case(tmp_path / "mine.toml")
+    assert "(catalogue)" not in str(error.value)
+
+
+def test_a_used_vehicle_that_is_not_there_is_the_only_mistake_of_its_table() -> None:
+    text = spoil(catalog_text("bogie_rollers_constant"), '"manchester_vehicle_1"', '"manchestr"\nwheel.radius = 0.5')
+    with pytest.raises(ConfigError, match=r"vehicle\.use: 'manchestr'; no such file") as error:
+        case_from_toml(text)
+    assert len(error.value.problems) == 1
+
+
+def test_an_empty_table_beside_use_leaves_what_there_is() -> None:
+    text = catalog_text("bogie_rollers_constant")
+    empty = spoil(text, 'use = "full_scale_rig"', 'use = "full_scale_rig"\nprofile = {}')
+    assert case_from_toml(empty) == case_from_toml(text)
 
 
 def test_paths_start_at_the_file_that_names_them(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

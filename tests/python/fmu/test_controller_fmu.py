@@ -23,6 +23,8 @@ from rollerrig.analysis.control_loop import loop_of, users_loop
 from rollerrig.analysis.loop_stability import ABOVE, growth, vehicle_plant
 from rollerrig.cli.describe import describe_case
 from rollerrig.config import ConfigError, case_from_toml
+from rollerrig.simulation.starting_state import StartError
+from rollerrig.study.ensemble import recorded
 from rollerrig.study.runs.control import loop_case
 
 fmpy = pytest.importorskip("fmpy", reason="FMPy is an optional dependency")
@@ -383,6 +385,8 @@ def test_a_cut_library_ends_its_own_process_alone(relay: Path, tmp_path: Path, p
     run = simulate(with_relay(cut, 0.1))
     assert run.attrs["status"] == "controller_failed"
     assert re.search("cannot be loaded|tried in a process of its own", run.attrs["status_message"])
+    with pytest.raises(StartError, match=r"slide_protection, controller cut\.fmu"):
+        recorded(with_relay(cut, 0.1))
     with pytest.raises(ConfigError, match=r"slide_protection\.fmu\.file: '.*cut\.fmu'; ") as error:
         describe_case(with_relay(cut, 0.1), run_code=True)
     assert "\n" not in str(error.value)

@@ -204,8 +204,13 @@ def _limit(**changes: Any) -> dict[str, Any]:
         (_limit(criterion="longest_look", at_most=1), "did you mean 'longest_lock'?"),
         (_limit(at_most=1, stops=["low_2"]), "limit[0].stops: 'low_2'; allowed: low_26, drag_30; did you mean 'low_26'?"),
         (_limit(at_most=1, stop="low_26"), "unknown key (= 'low_26'); allowed: criterion"),
-        (_limit(criterion="k_wet", at_least=0.5, stops=["drag_30"]), "limit[0].criterion: 'k_wet'; holds for no stop; allowed: "),
+        (_limit(criterion="k_wet", at_least=0.5, stops=["low_26", "drag_30"]), "limit[0].stops: 'drag_30'; allowed for k_wet:"),
+        (
+            {"stop": SHORT["stop"][1:], **_limit(criterion="k_wet", at_least=0.5)},  # type: ignore[index]
+            "limit[0].criterion: 'k_wet'; holds for no stop; allowed for k_wet:",
+        ),
         (_limit(criterion="flat_length", at_most="3 s"), "limit[0].at_most: '3 s'; allowed: a number in m"),
+        ({"limit": 2 * _limit(at_most=1)["limit"]}, "limit[1].criterion: 'longest_lock'; allowed: one limit of it for low_26"),
         ({"stop": [{"name": "a", "kind": "unifrom", "speed": 10.0, "rail": "low"}]}, "did you mean 'uniform'?"),
         ({"stop": [SHORT["stop"][0]] * 2}, "stop[1].name: 'low_26'; allowed: each name once"),  # type: ignore[index]
         ({"stop": []}, "stop: []; allowed: at least 1 entries"),

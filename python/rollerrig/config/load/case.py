@@ -7,12 +7,22 @@ All mistakes of a case and of the files it names are collected before ConfigErro
 
 from collections.abc import Callable, Mapping
 from dataclasses import replace
+from fnmatch import fnmatchcase
 from pathlib import Path
 from typing import Any, Literal, TypeVar, get_args
 
-from rollerrig.config.errors import ConfigError, ConfigProblem, problems_of, show_value, whole
+from rollerrig.config.errors import ConfigError, ConfigProblem, nearest, one_of, problems_of, show_value, whole
 from rollerrig.config.load.adhesion_file import read_adhesion_file
-from rollerrig.config.load.change import BASE, WITHOUT, apply_changes, changed_tables, changes_in, leaves
+from rollerrig.config.load.change import (
+    BASE,
+    WITHOUT,
+    apply_changes,
+    changed_tables,
+    changes_in,
+    new_leaves,
+    parts_of,
+    value_in,
+)
 from rollerrig.config.load.code import place_code
 from rollerrig.config.load.contact_distance import with_gauge
 from rollerrig.config.load.resolve import (
@@ -96,9 +106,14 @@ class Case(CaseTables):
 
         Args:
             base: name of that case; "": of the same name.
+
+        Raises:
+            ConfigError: no case of the catalogue has the name that is given.
         """
-        name, full = base or self.name, to_short_toml(self)
-        if name not in catalog_names("case"):
+        name, full, names = base or self.name, to_short_toml(self), catalog_names("case")
+        if base and base not in names:
+            raise ConfigError.of(self.name, "base", repr(base), one_of(names), nearest(base, names))
+        if name not in names:
             return full
         try:
             start, used = load_case(name), Differences()
@@ -116,6 +131,7 @@ class Case(CaseTables):
         """Write `to_short_toml` to a file that `load_case` reads.
 
         Raises:
+            ConfigError: see `to_short_toml`.
             OSError: it cannot be written.
         """
         Path(path).write_text(self.to_short_toml(base), encoding="utf-8")
@@ -316,18 +332,20 @@ def _part(
     if isinstance(choice.get("data"), Table):  # checked before: of a case that is changed elsewhere
         return choice["data"], []
     own, problems, prefix = _own_document(choice, key, document)
-    if own is None:
+    if own is None and "use" not in choice:
         return None, problems
     beside = {name: choice.pop(name) for name in [*choice] if name not in OWN_KEYS[key]}
-    changes = {name: relative_to(document.folder, name, value) for name, value in leaves(beside)}
+    if own is None:  # what its keys may be is not known
+        return None, problems
     tables = plain(own.raw)
+    changes = {name: relative_to(document.folder, name, value) for name, value in new_leaves(beside, tables)}
     if key == "vehicle":
         tables, mistakes = placed(tables, own.file)
         problems += mistakes
     problems += apply_changes(tables, changes, document.file, key)
     part, mistakes = resolve(replace(own, raw=tables))
     for mistake in mistakes:
-        if mistake.key in changes:  # the value stands in the case, not in the part's own file
+        if mistake.file == own.file and _is_of_case(mistake.key, changes, own.raw):
             problems.append(replace(mistake, file=document.file, key=f"{key}.{mistake.key}"))
         else:
             problems.append(mistake.within(prefix) if mistake.file == document.file else mistake)
@@ -336,6 +354,14 @@ def _part(
         return None, problems
     choice["data"] = part
     return part, []
+
+
+def _is_of_case(key: str, changes: Mapping[str, object], own: dict[str, Any]) -> bool:
+    """Whether a mistake is one of the case, not of the part's own file: in or around a change, or missing from a new table."""
+    path = parts_of(key)
+    if len(path) > 1 and not isinstance(value_in(own, path[:-1]), dict):
+        path.pop()
+    return any(all(map(fnmatchcase, path, parts_of(change))) for change in changes)
 
 
 def _own_document(

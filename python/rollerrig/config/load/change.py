@@ -201,9 +201,8 @@ def changes_in(document: Document, base: CaseTables) -> tuple[dict[str, object],
     tables = {key: value for key, value in document.raw.items() if key not in (BASE, WITHOUT)}
     changes: dict[str, object] = {}
     whole = plain(base)
-    for key, value in leaves(tables):
-        if value != {} or not exists(whole, key):  # an empty table asks for its defaults where there is none
-            changes[key] = relative_to(document.folder, key, value)
+    for key, value in new_leaves(tables, whole):
+        changes[key] = relative_to(document.folder, key, value)
     problems = []
     taken = document.raw.get(WITHOUT, [])
     for key in taken if isinstance(taken, list) else [taken]:
@@ -222,6 +221,11 @@ def leaves(table: Mapping[str, Any], above: str = "") -> Iterator[tuple[str, Any
             yield from leaves(value, f"{above}{key}.")
         else:
             yield f"{above}{key}", value
+
+
+def new_leaves(table: Mapping[str, Any], old: dict[str, Any]) -> Iterator[tuple[str, Any]]:
+    """The same without an empty table where the old tables have one: it asks for defaults where there is none."""
+    return ((key, value) for key, value in leaves(table) if value != {} or not exists(old, key))
 
 
 def exists(raw: dict[str, Any], key: str) -> bool:

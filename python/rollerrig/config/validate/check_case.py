@@ -150,9 +150,17 @@ def check_programme(programme: Programme) -> Iterator[Mistake]:
         if name in names[:number]:
             yield f"stop[{number}].name", show_value(name), "allowed: each name once"
     for number, limit in enumerate(programme.limit):
-        unknown = [name for name in limit.stops if name not in names]
-        for name in unknown:
-            yield f"limit[{number}].stops", show_value(name), one_of(names), nearest(name, names)
-        if not unknown and not any(limit.holds_for(stop) for stop in programme.stop):
-            allowed = "holds for no stop; allowed: with one in which the train stops, which drag braking is not"
-            yield f"limit[{number}].criterion", show_value(limit.criterion), allowed
+        at, held = f"limit[{number}]", [stop for stop in programme.stop if limit.holds_for(stop)]
+        drag = f"allowed for {limit.criterion}: stops in which the train stops, which drag braking is not"
+        for name in limit.stops:
+            if name not in names:
+                yield f"{at}.stops", show_value(name), one_of(names), nearest(name, names)
+            elif name not in [stop.name for stop in held]:
+                yield f"{at}.stops", show_value(name), drag
+        if not limit.stops and not held:
+            yield f"{at}.criterion", show_value(limit.criterion), f"holds for no stop; {drag}"
+        before = [other for other in programme.limit[:number] if other.criterion == limit.criterion]
+        twice = [stop.name for stop in held if any(other.holds_for(stop) for other in before)]
+        if twice:
+            allowed = f"allowed: one limit of it for {twice[0]}; name in `stops` what each of them holds for"
+            yield f"{at}.criterion", show_value(limit.criterion), allowed
