@@ -336,7 +336,7 @@ class AssembledModel:
             laid = rail_layout(self.support) or dict.fromkeys(RAIL_CURVES, NOWHERE)
             left, right = (
                 _core.RailLayout(**{name: laid[f"{side}_{name}"].rows.tolist() for name in ("y", "z", "roll")})
-                for side in self.rail_profiles
+                for side in ("left", "right")
             )
             curvature, cant, base = (line.curvature, line.cant, line.cant_base) if line else (NOWHERE, NOWHERE, 1.5)
             self.parts["line"] = _core.Line(
