@@ -8,13 +8,14 @@ from __future__ import annotations
 import random
 import sys
 from pathlib import Path
-from typing import Any
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "python" / "core" / "border"))
 
-from abuses import exercise, made, replacements, spoiled_parts
-from examples import Call, Examples
+from abuses import Lazily, exercise, made, replacements, spoiled_parts
+from examples import Call, Examples, described, fields
 from recipes import Recipe
+
+from rollerrig import _core
 
 REFUSALS = (ValueError, TypeError)
 _MODELS = 0.05
@@ -45,11 +46,15 @@ def spoil_call(call: Call, choose: random.Random) -> None:
 
 
 def spoil_model(recipe: Recipe, choose: random.Random) -> None:
-    steps: list[tuple[str, tuple[Any, ...]]] = [*recipe.steps]
-    for place in choose.sample(range(len(steps)), choose.choice([1, 2, 3, 5])):
-        method, given = steps[place]
-        k = choose.randrange(len(given))
-        options = list(spoiled_parts(given[k]))
+    parts = {name: list(value) if isinstance(value, list) else value for name, value in fields(recipe.parts).items()}
+    places = [
+        (name, i)
+        for name, value in parts.items()
+        for i in (range(len(value)) if isinstance(value, list) and any(map(described, value)) else [None])
+    ]
+    for name, i in choose.sample(places, choose.choice([1, 2, 3, 5])):
+        options = list(spoiled_parts(parts[name] if i is None else parts[name][i]))
         if options:
-            steps[place] = (method, (*given[:k], choose.choice(options)[1], *given[k + 1 :]))
-    exercise(recipe, steps, recipe.setup)
+            spoiled = choose.choice(options)[1]
+            parts |= {name: spoiled if i is None else [*parts[name][:i], spoiled, *parts[name][i + 1 :]]}
+    exercise(recipe, Lazily(_core.ModelParts, parts), recipe.setup)

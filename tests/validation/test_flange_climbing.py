@@ -82,7 +82,7 @@ def pushed(attack: float, friction: float) -> Case:
     return rr.load_case("contact_benchmark_track").with_changes(
         {
             "vehicle": {"data": vehicle},
-            "support": {"use": "uic60_track", "changes": {"segment": line}},
+            "support": {"use": "uic60_track", "segment": line},
             "contact.material": "steel",
             "contact.friction": friction,
             "motion.speed_mps": SPEED,

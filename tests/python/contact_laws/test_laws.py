@@ -12,7 +12,7 @@ from pydantic import BaseModel
 import rollerrig as rr
 from rollerrig import _core
 from rollerrig.assembly.laws import creep_law, linear_coefficients
-from rollerrig.assembly.model import Assembly, assemble
+from rollerrig.assembly.model import AssembledModel, assemble
 from rollerrig.config import ConfigError
 from rollerrig.config.schema.contact import (
     CREEP_LAWS,
@@ -145,7 +145,7 @@ def test_coefficients_as_given_are_those_of_one_patch_with_every_normal_law(norm
     found = wheelset.contact.solve(0.0, 0.0, 0.0, 0.0, model.axle_loads[wheelset.name], True)
     (patch,) = (one for one in found.patches if not one.right)
     speed, step = 50.0, 1e-4
-    parts = Assembly(case).parts
+    parts = AssembledModel(case).parts
     left = [one for one in parts["contacts"] if one.wheelset == body and not one.right]
     alone = _core.model_of(_core.ModelParts(**parts | {"contacts": left, "elements": [], "speed": [(0.0, 0.0)]}))
     simulation = _core.Simulation(alone)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from rollerrig import _core
-from rollerrig.assembly.model import Assembly, assemble, axle_torque
+from rollerrig.assembly.model import AssembledModel, assemble, axle_torque
 from rollerrig.config import load_case
 
 
@@ -46,7 +46,7 @@ def test_a_creep_table_of_the_wrong_size_is_refused() -> None:
 
 
 def test_an_item_that_does_not_exist_is_refused() -> None:
-    parts = Assembly(load_case("wheelset_rollers")).parts
+    parts = AssembledModel(load_case("wheelset_rollers")).parts
     with pytest.raises(ValueError, match="axle torque 0: wheelset: there is no body 3"):
         _core.model_of(_core.ModelParts(**parts | {"axle_torques": [axle_torque(3, -1, [])]}))
     with pytest.raises(ValueError, match="speed must be given at increasing points"):

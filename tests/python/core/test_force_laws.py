@@ -9,7 +9,7 @@ from pydantic import ValidationError
 
 from rollerrig import _core
 from rollerrig.assembly.laws import direction_law
-from rollerrig.assembly.model import Assembly
+from rollerrig.assembly.model import AssembledModel
 from rollerrig.config import AngularSupport, LinearSupport, load_case
 from rollerrig.config.schema.base import Table
 from rollerrig.config.schema.vehicle import AngularLaw, AngularSeriesDamper, LinearLaw, SeriesDamper
@@ -67,7 +67,7 @@ def test_a_damper_that_gives_way_within_a_picosecond_is_refused(damper: type[Tab
 
 
 def test_the_core_refuses_such_a_damper_too() -> None:
-    parts = Assembly(load_case("wheelset_rollers")).parts
+    parts = AssembledModel(load_case("wheelset_rollers")).parts
     laws = [_core.DirectionLaw(preload=0.0, laws=[_core.force_laws["damper"](damping=1.0, series_stiffness=1e13)])]
     laws += [_core.DirectionLaw(preload=0.0, laws=[])] * 5
     element = _core.ForceElement(body_a=0, body_b=1, point_on_b=(0.0, 0.0, 0.0), law=laws, clamped=False)

@@ -193,11 +193,11 @@ struct ModelParts {
 
   static constexpr auto fields() {
     using P = ModelParts;
-    return members(Member{"gravity", &P::gravity, "m/s^2", "acceleration of free fall"}, Member{"bodies", &P::bodies},
-                   Member{"elements", &P::elements}, Member{"profiles", &P::profiles}, Member{"laws", &P::laws},
-                   Member{"contacts", &P::described_contacts}, Member{"axle_torques", &P::axle_torques},
-                   Member{"roller_torques", &P::roller_torques}, Member{"brakes", &P::brakes},
-                   Member{"track_brakes", &P::track_brakes},
+    return members(Member{"gravity", &P::gravity, "m/s^2", "acceleration of free fall", Range{0.0, 1e4, "0 to 1e4"}},
+                   Member{"bodies", &P::bodies}, Member{"elements", &P::elements}, Member{"profiles", &P::profiles},
+                   Member{"laws", &P::laws}, Member{"contacts", &P::described_contacts},
+                   Member{"axle_torques", &P::axle_torques}, Member{"roller_torques", &P::roller_torques},
+                   Member{"brakes", &P::brakes}, Member{"track_brakes", &P::track_brakes},
                    Member{"rolling_wheelsets", &P::rolling_wheelsets, an_index}, Member{"resistance", &P::resistance},
                    Member{"speed", &P::speed, "m/s", "running speed over time"}, Member{"line", &P::line},
                    Member{"start", &P::start, "m", "arc length of the vehicle's reference point at time 0"},
