@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
-from rollerrig.analysis.signals import band_pass, low_pass
+from rollerrig.analysis.signals import away_from_ends, band_pass, low_pass
 from rollerrig.analysis.wheel_rail_forces import (
     INSTABILITY_LENGTH,
     QUOTIENT_LIMIT,
@@ -105,7 +105,7 @@ def _at_point(motion: xr.Dataset, arm: Array, gravity: float) -> Array:
 def ride(points: xr.Dataset) -> xr.Dataset:
     """What `accelerations` returns in the bands of EN 14363: frames below 10 Hz, the car body from 0.4 to 10 Hz.
 
-    What was done to each point is the coordinate `filter`.
+    What was done to each point is the coordinate `filter`. NaN within 0.1 s of both ends.
 
     A ValueError says that the run's output_step is too coarse, or the run too short.
     """
@@ -117,7 +117,7 @@ def ride(points: xr.Dataset) -> xr.Dataset:
     if (~framed).any():
         out[:, ~framed] = band_pass(values[:, ~framed], *RIDE_BAND)
     bands = np.where(framed, f"{FRAME_CUTOFF:g} Hz", "{:g} to {:g} Hz".format(*RIDE_BAND))
-    return points.assign(acceleration=out).assign_coords(filter=("point", bands))
+    return points.assign(acceleration=away_from_ends(out, FRAME_CUTOFF)).assign_coords(filter=("point", bands))
 
 
 QUANTITIES = (

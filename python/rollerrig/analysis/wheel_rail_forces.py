@@ -32,7 +32,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from rollerrig.analysis.signals import low_pass, narrow_band, sliding_mean
+from rollerrig.analysis.signals import away_from_ends, low_pass, narrow_band, sliding_mean
 from rollerrig.common.arrays import Array, Mask
 from rollerrig.results.dataset import DIMENSION, MOST_READINGS, PREFIX, READING_STEP, readings_of
 from rollerrig.results.run_info import RunInfo, TrackSegment
@@ -242,10 +242,11 @@ def _over_time(
 def filtered(read: xr.Dataset) -> xr.Dataset:
     """The forces as EN 14363 assesses them, at the output times.
 
-    Y, Q and the wear number: low pass 20 Hz, the latter cut at 0 where it overshoots. Y/Q and ΣY: low pass 20 Hz, then the
-    sliding mean over 2 m, which is NaN within 1 m of both ends. The instability criterion `guiding_force_sum_rms`: ΣY through
-    f_0 ± 2 Hz, then the r.m.s. over 100 m, in a run of that length. Wheel unloading is that of the filtered load. Filtered are
-    the readings between the output times where the run has them.
+    Y, Q and the wear number: low pass 20 Hz, the latter cut at 0 where it overshoots; NaN within 50 ms of both ends, where
+    they depend on how the run goes on. Y/Q and ΣY: low pass 20 Hz, then the sliding mean over 2 m, which is NaN within a
+    further 1 m. The instability criterion `guiding_force_sum_rms`: ΣY through f_0 ± 2 Hz, then the r.m.s. over 100 m, in a run
+    of that length. Wheel unloading is that of the filtered load. Filtered are the readings between the output times where the
+    run has them.
 
     Args:
         read: what `wheel_forces` returns.
@@ -267,7 +268,7 @@ def filtered(read: xr.Dataset) -> xr.Dataset:
             f"{1e3 * MOST_READINGS * READING_STEP:g} ms"
         )
     names = ("guiding_force", "wheel_load", "wear_number", "guiding_force_sum")
-    through = {name: low_pass(dense[name], FORCE_CUTOFF) for name in names}
+    through = {name: away_from_ends(low_pass(dense[name], FORCE_CUTOFF), FORCE_CUTOFF) for name in names}
     load = through["wheel_load"]
     through["wheel_unloading"] = dense["wheel_unloading"].copy(data=1.0 - load / read["static_wheel_load"])
     if float(np.ptp(dense["distance"].to_numpy())) >= INSTABILITY_LENGTH:

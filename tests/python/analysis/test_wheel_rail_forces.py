@@ -13,7 +13,7 @@ import xarray as xr
 
 import rollerrig as rr
 from catalogued import profile_table
-from rollerrig.analysis.assessment import accelerations, assess, limits, table
+from rollerrig.analysis.assessment import accelerations, assess, limits, ride, table
 from rollerrig.analysis.signals import low_pass
 from rollerrig.analysis.wheel_rail_forces import (
     filtered,
@@ -167,12 +167,34 @@ def test_filters_keep_what_is_slow_and_say_what_they_did(read: xr.Dataset) -> No
     assert slow["wheel_load"].attrs["filter"] == "20 Hz"
     assert slow["guiding_force_sum"].attrs["filter"] == "20 Hz, mean over 2 m"
     assert float(slow["wheel_load"].mean()) == pytest.approx(float(read["wheel_load"].mean()), rel=1e-3)
-    ends = (read["distance"] < 0.99) | (read["distance"] > read["distance"][-1] - 0.99)
+    from_end = np.minimum(read["time"] - read["time"][0], read["time"][-1] - read["time"]).to_numpy()
+    known = from_end >= 0.05  # a period of 20 Hz: before, what is filtered depends on how the run goes on
+    assert (np.isfinite(slow["guiding_force"].to_numpy()).all(axis=1) == known).all()
+    distance = read["distance"].to_numpy()
+    ends = (distance < distance[known][0] + 0.99) | (distance > distance[known][-1] - 0.99)
     assert np.isnan(slow["derailment_quotient"].to_numpy()[ends]).all()
     assert np.isfinite(slow["derailment_quotient"].to_numpy()[~ends][5:-5]).all()
     quotient = slow["guiding_force"] / slow["wheel_load"]
     inside = slow["derailment_quotient"].dropna("time")
     assert float(np.abs(inside).max()) <= float(np.abs(quotient).max())
+
+
+@pytest.mark.slow
+def test_what_is_filtered_hangs_not_on_where_a_run_ends() -> None:
+    """Of hunting, whose contacts vibrate: percentiles of Y were off by up to 8 %, of a frame's acceleration by 21 %."""
+    case = rr.load_case("bogie_rollers_constant").with_changes({"motion.speed": "260 km/h", "time.duration": "4 s"})
+    whole = rr.simulate(case)
+    for function, name in ((lambda run: filtered(wheel_forces(run)), "guiding_force"), (_ride, "acceleration")):
+        longer, worst = function(whole)[name], 0.0
+        for end in np.linspace(2.8, 3.8, 40):
+            shorter = function(whole.sel(time=slice(0.0, end)))[name]
+            difference = np.abs(shorter - longer.sel(time=shorter["time"])).max("time")
+            worst = max(worst, float((difference / np.abs(longer).max("time")).max()))
+        assert worst < 4e-3
+
+
+def _ride(run: xr.Dataset) -> xr.Dataset:
+    return ride(accelerations(run))
 
 
 def test_distance_is_the_way_run_on_track_and_on_rollers(run: xr.Dataset, read: xr.Dataset) -> None:
