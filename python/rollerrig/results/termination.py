@@ -21,6 +21,12 @@ LAST_SECONDS = 0.5
 PATCH = ("wheel_abscissa", "rail_abscissa", "contact_angle", "normal")
 FORCES = ("lateral_force", "vertical_force")
 
+NO_FURTHER = 0.2e-3
+"""A profile whose points reach no further than this beyond its table ends there; else it only becomes too steep [m]."""
+
+BESIDE = 1e-3
+"""A contact further from the end of its profiles did not come to it [m]: core/src/system/contact_monitor.cpp has 0.5 mm."""
+
 LESS = "Less force on the flange (speed, cant deficiency, friction) or a smaller step may keep it on its rail."
 FLEXIBLE = "The rails are rigid: support.foundation, as flexible_track has it, lets them give way."
 """What to try where a wheel comes to the end of a profile, and where it chatters or leaves its rail."""
@@ -56,15 +62,17 @@ def contact_in_words(model: AssembledModel, wheel: str, status: str, last: xr.Da
     """Where the wheel that ended a run touches in the last state, what it carries, and what to try; with a blank before it."""
     s, y, angle, load = (last[f"patch_{name}"].sel(wheel=wheel).to_numpy().ravel() for name in PATCH)
     forces = [float(last[name].sel(wheel=wheel).squeeze()) for name in FORCES]
-    parts = []
+    parts, ends = [], False
     if np.any(load > 0):
         left = np.array([_left(model.wheel_profile, s), _left(_rail(model, wheel), y)])
         side, k = np.unravel_index(int(np.argmin(np.where(load > 0, left, np.inf))), left.shape)
         parts.append(f"It touches {_touch_in_words(model, wheel, s[k], y[k], angle[k], *forces)}")
         if status == "off_profile":
-            what = ("wheel", "rail")[side]
-            parts.append(f"That is {1e3 * left[side, k]:.1f} mm from the end of the {what}'s profile. {LESS}")
-    if isinstance(model.case.support.data, Track) and not model.rails:
+            profile, place = ((model.wheel_profile, s), (_rail(model, wheel), y))[side]
+            ends = left[side, k] < BESIDE and _points_end(profile, place[k])
+            parts.append(f"That is {1e3 * left[side, k]:.1f} mm from the end of the {profile.kind}'s profile.")
+            parts.append("Its points end there: give a profile that reaches further." if ends else LESS)
+    if isinstance(model.case.support.data, Track) and not model.rails and not ends:
         parts.append(FLEXIBLE)
     return "".join(f" {part}" for part in parts)
 
@@ -103,6 +111,13 @@ def _left(profile: ProfileTable, places: Array) -> Array:
     near = np.where(2.0 * places < low + high, low, high)
     inside = np.nan_to_num(np.clip(places, low, high))
     return np.hypot(near - inside, profile.evaluate(near) - profile.evaluate(inside))
+
+
+def _points_end(profile: ProfileTable, place: float) -> bool:
+    """Whether the points of a profile end where its table does, at the end nearer to a place: then a longer one helps."""
+    (low, high), along = profile.domain, profile.outline[:, 0]
+    beyond = low - along.min() if 2.0 * place < low + high else along.max() - high
+    return bool(beyond < NO_FURTHER)
 
 
 def segment_in_words(model: AssembledModel, distance: float) -> str:

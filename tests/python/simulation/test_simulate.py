@@ -14,6 +14,7 @@ from rollerrig.analysis.signals import low_pass
 from rollerrig.assembly.model import assemble
 from rollerrig.config import Case, case_from_toml
 from rollerrig.results import dataset as dataset_module
+from rollerrig.results.termination import _points_end
 from rollerrig.simulation import run as simulation_module
 
 WHEELSET = "wheelset_rollers"
@@ -279,7 +280,18 @@ def test_a_wheelset_that_runs_off_a_narrow_tread_is_stopped_there() -> None:
         r"its profile \(cone 0.05\) at S = -19.\d mm, the rail \(UIC60.*\) at y = -15.\d mm, flange side", text
     )
     assert re.search(r"contact angle 3 degrees, Y 2.\d kN, Q \d.\d kN, \|Y\|/Q 0.2\d\.", text)
-    assert re.search(r"That is [01]\.\d mm from the end of the wheel's profile\. Less force on the flange", text)
+    assert re.search(
+        r"That is [01]\.\d mm from the end of the wheel's profile\. Its points end there: give a profile that", text
+    )
+    assert "support.foundation" not in text  # no chattering
+
+
+def test_a_longer_profile_is_advised_only_where_its_points_end() -> None:
+    """The points of S1002 end on the back of its flange tip; those of a rail go on down its side, too steep for a table."""
+    model = assemble(rr.load_case("bogie_track"))
+    for profile, ends in ((model.wheel_profile, True), (model.rail_profile, False)):
+        low, high = profile.domain
+        assert [_points_end(profile, low + 0.4e-3), _points_end(profile, high - 0.4e-3)] == [ends, ends]
 
 
 @pytest.mark.slow
